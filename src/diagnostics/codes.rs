@@ -1,0 +1,85 @@
+//! Every diagnostic code, with its title.
+//!
+//! `LW0xx` source and syntax, `LW1xx` types and names, `LW2xx` game, `LW3xx` machine and composition, `LW4xx` line,
+//! `LW5xx` station. A code is never used again for something else. Each code has a page in
+//! `src/diagnostics/explanations/`, shown by `linewright explain`.
+
+/// A diagnostic code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Code {
+    /// `LW101`.
+    pub id: &'static str,
+    /// A few words: what is wrong.
+    pub title: &'static str,
+}
+
+impl std::fmt::Display for Code {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.id)
+    }
+}
+
+macro_rules! codes {
+    ($($(#[$doc:meta])* $name:ident = $id:literal, $title:literal;)*) => {
+        $($(#[$doc])* #[doc = $title] pub const $name: Code = Code { id: $id, title: $title };)*
+
+        /// All codes in ascending order.
+        pub const ALL: &[Code] = &[$($name),*];
+    };
+}
+
+codes! {
+    FILE_UNREADABLE = "LW001", "a file cannot be read";
+    SYNTAX = "LW002", "a declaration or formula does not follow the grammar";
+    IMPORT_CIRCULAR = "LW003", "files import each other in a circle";
+    IMPORT_MISSING = "LW004", "an imported file does not exist";
+
+    NAME_UNKNOWN = "LW101", "a name is not declared";
+    NAME_DOUBLE = "LW102", "a name is declared twice";
+    TYPE_MISMATCH = "LW103", "a type does not fit";
+    DOMAIN_EMPTY = "LW104", "a domain is empty or too large";
+    ARGUMENT = "LW105", "an argument is missing, unknown or outside its range";
+    NOT_CONSTANT = "LW106", "a constant is needed";
+    INDEX_RANGE = "LW107", "an array index leaves its array";
+    DIVISION = "LW108", "a divisor can be zero";
+    TAXONOMY_UNKNOWN = "LW109", "a taxonomy code does not exist";
+    NUMBER_RANGE = "LW110", "a number is too large";
+    UNUSED = "LW111", "a declaration is never used";
+
+    NOT_GR1 = "LW201", "a formula is outside GR(1)";
+    NOT_CONTROLLED = "LW202", "a formula constrains what its side does not control";
+    UNREALIZABLE = "LW203", "no controller can keep the guarantees";
+    GAVE_UP = "LW204", "a limit was reached before there was a verdict";
+    NOT_WELL_SEPARATED = "LW205", "the machine can win by breaking the assumptions";
+    ENVIRONMENT_EMPTY = "LW206", "no environment keeps the assumptions";
+    NEXT_NESTED = "LW207", "next stands inside next";
+    DOMAIN_LEFT = "LW208", "a next value can leave its domain";
+
+    INPUT_UNBOUND = "LW301", "an input of a component is bound to nothing";
+    SAME_STEP_LOOP = "LW302", "components wait for each other in the same step";
+    ASSUMPTION_OPEN = "LW303", "an assumption is not discharged";
+    REQUEST_INCOMPLETE = "LW304", "an accepted request may never complete";
+    COMPOSITION_DEADLOCK = "LW305", "the composed machine can get stuck";
+    OPERATION = "LW306", "an operation does not fit its coordinator";
+    COORDINATOR_KIND = "LW307", "a coordinator must be a moore contract";
+    PROPERTY = "LW308", "a property of the part is used wrongly";
+
+    LINE_UNKNOWN = "LW401", "a station, part type or route end is not declared";
+    LINE_ROUTE = "LW402", "a part has no way onward";
+    LINE_BLOCKED = "LW403", "the line can no longer advance";
+    LINE_LIMIT = "LW404", "the run has no end";
+    LINE_VIOLATION = "LW405", "a contract was violated while the line ran";
+    LINE_REQUIREMENT = "LW406", "a requirement does not hold";
+    LINE_PART_LOST = "LW407", "a conveyor lost or doubled a part";
+
+    COMPILER_MISSING = "LW501", "no C compiler was found";
+    COMPILER_FAILED = "LW502", "the C compiler failed";
+    LIBRARY_DAMAGED = "LW503", "a station library is damaged";
+    OUTPUT_UNWRITABLE = "LW504", "a file or folder cannot be written";
+    LIBRARY_CALL = "LW505", "a station library answered with an error";
+}
+
+/// The code of an id such as `LW101`, in either case.
+pub fn find(id: &str) -> Option<Code> {
+    ALL.iter().copied().find(|c| c.id.eq_ignore_ascii_case(id))
+}

@@ -1,0 +1,173 @@
+//! Resolved expressions: booleans, labels and integers are all `i64`, and all arithmetic is exact.
+
+use super::VarId;
+
+/// Which value of a variable is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Time {
+    /// Of this step.
+    Now,
+    /// Of the step after it.
+    Next,
+}
+
+/// An operator with one operand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum UnaryOp {
+    /// Boolean negation.
+    Not,
+    /// `-x`
+    Neg,
+    /// `abs(x)`
+    Abs,
+}
+
+/// An operator with two operands. Boolean operands are 0 or 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum BinaryOp {
+    /// Boolean and.
+    And,
+    /// Boolean or.
+    Or,
+    /// Boolean implication.
+    Implies,
+    /// `=`; also "if and only if" of booleans.
+    Eq,
+    /// `!=`; also exclusive or of booleans.
+    Ne,
+    /// `<`
+    Lt,
+    /// `<=`
+    Le,
+    /// `>`
+    Gt,
+    /// `>=`
+    Ge,
+    /// `+`
+    Add,
+    /// `-`
+    Sub,
+    /// `*`
+    Mul,
+    /// Division rounded towards minus infinity. The divisor is never 0 (checked when a file is resolved).
+    Div,
+    /// The rest of that division; it has the divisor's sign, so it is never negative for a positive divisor.
+    Mod,
+    /// The smaller one.
+    Min,
+    /// The larger one.
+    Max,
+}
+
+/// An expression over the variables of one specification (or over the wires of one machine).
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Expr {
+    /// A value; `true` is 1.
+    Const(i64),
+    /// A variable.
+    Var(VarId, Time),
+    /// One operand.
+    Unary(UnaryOp, Box<Expr>),
+    /// Two operands.
+    Binary(BinaryOp, Box<Expr>, Box<Expr>),
+    /// `if c then a else b`
+    If(Box<Expr>, Box<Expr>, Box<Expr>),
+}
+
+impl Expr {
+    /// `true`
+    pub const TRUE: Self = Self::Const(1);
+    /// `false`
+    pub const FALSE: Self = Self::Const(0);
+
+    /// The current value of a variable.
+    pub fn now(var: VarId) -> Self {
+        Self::Var(var, Time::Now)
+    }
+
+    /// The next value of a variable.
+    pub fn next(var: VarId) -> Self {
+        Self::Var(var, Time::Next)
+    }
+
+    /// Boolean negation.
+    #[must_use]
+    #[expect(clippy::should_implement_trait, reason = "the logic's own word")]
+    pub fn not(self) -> Self {
+        Self::Unary(UnaryOp::Not, Box::new(self))
+    }
+
+    /// Two operands.
+    pub fn binary(op: BinaryOp, a: Self, b: Self) -> Self {
+        Self::Binary(op, Box::new(a), Box::new(b))
+    }
+
+    /// Boolean and.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self::binary(BinaryOp::And, self, other)
+    }
+
+    /// Boolean or.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self::binary(BinaryOp::Or, self, other)
+    }
+
+    /// Boolean implication.
+    #[must_use]
+    pub fn implies(self, other: Self) -> Self {
+        Self::binary(BinaryOp::Implies, self, other)
+    }
+
+    /// Equality.
+    #[must_use]
+    pub fn equals(self, other: Self) -> Self {
+        Self::binary(BinaryOp::Eq, self, other)
+    }
+
+    /// Calls `visit` for every variable that occurs, once an occurrence.
+    pub fn for_each_var(&self, visit: &mut impl FnMut(VarId, Time)) {
+        match self {
+            Self::Const(_) => {}
+            Self::Var(v, t) => visit(*v, *t),
+            Self::Unary(_, a) => a.for_each_var(visit),
+            Self::Binary(_, a, b) => {
+                a.for_each_var(visit);
+                b.for_each_var(visit);
+            }
+            Self::If(c, a, b) => {
+                c.for_each_var(visit);
+                a.for_each_var(visit);
+                b.for_each_var(visit);
+            }
+        }
+    }
+
+    /// Whether a next value occurs.
+    pub fn mentions_next(&self) -> bool {
+        let mut found = false;
+        self.for_each_var(&mut |_, t| found |= t == Time::Next);
+        found
+    }
+
+    /// The same expression with every variable replaced.
+    #[must_use]
+    pub fn substitute(&self, replace: &mut impl FnMut(VarId, Time) -> Self) -> Self {
+        match self {
+            Self::Const(c) => Self::Const(*c),
+            Self::Var(v, t) => replace(*v, *t),
+            Self::Unary(op, a) => Self::Unary(*op, Box::new(a.substitute(replace))),
+            Self::Binary(op, a, b) => Self::Binary(
+                *op,
+                Box::new(a.substitute(replace)),
+                Box::new(b.substitute(replace)),
+            ),
+            Self::If(c, a, b) => Self::If(
+                Box::new(c.substitute(replace)),
+                Box::new(a.substitute(replace)),
+                Box::new(b.substitute(replace)),
+            ),
+        }
+    }
+}

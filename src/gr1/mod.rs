@@ -1,0 +1,221 @@
+//! GR(1) specifications: the narrow waist between languages and solvers.
+//!
+//! A [`Specification`] is flat: scalar variables with finite domains, and formulas over their current and next values.
+//! Arrays, parameters, quantifiers and defines are gone; every formula keeps its name, its span and its text.
+//!
+//! # Meaning
+//!
+//! Time is a sequence of steps; in step *t* the environment gives the inputs x(t) and the machine answers with the
+//! outputs y(t) (internal variables count as outputs). With `Mealy` timing y(t) may depend on x(t); with `Moore` it may not.
+//!
+//! - `initial` formulas hold in step 0 (no next values);
+//! - `invariants` hold in every step, step 0 included (no next values);
+//! - `safety` formulas hold for every two consecutive steps (current and next values);
+//! - `justice` formulas hold infinitely often (current values, and next values where a format allows it).
+//!
+//! Safety comes first, strictly (Bloem et al., Synthesis of Reactive(1) Designs, 2012): the machine must keep its initial
+//! conditions, invariants and safety for as long as the environment has kept its own, and its justice whenever the
+//! environment's justice holds. It must have an answer for every initial choice the environment may make.
+
+pub mod eval;
+mod expr;
+pub mod interval;
+
+pub use expr::{BinaryOp, Expr, Time, UnaryOp};
+
+use crate::source::Span;
+
+/// The index of a variable in [`Specification::variables`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct VarId(pub u32);
+
+impl VarId {
+    /// As an index into slices of values.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// The finite set of values of a variable. Every value is an `i64`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Domain {
+    /// `false` is 0, `true` is 1.
+    Bool,
+    /// The integers `low..=high`.
+    Range {
+        /// Smallest value.
+        low: i64,
+        /// Largest value.
+        high: i64,
+    },
+    /// Labels, numbered from 0.
+    Enum {
+        /// The declared name of the type, or `None` for one written in place.
+        name: Option<String>,
+        /// The labels in order.
+        labels: Vec<String>,
+    },
+}
+
+impl Domain {
+    /// Smallest value.
+    pub fn low(&self) -> i64 {
+        match self {
+            Self::Range { low, .. } => *low,
+            _ => 0,
+        }
+    }
+
+    /// Largest value.
+    pub fn high(&self) -> i64 {
+        match self {
+            Self::Bool => 1,
+            Self::Range { high, .. } => *high,
+            Self::Enum { labels, .. } => labels.len() as i64 - 1,
+        }
+    }
+
+    /// How many values there are; at least 1.
+    pub fn size(&self) -> u64 {
+        (self.high() - self.low() + 1) as u64
+    }
+
+    /// Whether `value` is one of them.
+    pub fn contains(&self, value: i64) -> bool {
+        (self.low()..=self.high()).contains(&value)
+    }
+
+    /// The value as a person writes it: `true`, `17` or `turn`.
+    pub fn show(&self, value: i64) -> String {
+        match self {
+            Self::Bool => (value != 0).to_string(),
+            Self::Range { .. } => value.to_string(),
+            Self::Enum { labels, .. } => labels
+                .get(value as usize)
+                .cloned()
+                .unwrap_or_else(|| value.to_string()),
+        }
+    }
+
+    /// The domain as a person writes it: `bool`, `0..4` or `{none, turn}`.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Bool => "bool".to_owned(),
+            Self::Range { low, high } => format!("{low}..{high}"),
+            Self::Enum { labels, .. } => format!("{{{}}}", labels.join(", ")),
+        }
+    }
+}
+
+/// Who chooses a variable's value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Owner {
+    /// An input.
+    Environment,
+    /// An output or internal variable.
+    System,
+}
+
+/// One scalar variable.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Variable {
+    /// The name; an array's element is called `h[2]`.
+    pub name: String,
+    /// Who chooses its value.
+    pub owner: Owner,
+    /// Whether it is the machine's own business: checked like an output, not part of its interface.
+    pub internal: bool,
+    /// Its values.
+    pub domain: Domain,
+    /// Its declaration.
+    pub span: Span,
+}
+
+/// Who answers first in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Timing {
+    /// The machine sees the inputs of the step it answers.
+    Mealy,
+    /// The machine answers before it sees the inputs of the step.
+    Moore,
+}
+
+/// One formula, with all that is needed to point at it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Formula {
+    /// The name the author gave, or one made up from its place: `guarantee 3`.
+    pub name: String,
+    /// The requirement it comes from, `R-12`.
+    pub requirement: Option<String>,
+    /// The formula, without the temporal operator that put it into its list; its value is 0 or 1.
+    pub expr: Expr,
+    /// Where it stands.
+    pub span: Span,
+    /// Its source text, in one line.
+    pub text: String,
+}
+
+/// The formulas of one side, by kind. See the module's text for what each kind means.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Side {
+    /// Hold in step 0.
+    pub initial: Vec<Formula>,
+    /// Hold in every step.
+    pub invariants: Vec<Formula>,
+    /// Hold from every step to the next.
+    pub safety: Vec<Formula>,
+    /// Hold infinitely often.
+    pub justice: Vec<Formula>,
+}
+
+impl Side {
+    /// All formulas: initial, invariants, safety, justice.
+    pub fn all(&self) -> impl Iterator<Item = &Formula> {
+        self.initial
+            .iter()
+            .chain(&self.invariants)
+            .chain(&self.safety)
+            .chain(&self.justice)
+    }
+}
+
+/// A GR(1) specification. An empty justice list means the single goal `true`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Specification {
+    /// The contract's name.
+    pub name: String,
+    /// Who answers first.
+    pub timing: Timing,
+    /// All variables; inputs and outputs may be mixed, their order is the declaration's.
+    pub variables: Vec<Variable>,
+    /// What the environment promises. Invariants and initial conditions mention inputs only; safety mentions next
+    /// values of inputs only.
+    pub assumptions: Side,
+    /// What the machine promises.
+    pub guarantees: Side,
+}
+
+impl Specification {
+    /// The ids of the inputs, in order.
+    pub fn inputs(&self) -> impl Iterator<Item = VarId> {
+        self.owned_by(Owner::Environment)
+    }
+
+    /// The ids of the outputs and internal variables, in order.
+    pub fn outputs(&self) -> impl Iterator<Item = VarId> {
+        self.owned_by(Owner::System)
+    }
+
+    /// The variable of an id.
+    pub fn variable(&self, id: VarId) -> &Variable {
+        &self.variables[id.index()]
+    }
+
+    fn owned_by(&self, owner: Owner) -> impl Iterator<Item = VarId> {
+        self.variables
+            .iter()
+            .enumerate()
+            .filter(move |(_, v)| v.owner == owner)
+            .map(|(i, _)| VarId(i as u32))
+    }
+}

@@ -1,0 +1,1 @@
+//! The bundled discrete-event runner.
