@@ -68,6 +68,8 @@ pub struct PartProperty {
     pub name: String,
     /// Its unit; empty for a bare number.
     pub unit: String,
+    /// Its values, where they are truth values, labels or a range of whole numbers.
+    pub domain: Option<crate::gr1::Domain>,
     /// Its value in a new part.
     pub initial: InitialValue,
 }

@@ -138,6 +138,8 @@ pub struct Property {
     pub default: f64,
     /// Whether it belongs to the part or to the call.
     pub kind: PropertyKind,
+    /// Its values, where they are truth values, labels or a range of whole numbers.
+    pub domain: Option<Domain>,
     /// Where it is declared.
     pub span: Span,
 }

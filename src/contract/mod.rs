@@ -1,12 +1,23 @@
 //! Names resolved: contracts with their domains and parameters, machines and lines.
 //!
-//! [`resolve`](mod@resolve) turns syntax trees into a [`Library`]; nothing after it looks at a syntax tree again.
+//! [`load`] turns files into a [`Library`]; nothing after it looks at a syntax tree again.
 
+mod elaborate;
+mod formula;
+mod instantiate;
 pub mod line;
+mod lines;
+mod load;
 pub mod machine;
+mod machines;
+mod routes;
+mod scope;
+mod value;
+
+pub use load::load;
 
 use crate::gr1::Specification;
-use crate::source::{SourceMap, Span};
+use crate::source::{FileId, SourceMap, Span};
 use std::sync::Arc;
 
 /// Everything that was found in some files, names resolved.
@@ -20,6 +31,14 @@ pub struct Library {
     pub machines: Vec<machine::Machine>,
     /// Lines, likewise.
     pub lines: Vec<line::Line>,
+    /// Contracts that were declared, but cannot be used: the name, and where it stands. The findings say why.
+    pub refused: Vec<(String, Span)>,
+    /// Machines that cannot be used.
+    pub refused_machines: Vec<(String, Span)>,
+    /// Lines that cannot be used.
+    pub refused_lines: Vec<(String, Span)>,
+    /// Files whose text does not follow the grammar.
+    pub unsound: Vec<FileId>,
 }
 
 /// A code of a standard's taxonomy: `din:4.3.1` or `vdi:Drehen`.
@@ -51,13 +70,3 @@ pub struct Contract {
 /// What reads further files: given the path of an `import`, relative to the importing file's name, and that name, it gives the
 /// name to show and the text, or why it cannot.
 pub type Loader<'a> = dyn Fn(&str, &str) -> Result<(String, String), String> + 'a;
-
-/// Parses and resolves files (name and text) and all that they import. Never fails: what could not be understood is in the
-/// findings, and the library holds the rest.
-pub fn load(
-    files: &[(String, String)],
-    loader: &Loader<'_>,
-) -> (Library, Vec<crate::diagnostics::Diagnostic>) {
-    let _ = (files, loader);
-    todo!("parser and resolver")
-}

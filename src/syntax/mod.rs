@@ -1,1 +1,10 @@
-//! syntax
+//! The contract language: grammar, syntax trees, parser.
+//!
+//! [`parse`] gives a tree and a list of findings; it never fails and never panics. What the names mean is settled in
+//! [`contract`](crate::contract).
+
+pub mod ast;
+mod build;
+mod parser;
+
+pub use parser::parse;

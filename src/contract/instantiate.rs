@@ -1,0 +1,336 @@
+//! From a contract's syntax tree and arguments to its specification.
+
+use super::elaborate::{Elaborator, Entry};
+use super::formula::{Label, classify};
+use super::scope::{self, Scope, double};
+use super::value::{Term, Type, Value};
+use super::{Contract, TaxonomyCode};
+use crate::diagnostics::{Diagnostic, codes};
+use crate::gr1::{Owner, Side, Specification, Timing, VarId, Variable};
+use crate::source::{SourceMap, Span};
+use crate::syntax::ast::{self, ContractItem, Ownership};
+use crate::taxonomy;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// An argument: its value, and where it stands.
+pub(super) type Arguments = BTreeMap<String, (Value, Span)>;
+
+/// Evaluates arguments in the caller's scope, expecting the types of the parameters.
+pub(super) fn arguments<'a>(
+    caller: &mut Elaborator<'a>,
+    parameters: &[ast::Parameter],
+    given: &'a [ast::Argument],
+    callee: &str,
+) -> Arguments {
+    let mut result = Arguments::new();
+    for argument in given {
+        let name = &argument.name;
+        if !parameters.iter().any(|p| p.name.text == name.text) {
+            let known = parameters.iter().map(|p| p.name.text.as_str());
+            let help = match super::elaborate::nearest(&name.text, known.clone()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None if parameters.is_empty() => format!("`{callee}` has no parameters"),
+                None => format!(
+                    "its parameters are {}",
+                    known.collect::<Vec<_>>().join(", ")
+                ),
+            };
+            caller.error_with(
+                codes::ARGUMENT,
+                name.span,
+                format!("`{callee}` has no parameter `{}`", name.text),
+                help,
+            );
+            continue;
+        }
+        if let Some((_, first)) = result.get(&name.text) {
+            let first = *first;
+            caller.findings.push(double(name, first));
+            continue;
+        }
+        if let Some(value) = caller.value(&argument.value, None, crate::gr1::Time::Now) {
+            result.insert(name.text.clone(), (value, argument.value.span));
+        }
+    }
+    result
+}
+
+/// Brings parameters into sight: from the arguments, or from their defaults. Gives their values, or `None` when one is
+/// missing or outside its range (which was reported, at `call` where there is no better place).
+pub(super) fn bind<'a>(
+    e: &mut Elaborator<'a>,
+    parameters: &'a [ast::Parameter],
+    given: &Arguments,
+    call: Option<Span>,
+) -> Option<Vec<(String, i64)>> {
+    let mut values = Vec::new();
+    let mut complete = true;
+    for p in parameters {
+        let Some((domain, length)) = e.domain(&p.domain) else {
+            complete = false;
+            continue;
+        };
+        if length.is_some() {
+            e.error(
+                codes::TYPE_MISMATCH,
+                p.domain.span,
+                "a parameter is a number, a truth value or a label",
+            );
+            complete = false;
+            continue;
+        }
+        let ty = Type::of(&domain);
+        let (value, place) = match (given.get(&p.name.text), &p.default) {
+            (Some((value, span)), _) => (Some(value.clone()), *span),
+            (None, Some(default)) => (
+                e.value(default, Some(&ty), crate::gr1::Time::Now),
+                default.span,
+            ),
+            (None, None) => {
+                let message = format!("the parameter `{}` has no value", p.name.text);
+                let finding = match call {
+                    Some(call) => Diagnostic::error(codes::ARGUMENT, call, message)
+                        .with_help(format!("add `{} = ...`", p.name.text)),
+                    None => Diagnostic::note(codes::ARGUMENT, p.name.span, message).with_help(
+                        "without a default the contract is checked only where it is used",
+                    ),
+                };
+                e.findings.push(finding);
+                complete = false;
+                continue;
+            }
+        };
+        let Some(value) = value else {
+            complete = false;
+            continue;
+        };
+        let number = match &value {
+            Value::Scalar(Term::Int(i), found) if *found == ty => *i,
+            Value::Scalar(Term::Int(_), found) => {
+                e.error(
+                    codes::ARGUMENT,
+                    place,
+                    format!(
+                        "`{}` is {}, not {}",
+                        p.name.text,
+                        ty.describe(),
+                        found.describe()
+                    ),
+                );
+                complete = false;
+                continue;
+            }
+            _ => {
+                e.error_with(
+                    codes::NOT_CONSTANT,
+                    place,
+                    format!("the value of `{}` has to be known beforehand", p.name.text),
+                    "use numbers, constants and parameters only",
+                );
+                complete = false;
+                continue;
+            }
+        };
+        if !domain.contains(number) {
+            e.error_with(
+                codes::ARGUMENT,
+                place,
+                format!(
+                    "{number} is outside the range of `{}`",
+                    p.name.text
+                ),
+                format!("its range is {}", domain.describe()),
+            );
+            complete = false;
+            continue;
+        }
+        e.constants.insert(p.name.text.clone(), value);
+        values.push((p.name.text.clone(), number));
+    }
+    complete.then_some(values)
+}
+
+/// Taxonomy codes, looked up.
+pub(super) fn taxonomy_codes(names: &[ast::Name], findings: &mut Vec<Diagnostic>) -> Vec<TaxonomyCode> {
+    names
+        .iter()
+        .map(|name| {
+            if let Err(help) = taxonomy::lookup(&name.text) {
+                findings.push(
+                    Diagnostic::error(
+                        codes::TAXONOMY_UNKNOWN,
+                        name.span,
+                        format!("`{}` is not in the taxonomy", name.text),
+                    )
+                    .with_help(help),
+                );
+            }
+            TaxonomyCode {
+                text: name.text.clone(),
+                span: name.span,
+            }
+        })
+        .collect()
+}
+
+/// A contract with these arguments. `None` when something is wrong that leaves no usable specification; findings say what.
+pub(super) fn instantiate(
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+    contract: &ast::Contract,
+    given: &Arguments,
+    call: Option<Span>,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<Contract> {
+    let mut e = scope.elaborator();
+    e.next = true;
+    let arguments = bind(&mut e, &contract.header.parameters, given, call);
+    let Some(arguments) = arguments else {
+        findings.append(&mut e.findings);
+        return None;
+    };
+    let mut variables: Vec<Variable> = Vec::new();
+    let mut places: BTreeMap<&str, Span> = contract
+        .header
+        .parameters
+        .iter()
+        .map(|p| (p.name.text.as_str(), p.name.span))
+        .collect();
+    declare(&mut e, contract, &mut variables, &mut places);
+    let mut sides = [Side::default(), Side::default()];
+    let mut counts = [0usize; 2];
+    let mut rules: BTreeMap<&str, Span> = BTreeMap::new();
+    for item in &contract.items {
+        let ContractItem::Formula {
+            guarantee,
+            name,
+            requirement,
+            expr,
+        } = item
+        else {
+            continue;
+        };
+        let side = usize::from(*guarantee);
+        counts[side] += 1;
+        let word = if *guarantee { "guarantee" } else { "assumption" };
+        if let Some(name) = name {
+            if let Some(first) = rules.get(name.text.as_str()) {
+                e.findings.push(double(name, *first));
+            }
+            rules.insert(&name.text, name.span);
+        }
+        let label = Label {
+            name: name
+                .as_ref()
+                .map_or_else(|| format!("{word} {}", counts[side]), |n| n.text.clone()),
+            requirement: requirement.clone(),
+            guarantee: *guarantee,
+            sources,
+            variables: &variables,
+        };
+        classify(&mut e, expr, &label, &mut sides[side]);
+    }
+    let broken = crate::diagnostics::has_errors(&e.findings);
+    findings.append(&mut e.findings);
+    if broken {
+        return None;
+    }
+    let [assumptions, guarantees] = sides;
+    Some(Contract {
+        name: contract.header.name.text.clone(),
+        doc: contract.header.doc.clone(),
+        codes: contract
+            .header
+            .codes
+            .iter()
+            .map(|c| TaxonomyCode {
+                text: c.text.clone(),
+                span: c.span,
+            })
+            .collect(),
+        arguments,
+        specification: Arc::new(Specification {
+            name: contract.header.name.text.clone(),
+            timing: if contract.moore {
+                Timing::Moore
+            } else {
+                Timing::Mealy
+            },
+            variables,
+            assumptions,
+            guarantees,
+        }),
+        span: contract.header.name.span,
+    })
+}
+
+/// Brings the contract's own types, constants, variables and defines into sight.
+fn declare<'a>(
+    e: &mut Elaborator<'a>,
+    contract: &'a ast::Contract,
+    variables: &mut Vec<Variable>,
+    places: &mut BTreeMap<&'a str, Span>,
+) {
+    let mut fresh = |e: &mut Elaborator<'_>, name: &'a ast::Name| {
+        if let Some(first) = places.get(name.text.as_str()) {
+            e.findings.push(double(name, *first));
+            return false;
+        }
+        places.insert(&name.text, name.span);
+        true
+    };
+    for item in &contract.items {
+        match item {
+            ContractItem::Type(decl) if fresh(e, &decl.name) => scope::type_decl(e, decl),
+            ContractItem::Const(decl) if fresh(e, &decl.name) => {
+                scope::constant(e, decl, &mut Vec::new());
+            }
+            ContractItem::Variables {
+                ownership,
+                names,
+                domain,
+            } => {
+                let resolved = e.domain(domain);
+                for name in names {
+                    if !fresh(e, name) {
+                        continue;
+                    }
+                    // A variable hides a constant of the same name from outside.
+                    e.constants.remove(&name.text);
+                    let (domain, length) = resolved
+                        .clone()
+                        .unwrap_or((crate::gr1::Domain::Bool, None));
+                    let mut add = |label: String| {
+                        let id = VarId(variables.len() as u32);
+                        variables.push(Variable {
+                            name: label,
+                            owner: if *ownership == Ownership::Input {
+                                Owner::Environment
+                            } else {
+                                Owner::System
+                            },
+                            internal: *ownership == Ownership::Internal,
+                            domain: domain.clone(),
+                            span: name.span,
+                        });
+                        e.domains.push(Some(domain.clone()));
+                        id
+                    };
+                    let entry = match length {
+                        None => Entry::One(add(name.text.clone())),
+                        Some(n) => {
+                            Entry::Many((0..n).map(|i| add(format!("{}[{i}]", name.text))).collect())
+                        }
+                    };
+                    e.variables.insert(name.text.clone(), entry);
+                }
+            }
+            ContractItem::Define { name, value } if fresh(e, name) => {
+                e.constants.remove(&name.text);
+                e.defines.insert(name.text.clone(), value);
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! From files to a library: imports followed, every file resolved in its own scope.
+
+use super::instantiate::{Arguments, instantiate, taxonomy_codes};
+use super::scope::Scope;
+use super::{Library, Loader, lines, machines};
+use crate::diagnostics::{Diagnostic, Severity, codes};
+use crate::source::{FileId, SourceMap, Span};
+use crate::syntax::{self, ast};
+use std::collections::BTreeMap;
+
+struct File {
+    id: FileId,
+    tree: ast::File,
+    /// Indices of the files that it imports.
+    imports: Vec<usize>,
+    /// Whether its text follows the grammar.
+    sound: bool,
+}
+
+struct Reader<'l> {
+    sources: SourceMap,
+    files: Vec<File>,
+    by_name: BTreeMap<String, usize>,
+    loader: &'l Loader<'l>,
+    findings: Vec<Diagnostic>,
+}
+
+/// Parses and resolves files (name and text) and all that they import. Never fails: what could not be understood is in the
+/// findings, and the library holds the rest.
+pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Diagnostic>) {
+    let mut reader = Reader {
+        sources: SourceMap::new(),
+        files: Vec::new(),
+        by_name: BTreeMap::new(),
+        loader,
+        findings: Vec::new(),
+    };
+    for (name, text) in files {
+        reader.read(name, text, &mut Vec::new());
+    }
+    let Reader {
+        sources,
+        files,
+        mut findings,
+        ..
+    } = reader;
+    let mut library = Library::default();
+    for index in 0..files.len() {
+        let mut scope = Scope::default();
+        let mut own = Vec::new();
+        for file in closure(&files, index) {
+            scope.add(&files[file].tree, &mut own);
+        }
+        scope.settle(&mut own);
+        findings.append(&mut own);
+        resolve(&files[index], &scope, &sources, &mut library, &mut findings);
+    }
+    library.sources = sources;
+    library.unsound = files.iter().filter(|f| !f.sound).map(|f| f.id).collect();
+    // A file that several others import, or a contract that several machines use, says everything once.
+    let mut unique: Vec<Diagnostic> = Vec::new();
+    for finding in findings {
+        if !unique.contains(&finding) {
+            unique.push(finding);
+        }
+    }
+    unique.sort_by_key(|f| f.span);
+    (library, unique)
+}
+
+impl Reader<'_> {
+    /// Reads a file and its imports, unless it is there already. `path` holds the files on the way here.
+    fn read(&mut self, name: &str, text: &str, path: &mut Vec<usize>) -> usize {
+        if let Some(index) = self.by_name.get(name) {
+            return *index;
+        }
+        let id = self.sources.add(name, text);
+        let (tree, mut found) = syntax::parse(id, text);
+        let sound = found.iter().all(|f| f.severity != Severity::Error);
+        self.findings.append(&mut found);
+        let index = self.files.len();
+        self.by_name.insert(name.to_owned(), index);
+        let wanted: Vec<ast::Import> = tree
+            .items
+            .iter()
+            .filter_map(|i| match i {
+                ast::Item::Import(i) => Some(i.clone()),
+                _ => None,
+            })
+            .collect();
+        self.files.push(File {
+            id,
+            tree,
+            imports: Vec::new(),
+            sound,
+        });
+        path.push(index);
+        for import in wanted {
+            if let Some(target) = self.import(name, &import, path) {
+                self.files[index].imports.push(target);
+            }
+        }
+        path.pop();
+        index
+    }
+
+    fn import(&mut self, from: &str, import: &ast::Import, path: &mut Vec<usize>) -> Option<usize> {
+        let wanted = if import.dotted {
+            match import.path.strip_prefix("std.") {
+                Some(rest) => format!("std:{}.lw", rest.replace('.', "/")),
+                None => {
+                    self.findings.push(
+                        Diagnostic::error(
+                            codes::IMPORT_MISSING,
+                            import.span,
+                            format!("`{}` is not in the bundled library", import.path),
+                        )
+                        .with_help("library names begin with `std.`; a file of your own stands in quotes"),
+                    );
+                    return None;
+                }
+            }
+        } else {
+            import.path.clone()
+        };
+        match (self.loader)(&wanted, from) {
+            Ok((name, text)) => {
+                if let Some(position) = path
+                    .iter()
+                    .position(|i| self.sources.file(self.files[*i].id).name == name)
+                {
+                    let circle: Vec<String> = path[position..]
+                        .iter()
+                        .map(|i| self.sources.file(self.files[*i].id).name.clone())
+                        .chain([name])
+                        .collect();
+                    self.findings.push(
+                        Diagnostic::error(
+                            codes::IMPORT_CIRCULAR,
+                            import.span,
+                            format!("these files import each other: {}", circle.join(" -> ")),
+                        )
+                        .with_help("move what both need into a third file"),
+                    );
+                    return None;
+                }
+                Some(self.read(&name, &text, path))
+            }
+            Err(why) => {
+                self.findings.push(
+                    Diagnostic::error(
+                        codes::IMPORT_MISSING,
+                        import.span,
+                        format!("cannot import `{}`: {why}", import.path),
+                    )
+                    .with_help(if import.dotted {
+                        "`std.handling.turn` is `handling/turn.lw` of the library; `linewright din coverage` lists what there is"
+                    } else {
+                        "the path is relative to the file that imports"
+                    }),
+                );
+                None
+            }
+        }
+    }
+}
+
+/// A file and everything that it imports, imports first.
+fn closure(files: &[File], index: usize) -> Vec<usize> {
+    fn visit(files: &[File], index: usize, order: &mut Vec<usize>) {
+        if order.contains(&index) {
+            return;
+        }
+        for import in &files[index].imports {
+            visit(files, *import, order);
+        }
+        if !order.contains(&index) {
+            order.push(index);
+        }
+    }
+    let mut order = Vec::new();
+    visit(files, index, &mut order);
+    order
+}
+
+fn resolve(
+    file: &File,
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+    library: &mut Library,
+    findings: &mut Vec<Diagnostic>,
+) {
+    let none = Arguments::new();
+    for item in &file.tree.items {
+        match item {
+            ast::Item::Contract(c) => {
+                taxonomy_codes(&c.header.codes, findings);
+                match instantiate(scope, sources, c, &none, None, findings) {
+                    Some(contract) => library.contracts.push(contract),
+                    None => library.refused.push(refused(&c.header)),
+                }
+            }
+            ast::Item::Machine(m) => {
+                taxonomy_codes(&m.header.codes, findings);
+                match machines::machine(scope, sources, m, &none, None, findings) {
+                    Some(machine) => library.machines.push(machine),
+                    None => library.refused_machines.push(refused(&m.header)),
+                }
+            }
+            ast::Item::Line(l) => match lines::line(scope, sources, l, findings) {
+                Some(line) => library.lines.push(line),
+                None => library.refused_lines.push((l.name.text.clone(), l.name.span)),
+            },
+            _ => {}
+        }
+    }
+}
+
+fn refused(header: &ast::Header) -> (String, Span) {
+    (header.name.text.clone(), header.name.span)
+}

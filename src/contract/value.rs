@@ -1,0 +1,286 @@
+//! Typed terms: what an expression of the language stands for, before it becomes a formula or a plant expression.
+//!
+//! One elaborator serves contracts (finite values, current and next) and plants (real numbers, properties and wires). Both
+//! meet in [`Term`]; [`Term::to_expr`] and [`Term::to_real`] turn it into what the later stages use.
+
+use super::machine::{RealBinary, RealExpr, RealUnary};
+use crate::gr1::{BinaryOp, Domain, Expr, Time, UnaryOp, VarId};
+
+/// What a physical quantity measures. Values are held in the base unit named here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Dimension {
+    /// A bare number.
+    None,
+    /// Seconds.
+    Time,
+    /// Metres.
+    Length,
+    /// Degrees.
+    Angle,
+    /// Watts.
+    Power,
+    /// Joules.
+    Energy,
+    /// Kilograms.
+    Mass,
+    /// Metres a second.
+    Speed,
+}
+
+impl Dimension {
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::None => "a bare number",
+            Self::Time => "a time (`s`, `min`, `h`)",
+            Self::Length => "a length (`mm`, `m`)",
+            Self::Angle => "an angle (`deg`)",
+            Self::Power => "a power (`W`, `kW`)",
+            Self::Energy => "an energy (`J`, `kWh`)",
+            Self::Mass => "a mass (`g`, `kg`)",
+            Self::Speed => "a speed (`m/s`, `mm/s`)",
+        }
+    }
+}
+
+/// The dimension of a unit, and how many base units it is.
+pub(super) fn unit(name: &str) -> (Dimension, f64) {
+    use Dimension as D;
+    match name {
+        "ms" => (D::Time, 0.001),
+        "s" => (D::Time, 1.0),
+        "min" => (D::Time, 60.0),
+        "h" => (D::Time, 3600.0),
+        "d" => (D::Time, 86_400.0),
+        "mm" => (D::Length, 0.001),
+        "cm" => (D::Length, 0.01),
+        "m" => (D::Length, 1.0),
+        "deg" => (D::Angle, 1.0),
+        "rad" => (D::Angle, 180.0 / std::f64::consts::PI),
+        "W" => (D::Power, 1.0),
+        "kW" => (D::Power, 1000.0),
+        "J" => (D::Energy, 1.0),
+        "Wh" => (D::Energy, 3600.0),
+        "kWh" => (D::Energy, 3.6e6),
+        "g" => (D::Mass, 0.001),
+        "kg" => (D::Mass, 1.0),
+        "mm/s" => (D::Speed, 0.001),
+        "m/s" => (D::Speed, 1.0),
+        "%" => (D::None, 0.01),
+        _ => (D::None, 1.0),
+    }
+}
+
+/// A type.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Type {
+    Bool,
+    /// A whole number.
+    Int,
+    /// A real number.
+    Number(Dimension),
+    /// One of these labels; two enumerations with the same labels are the same type.
+    Enum(Vec<String>),
+    Array(Box<Type>, usize),
+}
+
+impl Type {
+    pub fn of(domain: &Domain) -> Self {
+        match domain {
+            Domain::Bool => Self::Bool,
+            Domain::Range { .. } => Self::Int,
+            Domain::Enum { labels, .. } => Self::Enum(labels.clone()),
+        }
+    }
+
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Bool => "a truth value".to_owned(),
+            Self::Int => "a whole number".to_owned(),
+            Self::Number(d) => d.word().to_owned(),
+            Self::Enum(labels) => format!("one of {{{}}}", labels.join(", ")),
+            Self::Array(of, n) => format!("an array of {n}, each {}", of.describe()),
+        }
+    }
+
+    pub fn is_numeric(&self) -> bool {
+        matches!(self, Self::Int | Self::Number(_))
+    }
+}
+
+/// An operator on real numbers beside those of [`UnaryOp`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rounding {
+    Floor,
+    Ceil,
+    Round,
+}
+
+/// A scalar expression.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Term {
+    Int(i64),
+    Real(f64),
+    Var(VarId, Time),
+    Unary(UnaryOp, Box<Term>),
+    Rounded(Rounding, Box<Term>),
+    Binary(BinaryOp, Box<Term>, Box<Term>),
+    If(Box<Term>, Box<Term>, Box<Term>),
+}
+
+impl Term {
+    pub const TRUE: Self = Self::Int(1);
+    pub const FALSE: Self = Self::Int(0);
+
+    pub fn truth(value: bool) -> Self {
+        Self::Int(i64::from(value))
+    }
+
+    pub fn unary(op: UnaryOp, a: Self) -> Self {
+        match a {
+            Self::Int(a) => Self::Int(crate::gr1::eval::unary(op, a)),
+            Self::Unary(UnaryOp::Not, inner) if op == UnaryOp::Not => *inner,
+            a => Self::Unary(op, Box::new(a)),
+        }
+    }
+
+    /// Two operands, folded where they are constant. Constant arithmetic is done only where it cannot overflow or divide by zero.
+    pub fn binary(op: BinaryOp, a: Self, b: Self) -> Self {
+        use BinaryOp as B;
+        match (op, &a, &b) {
+            (B::And, Self::Int(0), _)
+            | (B::And, _, Self::Int(0))
+            | (B::Or, Self::Int(0), Self::Int(0)) => return Self::FALSE,
+            (B::Or, Self::Int(1), _)
+            | (B::Or, _, Self::Int(1))
+            | (B::Implies, Self::Int(0), _)
+            | (B::Implies, _, Self::Int(1)) => return Self::TRUE,
+            (B::And | B::Implies, Self::Int(1), _) | (B::Or, Self::Int(0), _) => return b,
+            (B::And, _, Self::Int(1)) | (B::Or, _, Self::Int(0)) => return a,
+            (B::Implies, _, Self::Int(0)) => return Self::unary(UnaryOp::Not, a),
+            (B::Div | B::Mod, _, Self::Int(0)) => {}
+            (_, Self::Int(x), Self::Int(y)) if x.abs() < 1 << 31 && y.abs() < 1 << 31 => {
+                return Self::Int(crate::gr1::eval::binary(op, *x, *y));
+            }
+            _ => {}
+        }
+        Self::Binary(op, Box::new(a), Box::new(b))
+    }
+
+    pub fn choose(c: Self, a: Self, b: Self) -> Self {
+        match c {
+            Self::Int(0) => b,
+            Self::Int(_) => a,
+            c if a == b => {
+                drop(c);
+                a
+            }
+            c => Self::If(Box::new(c), Box::new(a), Box::new(b)),
+        }
+    }
+
+    /// Conjunction, disjunction or sum of many, halved so that it stays shallow.
+    pub fn fold(op: BinaryOp, mut terms: Vec<Self>, empty: i64) -> Self {
+        if terms.is_empty() {
+            return Self::Int(empty);
+        }
+        while terms.len() > 1 {
+            let mut halved = Vec::with_capacity(terms.len().div_ceil(2));
+            let mut pairs = terms.into_iter();
+            while let Some(a) = pairs.next() {
+                halved.push(match pairs.next() {
+                    Some(b) => Self::binary(op, a, b),
+                    None => a,
+                });
+            }
+            terms = halved;
+        }
+        terms.pop().unwrap_or(Self::Int(empty))
+    }
+
+    /// As an exact expression. `None` when a real number occurs.
+    pub fn to_expr(&self) -> Option<Expr> {
+        Some(match self {
+            Self::Int(c) => Expr::Const(*c),
+            Self::Real(_) | Self::Rounded(..) => return None,
+            Self::Var(v, t) => Expr::Var(*v, *t),
+            Self::Unary(op, a) => Expr::Unary(*op, Box::new(a.to_expr()?)),
+            Self::Binary(op, a, b) => {
+                Expr::Binary(*op, Box::new(a.to_expr()?), Box::new(b.to_expr()?))
+            }
+            Self::If(c, a, b) => Expr::If(
+                Box::new(c.to_expr()?),
+                Box::new(a.to_expr()?),
+                Box::new(b.to_expr()?),
+            ),
+        })
+    }
+
+    /// As a plant expression: variables below `properties` are properties, the others wires from 0.
+    pub fn to_real(&self, properties: usize) -> RealExpr {
+        let sub = |t: &Self| Box::new(t.to_real(properties));
+        match self {
+            Self::Int(c) => RealExpr::Number(*c as f64),
+            Self::Real(x) => RealExpr::Number(*x),
+            Self::Var(v, _) if v.index() < properties => RealExpr::Property(v.index()),
+            Self::Var(v, _) => RealExpr::Wire(v.index() - properties),
+            Self::Unary(op, a) => RealExpr::Unary(
+                match op {
+                    UnaryOp::Not => RealUnary::Not,
+                    UnaryOp::Neg => RealUnary::Neg,
+                    UnaryOp::Abs => RealUnary::Abs,
+                },
+                sub(a),
+            ),
+            Self::Rounded(op, a) => RealExpr::Unary(
+                match op {
+                    Rounding::Floor => RealUnary::Floor,
+                    Rounding::Ceil => RealUnary::Ceil,
+                    Rounding::Round => RealUnary::Round,
+                },
+                sub(a),
+            ),
+            Self::Binary(op, a, b) => RealExpr::Binary(real_op(*op), sub(a), sub(b)),
+            Self::If(c, a, b) => RealExpr::If(sub(c), sub(a), sub(b)),
+        }
+    }
+}
+
+fn real_op(op: BinaryOp) -> RealBinary {
+    match op {
+        BinaryOp::And => RealBinary::And,
+        BinaryOp::Or => RealBinary::Or,
+        BinaryOp::Implies => RealBinary::Implies,
+        BinaryOp::Eq => RealBinary::Eq,
+        BinaryOp::Ne => RealBinary::Ne,
+        BinaryOp::Lt => RealBinary::Lt,
+        BinaryOp::Le => RealBinary::Le,
+        BinaryOp::Gt => RealBinary::Gt,
+        BinaryOp::Ge => RealBinary::Ge,
+        BinaryOp::Add => RealBinary::Add,
+        BinaryOp::Sub => RealBinary::Sub,
+        BinaryOp::Mul => RealBinary::Mul,
+        BinaryOp::Div => RealBinary::Div,
+        BinaryOp::Mod => RealBinary::Mod,
+        BinaryOp::Min => RealBinary::Min,
+        BinaryOp::Max => RealBinary::Max,
+    }
+}
+
+/// What an expression stands for: a scalar, or an array of values.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Value {
+    Scalar(Term, Type),
+    Array(Vec<Value>),
+}
+
+impl Value {
+    pub fn ty(&self) -> Type {
+        match self {
+            Self::Scalar(_, ty) => ty.clone(),
+            Self::Array(v) => Type::Array(
+                Box::new(v.first().map_or(Type::Int, Self::ty)),
+                v.len(),
+            ),
+        }
+    }
+}

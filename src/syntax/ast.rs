@@ -1,0 +1,553 @@
+//! Syntax trees: what was written, with its places, and nothing that has to be looked up.
+
+use crate::source::Span;
+
+/// A word and where it stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Name {
+    /// The word.
+    pub text: String,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// A whole file.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct File {
+    /// Its items, in order.
+    pub items: Vec<Item>,
+}
+
+/// A top-level item.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Item {
+    /// `import ...`
+    Import(Import),
+    /// `type ...`
+    Type(TypeDecl),
+    /// `const ...`
+    Const(ConstDecl),
+    /// `contract ...`
+    Contract(Contract),
+    /// `machine ...`
+    Machine(Machine),
+    /// `line ...`
+    Line(Line),
+}
+
+/// `import "a.lw"` or `import std.handling.turn`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Import {
+    /// The path in quotes, or the dotted name.
+    pub path: String,
+    /// Whether it was a dotted name.
+    pub dotted: bool,
+    /// Where the path stands.
+    pub span: Span,
+}
+
+/// `type Command = {none, turn}`
+#[derive(Debug, Clone, PartialEq)]
+pub struct TypeDecl {
+    /// Its name.
+    pub name: Name,
+    /// What it stands for.
+    pub domain: Domain,
+}
+
+/// `const PLAN = [pick, turn]`
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConstDecl {
+    /// Its name.
+    pub name: Name,
+    /// Its value.
+    pub value: Expr,
+}
+
+/// A type as it was written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Domain {
+    /// What it is.
+    pub kind: DomainKind,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// The kinds of types.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DomainKind {
+    /// `{none, turn}`
+    Labels(Vec<Name>),
+    /// `0..n-1`
+    Range(Expr, Expr),
+    /// `array[n] of T`
+    Array(Expr, Box<Domain>),
+    /// `bool`, `number`, or a declared type.
+    Named(Name),
+    /// `deg`: a real number with a unit.
+    Unit(String),
+}
+
+/// `cells: 2..360 = 8`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: Name,
+    /// Its type.
+    pub domain: Domain,
+    /// Its default.
+    pub default: Option<Expr>,
+}
+
+/// `cells = 8`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Argument {
+    /// The parameter's name.
+    pub name: Name,
+    /// Its value.
+    pub value: Expr,
+}
+
+/// What stands before the brace of a contract or machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Header {
+    /// The doc comment, slashes removed.
+    pub doc: String,
+    /// The name.
+    pub name: Name,
+    /// The parameters.
+    pub parameters: Vec<Parameter>,
+    /// The codes after `implements`.
+    pub codes: Vec<Name>,
+}
+
+/// `contract ...`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contract {
+    /// Name, parameters, codes.
+    pub header: Header,
+    /// Whether it was declared `moore`.
+    pub moore: bool,
+    /// What stands within.
+    pub items: Vec<ContractItem>,
+}
+
+/// Whose variables a declaration introduces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ownership {
+    /// `input`
+    Input,
+    /// `output`
+    Output,
+    /// `internal`
+    Internal,
+}
+
+/// An item of a contract.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ContractItem {
+    /// `input a, b: T`
+    Variables {
+        /// Whose they are.
+        ownership: Ownership,
+        /// Their names.
+        names: Vec<Name>,
+        /// Their type.
+        domain: Domain,
+    },
+    /// `define a = e`
+    Define {
+        /// Its name.
+        name: Name,
+        /// What it stands for.
+        value: Expr,
+    },
+    /// `assume ...` or `guarantee ...`
+    Formula {
+        /// `true` for `guarantee`.
+        guarantee: bool,
+        /// Its name.
+        name: Option<Name>,
+        /// Its requirement.
+        requirement: Option<String>,
+        /// The formula.
+        expr: Expr,
+    },
+    /// `type ...` within a contract.
+    Type(TypeDecl),
+    /// `const ...` within a contract.
+    Const(ConstDecl),
+}
+
+/// An expression or formula.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expr {
+    /// What it is.
+    pub kind: ExprKind,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// The kinds of expressions.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ExprKind {
+    /// `true`
+    Bool(bool),
+    /// `17`
+    Int(i64),
+    /// `0.5 m`: the number, and its unit or nothing.
+    Quantity(f64, String),
+    /// `cell.command`
+    Path(Vec<Name>),
+    /// `a[i]`
+    Index(Box<Expr>, Box<Expr>),
+    /// `next e`
+    Next(Box<Expr>),
+    /// `always f`
+    Always(Box<Expr>),
+    /// `eventually f`
+    Eventually(Box<Expr>),
+    /// `not f`
+    Not(Box<Expr>),
+    /// `-e`
+    Neg(Box<Expr>),
+    /// Two operands.
+    Binary(BinaryOp, Box<Expr>, Box<Expr>),
+    /// `if c then a else b`
+    If(Box<Expr>, Box<Expr>, Box<Expr>),
+    /// `forall i in D: e`
+    Quantifier(Quantifier, Name, Box<Domain>, Box<Expr>),
+    /// `min(a, b)`
+    Call(Name, Vec<Expr>),
+    /// `[a, b]`
+    List(Vec<Expr>),
+    /// `x in {a, b}`
+    Member(Box<Expr>, Vec<Expr>),
+    /// `x in 0..3`
+    Within(Box<Expr>, Box<Expr>, Box<Expr>),
+}
+
+/// Operators with two operands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum BinaryOp {
+    Iff,
+    Implies,
+    Or,
+    Xor,
+    And,
+    Eq,
+    Ne,
+    Lt,
+    Le,
+    Gt,
+    Ge,
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Mod,
+}
+
+impl BinaryOp {
+    /// The operator's word or sign.
+    pub fn sign(self) -> &'static str {
+        match self {
+            Self::Iff => "<->",
+            Self::Implies => "->",
+            Self::Or => "or",
+            Self::Xor => "xor",
+            Self::And => "and",
+            Self::Eq => "=",
+            Self::Ne => "!=",
+            Self::Lt => "<",
+            Self::Le => "<=",
+            Self::Gt => ">",
+            Self::Ge => ">=",
+            Self::Add => "+",
+            Self::Sub => "-",
+            Self::Mul => "*",
+            Self::Div => "/",
+            Self::Mod => "mod",
+        }
+    }
+}
+
+/// What is done with the values of a quantified expression.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantifier {
+    /// All hold.
+    Forall,
+    /// One holds.
+    Exists,
+    /// How many hold.
+    Count,
+    /// Their sum.
+    Sum,
+}
+
+/// `machine ...`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    /// Name, parameters, codes.
+    pub header: Header,
+    /// What stands within.
+    pub items: Vec<MachineItem>,
+}
+
+/// A declaration `name: T = e`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Typed {
+    /// The doc comment.
+    pub doc: String,
+    /// The name.
+    pub name: Name,
+    /// The type.
+    pub domain: Domain,
+    /// The values; none, one, or a script's many.
+    pub values: Vec<Expr>,
+}
+
+/// An item of a machine.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MachineItem {
+    /// `step 1 s`
+    Step(Expr),
+    /// `idle power 20 W`
+    IdlePower(Expr),
+    /// `power 150 W`
+    Power(Expr),
+    /// `limit 500 steps`
+    Limit(Expr),
+    /// `failures mtbf 8 h mttr 5 min`
+    Failures(Expr, Expr),
+    /// `property ...`
+    Property(Typed),
+    /// `parameter ...`
+    Parameter(Typed),
+    /// `signal ...`
+    Signal(Typed),
+    /// `abstract ...`
+    Abstract(Typed),
+    /// `coordinator ...` or `action ...`
+    Component(Component),
+    /// `operation ...`
+    Operation {
+        /// Its name.
+        name: Name,
+        /// The codes after `implements`.
+        codes: Vec<Name>,
+        /// Its actions.
+        sequence: Vec<Name>,
+    },
+    /// `done e`
+    Done(Expr),
+    /// `write p = e` or `write p[i] = e`
+    Write {
+        /// The property.
+        name: Name,
+        /// The element of an array.
+        index: Option<Expr>,
+        /// The value.
+        value: Expr,
+    },
+    /// `const ...`
+    Const(ConstDecl),
+    /// `type ...`
+    Type(TypeDecl),
+}
+
+/// `action turn: Turn(cells = 8) when ... { ... }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Component {
+    /// Whether it is the coordinator.
+    pub coordinator: bool,
+    /// Its name.
+    pub name: Name,
+    /// The contract's name.
+    pub contract: Name,
+    /// The contract's arguments.
+    pub arguments: Vec<Argument>,
+    /// When it is active.
+    pub when: Option<Expr>,
+    /// `time e`, and whether it was `per step`.
+    pub time: Option<(Expr, bool)>,
+    /// `power e`
+    pub power: Option<Expr>,
+    /// `input = e`, `input[2] = e`
+    pub bindings: Vec<Binding>,
+}
+
+/// `command = cell.command`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Binding {
+    /// The input.
+    pub name: Name,
+    /// The element of an array.
+    pub index: Option<i64>,
+    /// What it is bound to.
+    pub value: Expr,
+}
+
+/// `line ...`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// The doc comment.
+    pub doc: String,
+    /// The name.
+    pub name: Name,
+    /// What stands within.
+    pub items: Vec<LineItem>,
+}
+
+/// `2 Brick`
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Counted {
+    /// How many.
+    pub count: u64,
+    /// Of what.
+    pub name: Name,
+}
+
+/// An item of a line.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LineItem {
+    /// `part ...`
+    Part {
+        /// Its name.
+        name: Name,
+        /// What it is joined from.
+        bill: Vec<Counted>,
+        /// What it carries.
+        properties: Vec<Typed>,
+    },
+    /// `product P`
+    Product(Name),
+    /// `source ...`
+    Source {
+        /// Its name.
+        name: Name,
+        /// The part type.
+        part: Name,
+        /// When it makes them.
+        supply: Supply,
+    },
+    /// `store ...`
+    Store {
+        /// Its name.
+        name: Name,
+        /// What is in it at the start.
+        stock: Vec<Counted>,
+    },
+    /// `sink ...`
+    Sink {
+        /// Its name.
+        name: Name,
+        /// Whether it takes scrap.
+        rejects: bool,
+        /// The source that makes replacements.
+        reorder: Option<Name>,
+    },
+    /// `buffer ...`
+    Buffer {
+        /// Its name.
+        name: Name,
+        /// How many parts fit.
+        capacity: u64,
+    },
+    /// `conveyor ...`
+    Conveyor {
+        /// Its name.
+        name: Name,
+        /// Its machine, with arguments.
+        machine: Option<(Name, Vec<Argument>)>,
+        /// `places`, `pitch`, `speed` and `power`.
+        options: Vec<(Name, Expr)>,
+    },
+    /// `station ...`
+    Station {
+        /// Its name.
+        name: Name,
+        /// Its machine.
+        machine: Name,
+        /// The machine's arguments.
+        arguments: Vec<Argument>,
+        /// What stands within.
+        items: Vec<StationItem>,
+    },
+    /// `route ...`
+    Route {
+        /// The part type.
+        part: Name,
+        /// The places it goes through.
+        stops: Vec<Name>,
+        /// When.
+        when: Option<Expr>,
+    },
+    /// `requirement ...`
+    Requirement {
+        /// Its name.
+        name: Name,
+        /// What is measured.
+        metric: Name,
+        /// Of which station.
+        of: Option<Name>,
+        /// How it is compared.
+        op: BinaryOp,
+        /// With what.
+        bound: Expr,
+        /// Whether `per hour` followed.
+        per_hour: bool,
+        /// The whole of it.
+        span: Span,
+    },
+    /// `shift a to b`
+    Shift(Expr, Expr),
+    /// `limit e`, and whether it was `products`.
+    Limit(Expr, bool),
+    /// `const ...`
+    Const(ConstDecl),
+}
+
+/// When a source makes parts.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Supply {
+    /// `on order`
+    OnOrder,
+    /// `every [random] e [limit n]`
+    Every {
+        /// Seconds between two.
+        seconds: Expr,
+        /// Exponentially distributed.
+        random: bool,
+        /// How many in all.
+        limit: Option<u64>,
+    },
+}
+
+/// An item of a station.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StationItem {
+    /// `perform a, b(x = 1) on P`
+    Perform {
+        /// The operations.
+        operations: Vec<(Name, Vec<Argument>)>,
+        /// The part type.
+        part: Name,
+    },
+    /// `setup e`
+    Setup(Expr),
+    /// `failures mtbf a mttr b`
+    Failures(Expr, Expr),
+    /// `defect on P probability p: one of x becomes e`
+    Defect {
+        /// The part type.
+        part: Name,
+        /// How likely.
+        probability: Expr,
+        /// The property.
+        property: Name,
+        /// The value it gets.
+        value: Expr,
+    },
+}
