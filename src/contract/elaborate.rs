@@ -331,7 +331,9 @@ impl<'a> Elaborator<'a> {
                         e.span,
                         format!("this is {}", ty.describe()),
                     )
-                    .with_help("name one element with `[i]`, or quantify over `forall i in 0..n-1`"),
+                    .with_help(
+                        "name one element with `[i]`, or quantify over `forall i in 0..n-1`",
+                    ),
                 );
                 None
             }
@@ -443,12 +445,16 @@ impl<'a> Elaborator<'a> {
     }
 
     /// A label. `None`: it is none. `Some(None)`: it is ambiguous, and that was reported.
-    #[expect(clippy::option_option, reason = "not a label, or one that was reported")]
+    #[expect(
+        clippy::option_option,
+        reason = "not a label, or one that was reported"
+    )]
     fn label(&mut self, name: &ast::Name, expected: Option<&Type>) -> Option<Option<Value>> {
         let of = |labels: &[String]| {
-            labels.iter().position(|l| *l == name.text).map(|i| {
-                Value::Scalar(Term::Int(i as i64), Type::Enum(labels.to_vec()))
-            })
+            labels
+                .iter()
+                .position(|l| *l == name.text)
+                .map(|i| Value::Scalar(Term::Int(i as i64), Type::Enum(labels.to_vec())))
         };
         if let Some(Type::Enum(labels)) = expected
             && let Some(value) = of(labels)
@@ -541,7 +547,11 @@ impl<'a> Elaborator<'a> {
         let range = self.range_of(&index_term, index.span)?;
         if range.low < 0 || range.high > last {
             let message = if range.low == range.high {
-                format!("index {} leaves the array, which has {} elements", range.low, elements.len())
+                format!(
+                    "index {} leaves the array, which has {} elements",
+                    range.low,
+                    elements.len()
+                )
             } else {
                 format!(
                     "the index can be {}..{}, but the array has only {} elements",
@@ -554,7 +564,9 @@ impl<'a> Elaborator<'a> {
                 codes::INDEX_RANGE,
                 index.span,
                 message,
-                format!("indices are 0..{last}; hold it there with `min(..., {last})` or `max(..., 0)`"),
+                format!(
+                    "indices are 0..{last}; hold it there with `min(..., {last})` or `max(..., 0)`"
+                ),
             );
             return None;
         }
@@ -684,11 +696,7 @@ impl<'a> Elaborator<'a> {
                     self.error(
                         codes::TYPE_MISMATCH,
                         span,
-                        format!(
-                            "{} cannot equal {}",
-                            at.describe(),
-                            bt.describe()
-                        ),
+                        format!("{} cannot equal {}", at.describe(), bt.describe()),
                     );
                     return None;
                 }
@@ -714,11 +722,7 @@ impl<'a> Elaborator<'a> {
                 self.error(
                     codes::TYPE_MISMATCH,
                     span,
-                    format!(
-                        "{} cannot equal {}",
-                        a.ty().describe(),
-                        b.ty().describe()
-                    ),
+                    format!("{} cannot equal {}", a.ty().describe(), b.ty().describe()),
                 );
                 None
             }
@@ -885,7 +889,11 @@ impl<'a> Elaborator<'a> {
                 let mut elements = Vec::with_capacity(l.len());
                 for (l, r) in l.into_iter().zip(r) {
                     let (Value::Scalar(l, lt), Value::Scalar(r, rt)) = (l, r) else {
-                        self.error(codes::TYPE_MISMATCH, a.span, "arrays of arrays cannot be chosen");
+                        self.error(
+                            codes::TYPE_MISMATCH,
+                            a.span,
+                            "arrays of arrays cannot be chosen",
+                        );
                         return None;
                     };
                     if !comparable(&lt, &rt) {
@@ -1017,9 +1025,15 @@ impl<'a> Elaborator<'a> {
             "round" => Some(Rounding::Round),
             "min" | "max" | "abs" => None,
             other => {
-                let help = match nearest(other, ["min", "max", "abs", "floor", "ceil", "round"].into_iter()) {
+                let help = match nearest(
+                    other,
+                    ["min", "max", "abs", "floor", "ceil", "round"].into_iter(),
+                ) {
                     Some(near) => format!("did you mean `{near}`?"),
-                    None => "the functions are min, max, abs, and in machines floor, ceil and round".to_owned(),
+                    None => {
+                        "the functions are min, max, abs, and in machines floor, ceil and round"
+                            .to_owned()
+                    }
                 };
                 self.error_with(
                     codes::NAME_UNKNOWN,

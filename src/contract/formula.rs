@@ -67,7 +67,10 @@ fn visit<'a>(
         {
             visit(e, inner, Place::Justice, instance, label, side);
         }
-        (ExprKind::Quantifier(Quantifier::Forall, name, domain, body), Place::Top | Place::Always) => {
+        (
+            ExprKind::Quantifier(Quantifier::Forall, name, domain, body),
+            Place::Top | Place::Always,
+        ) => {
             let Some(values) = e.quantified(domain) else {
                 return;
             };

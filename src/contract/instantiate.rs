@@ -136,10 +136,7 @@ pub(super) fn bind<'a>(
             e.error_with(
                 codes::ARGUMENT,
                 place,
-                format!(
-                    "{number} is outside the range of `{}`",
-                    p.name.text
-                ),
+                format!("{number} is outside the range of `{}`", p.name.text),
                 format!("its range is {}", domain.describe()),
             );
             complete = false;
@@ -152,7 +149,10 @@ pub(super) fn bind<'a>(
 }
 
 /// Taxonomy codes, looked up.
-pub(super) fn taxonomy_codes(names: &[ast::Name], findings: &mut Vec<Diagnostic>) -> Vec<TaxonomyCode> {
+pub(super) fn taxonomy_codes(
+    names: &[ast::Name],
+    findings: &mut Vec<Diagnostic>,
+) -> Vec<TaxonomyCode> {
     names
         .iter()
         .map(|name| {
@@ -213,7 +213,11 @@ pub(super) fn instantiate(
         };
         let side = usize::from(*guarantee);
         counts[side] += 1;
-        let word = if *guarantee { "guarantee" } else { "assumption" };
+        let word = if *guarantee {
+            "guarantee"
+        } else {
+            "assumption"
+        };
         if let Some(name) = name {
             if let Some(first) = rules.get(name.text.as_str()) {
                 e.findings.push(double(name, *first));
@@ -298,9 +302,8 @@ fn declare<'a>(
                     }
                     // A variable hides a constant of the same name from outside.
                     e.constants.remove(&name.text);
-                    let (domain, length) = resolved
-                        .clone()
-                        .unwrap_or((crate::gr1::Domain::Bool, None));
+                    let (domain, length) =
+                        resolved.clone().unwrap_or((crate::gr1::Domain::Bool, None));
                     let mut add = |label: String| {
                         let id = VarId(variables.len() as u32);
                         variables.push(Variable {
@@ -319,9 +322,9 @@ fn declare<'a>(
                     };
                     let entry = match length {
                         None => Entry::One(add(name.text.clone())),
-                        Some(n) => {
-                            Entry::Many((0..n).map(|i| add(format!("{}[{i}]", name.text))).collect())
-                        }
+                        Some(n) => Entry::Many(
+                            (0..n).map(|i| add(format!("{}[{i}]", name.text))).collect(),
+                        ),
                     };
                     e.variables.insert(name.text.clone(), entry);
                 }

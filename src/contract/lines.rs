@@ -420,7 +420,11 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    fn machine(&mut self, name: &ast::Name, arguments: &'a [ast::Argument]) -> Option<Arc<Machine>> {
+    fn machine(
+        &mut self,
+        name: &ast::Name,
+        arguments: &'a [ast::Argument],
+    ) -> Option<Arc<Machine>> {
         let Some(decl) = self.scope.machines.get(name.text.as_str()) else {
             let known = self.scope.machines.keys().copied();
             let help = match nearest(&name.text, known) {
@@ -621,7 +625,10 @@ impl<'a> Builder<'a, '_> {
             self.e.error_with(
                 codes::OPERATION,
                 machine_name.span,
-                format!("`{}` has no operations, so it cannot be a station", machine.name),
+                format!(
+                    "`{}` has no operations, so it cannot be a station",
+                    machine.name
+                ),
                 "a belt's machine moves a `conveyor`",
             );
             return None;
@@ -647,15 +654,15 @@ impl<'a> Builder<'a, '_> {
         let index = self.find_part(part);
         let mut resolved = Vec::new();
         for (name, arguments) in operations {
-            let Some(operation) = machine
-                .operations
-                .iter()
-                .position(|o| o.name == name.text)
+            let Some(operation) = machine.operations.iter().position(|o| o.name == name.text)
             else {
                 let known = machine.operations.iter().map(|o| o.name.as_str());
                 let help = match nearest(&name.text, known.clone()) {
                     Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("its operations are {}", known.collect::<Vec<_>>().join(", ")),
+                    None => format!(
+                        "its operations are {}",
+                        known.collect::<Vec<_>>().join(", ")
+                    ),
                 };
                 self.e.error_with(
                     codes::OPERATION,
@@ -801,8 +808,11 @@ impl<'a> Builder<'a, '_> {
             ),
         }
         if let Some(second) = named.next() {
-            self.e
-                .error(codes::NAME_DOUBLE, second.span, "a line has one end product");
+            self.e.error(
+                codes::NAME_DOUBLE,
+                second.span,
+                "a line has one end product",
+            );
         }
     }
 

@@ -115,7 +115,9 @@ impl Reader<'_> {
                             import.span,
                             format!("`{}` is not in the bundled library", import.path),
                         )
-                        .with_help("library names begin with `std.`; a file of your own stands in quotes"),
+                        .with_help(
+                            "library names begin with `std.`; a file of your own stands in quotes",
+                        ),
                     );
                     return None;
                 }
@@ -209,7 +211,9 @@ fn resolve(
             }
             ast::Item::Line(l) => match lines::line(scope, sources, l, findings) {
                 Some(line) => library.lines.push(line),
-                None => library.refused_lines.push((l.name.text.clone(), l.name.span)),
+                None => library
+                    .refused_lines
+                    .push((l.name.text.clone(), l.name.span)),
             },
             _ => {}
         }

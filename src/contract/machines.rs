@@ -1,5 +1,6 @@
 //! From a machine's syntax tree and arguments to its model: contracts instantiated, wires laid, expressions resolved.
 
+use super::TaxonomyCode;
 use super::elaborate::{Elaborator, Entry};
 use super::instantiate::{self, Arguments, instantiate};
 use super::machine::{
@@ -8,7 +9,6 @@ use super::machine::{
 };
 use super::scope::{Scope, double};
 use super::value::{Dimension, Term, Type, Value, unit};
-use super::TaxonomyCode;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::gr1::interval::{Interval, interval};
 use crate::gr1::{Domain, Expr, Specification, Time, Timing, VarId};
@@ -207,7 +207,8 @@ pub(super) fn assigned<'a>(
             Some(term)
         }
         (None, Type::Number(d)) if *d == Dimension::None => Some(term),
-        (None, Type::Number(d)) if *d == dimension => {
+        (None, Type::Number(d)) if *d == dimension =>
+        {
             #[expect(clippy::float_cmp, reason = "base units have exactly the factor 1")]
             if factor == 1.0 {
                 Some(term)
@@ -489,9 +490,11 @@ fn instantiate_components<'a>(
             &mut found,
         );
         let calls = found.into_iter().filter(|d| {
-            d.span.is_some_and(|s| s.file == c.contract.span.file && s.start >= c.name.span.start
-                && parts.machine.header.name.span.start < s.start)
-                && d.code == codes::ARGUMENT
+            d.span.is_some_and(|s| {
+                s.file == c.contract.span.file
+                    && s.start >= c.name.span.start
+                    && parts.machine.header.name.span.start < s.start
+            }) && d.code == codes::ARGUMENT
         });
         let before = e.findings.len();
         e.findings.extend(calls);
@@ -500,8 +503,14 @@ fn instantiate_components<'a>(
             None if e.findings.len() == before => e.error_with(
                 codes::NAME_UNKNOWN,
                 c.contract.span,
-                format!("the contract `{}` cannot be used with these arguments", c.contract.text),
-                format!("see the findings of `{}`, or other arguments", c.contract.text),
+                format!(
+                    "the contract `{}` cannot be used with these arguments",
+                    c.contract.text
+                ),
+                format!(
+                    "see the findings of `{}`, or other arguments",
+                    c.contract.text
+                ),
             ),
             None => {}
         }
@@ -718,7 +727,9 @@ fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>, operations: 
         }
         let names = match length {
             None => vec![typed.name.text.clone()],
-            Some(n) => (0..n).map(|i| format!("{}[{i}]", typed.name.text)).collect(),
+            Some(n) => (0..n)
+                .map(|i| format!("{}[{i}]", typed.name.text))
+                .collect(),
         };
         let mut entries = Vec::new();
         for (name, source) in names.into_iter().zip(sources) {
@@ -730,9 +741,7 @@ fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>, operations: 
                 span: typed.name.span,
             });
         }
-        parts
-            .plant_entries
-            .insert(typed.name.text.clone(), entries);
+        parts.plant_entries.insert(typed.name.text.clone(), entries);
     }
 }
 
@@ -791,7 +800,14 @@ fn component<'a>(
     let (decl, specification) = &parts.components[index];
     let mut known: Vec<&str> = specification
         .inputs()
-        .map(|id| specification.variable(id).name.split('[').next().unwrap_or(""))
+        .map(|id| {
+            specification
+                .variable(id)
+                .name
+                .split('[')
+                .next()
+                .unwrap_or("")
+        })
         .collect();
     known.dedup();
     for b in &decl.bindings {
@@ -819,9 +835,7 @@ fn component<'a>(
         return None;
     }
     let active = match (&decl.when, decl.coordinator) {
-        (Some(when), false) => wires
-            .boolean(when, Time::Now)
-            .and_then(|t| t.to_expr()),
+        (Some(when), false) => wires.boolean(when, Time::Now).and_then(|t| t.to_expr()),
         (Some(when), true) => {
             wires.error(
                 codes::OPERATION,
@@ -860,7 +874,10 @@ fn component<'a>(
                 let what = if owner == index {
                     format!("`{}` reads its own output in the same step", decl.name.text)
                 } else {
-                    format!("`{}` reads `{other}`, which answers after it in the same step", decl.name.text)
+                    format!(
+                        "`{}` reads `{other}`, which answers after it in the same step",
+                        decl.name.text
+                    )
                 };
                 wires.findings.push(
                     Diagnostic::error(codes::SAME_STEP_LOOP, span, what).with_help(if owner == index {
@@ -891,7 +908,10 @@ fn component<'a>(
         wires.error_with(
             codes::OPERATION,
             decl.name.span,
-            format!("`{}` has a time or a power, but does not say when it is active", decl.name.text),
+            format!(
+                "`{}` has a time or a power, but does not say when it is active",
+                decl.name.text
+            ),
             "add `when`: `action turn: Turn when cell.command = turn { ... }`",
         );
     }
@@ -927,7 +947,9 @@ fn binding<'a>(
     let explicit = decl
         .bindings
         .iter()
-        .find(|b| b.name.text == name && b.index.is_some() && b.index.map(|i| i as usize) == element)
+        .find(|b| {
+            b.name.text == name && b.index.is_some() && b.index.map(|i| i as usize) == element
+        })
         .or_else(|| {
             decl.bindings
                 .iter()
@@ -944,7 +966,12 @@ fn binding<'a>(
                             wires.error(
                                 codes::TYPE_MISMATCH,
                                 b.value.span,
-                                format!("`{}` is {}, not {}", variable.name, ty.describe(), other.ty().describe()),
+                                format!(
+                                    "`{}` is {}, not {}",
+                                    variable.name,
+                                    ty.describe(),
+                                    other.ty().describe()
+                                ),
                             );
                             return None;
                         }
@@ -962,7 +989,11 @@ fn binding<'a>(
                         wires.error(
                             codes::TYPE_MISMATCH,
                             b.value.span,
-                            format!("`{name}` is an array, each element {}; this is {}", ty.describe(), other.ty().describe()),
+                            format!(
+                                "`{name}` is an array, each element {}; this is {}",
+                                ty.describe(),
+                                other.ty().describe()
+                            ),
                         );
                         return None;
                     }
@@ -977,9 +1008,11 @@ fn binding<'a>(
             .first()
             .filter(|(c, _)| c.coordinator && c.name.text != decl.name.text)
             .map(|(c, _)| format!("{}.{name}", c.name.text));
-        let entry = wires.variables.get(name).cloned().or_else(|| {
-            coordinator.and_then(|c| wires.variables.get(&c).cloned())
-        });
+        let entry = wires
+            .variables
+            .get(name)
+            .cloned()
+            .or_else(|| coordinator.and_then(|c| wires.variables.get(&c).cloned()));
         let id = match (entry, element) {
             (Some(Entry::One(id)), None) => Some(id),
             (Some(Entry::Many(ids)), Some(i)) => ids.get(i).copied(),
@@ -999,7 +1032,13 @@ fn binding<'a>(
             wires.error_with(
                 codes::TYPE_MISMATCH,
                 decl.name.span,
-                format!("the input `{}` of `{}` is {}, but what has its name is {}", variable.name, decl.name.text, ty.describe(), Type::of(&domain).describe()),
+                format!(
+                    "the input `{}` of `{}` is {}, but what has its name is {}",
+                    variable.name,
+                    decl.name.text,
+                    ty.describe(),
+                    Type::of(&domain).describe()
+                ),
                 format!("bind it: `{name} = ...`"),
             );
             return None;
@@ -1126,23 +1165,21 @@ fn settings<'a>(
                                 .push((first + i as usize, term.to_real(properties)));
                         }
                     }
-                    (Some(n), None) => {
-                        match both.value(value, None, Time::Now) {
-                            Some(Value::Array(values)) if values.len() == n => {
-                                for (i, v) in values.into_iter().enumerate() {
-                                    if let Value::Scalar(term, _) = v {
-                                        model.writes.push((first + i, term.to_real(properties)));
-                                    }
+                    (Some(n), None) => match both.value(value, None, Time::Now) {
+                        Some(Value::Array(values)) if values.len() == n => {
+                            for (i, v) in values.into_iter().enumerate() {
+                                if let Value::Scalar(term, _) = v {
+                                    model.writes.push((first + i, term.to_real(properties)));
                                 }
                             }
-                            Some(other) => both.error(
-                                codes::TYPE_MISMATCH,
-                                value.span,
-                                format!("expected an array of {n}, found {}", other.ty().describe()),
-                            ),
-                            None => {}
                         }
-                    }
+                        Some(other) => both.error(
+                            codes::TYPE_MISMATCH,
+                            value.span,
+                            format!("expected an array of {n}, found {}", other.ty().describe()),
+                        ),
+                        None => {}
+                    },
                     (None, Some(index)) => e.error(
                         codes::TYPE_MISMATCH,
                         index.span,
@@ -1164,11 +1201,7 @@ pub(super) fn positive<'a>(
 ) -> Option<f64> {
     let value = e.constant_quantity(x, dimension)?;
     if value < 0.0 || !value.is_finite() {
-        e.error(
-            codes::ARGUMENT,
-            x.span,
-            "this must not be negative",
-        );
+        e.error(codes::ARGUMENT, x.span, "this must not be negative");
         return None;
     }
     Some(value)

@@ -134,5 +134,8 @@ fn beginnings(line: &Line, part: usize) -> Vec<usize> {
 fn uses(line: &Line, part: usize) -> bool {
     part == line.product
         || line.routes.iter().any(|r| r.part == part)
-        || line.parts.iter().any(|p| p.bill.iter().any(|(b, _)| *b == part))
+        || line
+            .parts
+            .iter()
+            .any(|p| p.bill.iter().any(|(b, _)| *b == part))
 }

@@ -1,7 +1,7 @@
 //! What is in sight in a file: its own declarations and those of everything that it imports.
 
 use super::elaborate::Elaborator;
-use super::value::{Type, Value};
+use super::value::{Term, Type, Value};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{Domain, Time};
 use crate::source::Span;
@@ -106,8 +106,7 @@ pub(super) fn type_decl<'a>(e: &mut Elaborator<'a>, decl: &'a ast::TypeDecl) {
             },
             other => other,
         };
-        e.types
-            .insert(decl.name.text.clone(), Type::of(&domain));
+        e.types.insert(decl.name.text.clone(), Type::of(&domain));
         e.named_domains.insert(decl.name.text.clone(), domain);
     }
 }
@@ -119,13 +118,55 @@ pub(super) fn constant<'a>(
     waiting: &mut Vec<&'a ast::ConstDecl>,
 ) {
     let real = std::mem::replace(&mut e.real, uses_units(&decl.value));
-    match e.value(&decl.value, None, Time::Now) {
+    let value = constant_value(e, decl);
+    e.real = real;
+    match value {
         Some(value) => {
             e.constants.insert(decl.name.text.clone(), value);
         }
         None => waiting.push(decl),
     }
-    e.real = real;
+}
+
+fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Option<Value> {
+    let Some(domain) = &decl.domain else {
+        return e.value(&decl.value, None, Time::Now);
+    };
+    let (base, length) = e.domain(domain)?;
+    let expected = match length {
+        Some(n) => Type::Array(Box::new(Type::of(&base)), n),
+        None => Type::of(&base),
+    };
+    let value = e.value(&decl.value, Some(&expected), Time::Now)?;
+    if value.ty() != expected {
+        e.error(
+            codes::TYPE_MISMATCH,
+            decl.value.span,
+            format!(
+                "expected {}, found {}",
+                expected.describe(),
+                value.ty().describe()
+            ),
+        );
+        return None;
+    }
+    let members = match &value {
+        Value::Array(members) => members.as_slice(),
+        scalar @ Value::Scalar(..) => std::slice::from_ref(scalar),
+    };
+    for member in members {
+        if let Value::Scalar(Term::Int(i), _) = member
+            && !base.contains(*i)
+        {
+            e.error(
+                codes::ARGUMENT,
+                decl.value.span,
+                format!("{i} is outside {}", base.describe()),
+            );
+            return None;
+        }
+    }
+    Some(value)
 }
 
 /// Whether a constant is a plant's quantity.

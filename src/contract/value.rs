@@ -277,10 +277,7 @@ impl Value {
     pub fn ty(&self) -> Type {
         match self {
             Self::Scalar(_, ty) => ty.clone(),
-            Self::Array(v) => Type::Array(
-                Box::new(v.first().map_or(Type::Int, Self::ty)),
-                v.len(),
-            ),
+            Self::Array(v) => Type::Array(Box::new(v.first().map_or(Type::Int, Self::ty)), v.len()),
         }
     }
 }

@@ -55,11 +55,13 @@ pub struct TypeDecl {
     pub domain: Domain,
 }
 
-/// `const PLAN = [pick, turn]`
+/// `const PLAN: array[2] of Command = [pick, turn]`
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConstDecl {
     /// Its name.
     pub name: Name,
+    /// Its type, where it was written.
+    pub domain: Option<Domain>,
     /// Its value.
     pub value: Expr,
 }

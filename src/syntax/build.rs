@@ -36,9 +36,7 @@ impl<'a> Children<'a> {
                         | Rule::close_brace
                         | Rule::colon
                         | Rule::equals
-                        | Rule::then_word
-                        | Rule::else_word
-                )
+                ) && !is_keyword(p.as_rule())
             })
             .collect();
         Self {
@@ -47,9 +45,9 @@ impl<'a> Children<'a> {
     }
 
     fn next(&mut self) -> Pair<'a, Rule> {
-        self.pairs
-            .next()
-            .unwrap_or_else(|| unreachable!("the grammar and its builder disagree; please report this"))
+        self.pairs.next().unwrap_or_else(|| {
+            unreachable!("the grammar and its builder disagree; please report this")
+        })
     }
 
     fn take(&mut self, rule: Rule) -> Option<Pair<'a, Rule>> {
@@ -186,6 +184,7 @@ impl Builder {
         Self::doc(&mut c);
         ConstDecl {
             name: self.name(&c.next()),
+            domain: c.take(Rule::domain).map(|d| self.domain(d)),
             value: self.expr(c.next()),
         }
     }
@@ -593,9 +592,7 @@ impl Builder {
                     }
                 }
                 Rule::s_setup => StationItem::Setup(self.expr(c.next())),
-                Rule::m_failures => {
-                    StationItem::Failures(self.expr(c.next()), self.expr(c.next()))
-                }
+                Rule::m_failures => StationItem::Failures(self.expr(c.next()), self.expr(c.next())),
                 _ => {
                     let part = self.name(&c.next());
                     let probability = self.expr(c.next());
@@ -723,12 +720,18 @@ impl Builder {
             ops.push(binary_op(op.as_str()));
             operands.push(self.expr(c.next()));
         }
-        if ops.iter().all(|o| matches!(o, BinaryOp::And | BinaryOp::Or)) && !ops.is_empty() {
+        if ops
+            .iter()
+            .all(|o| matches!(o, BinaryOp::And | BinaryOp::Or))
+            && !ops.is_empty()
+        {
             return balanced(ops[0], operands);
         }
         self.limit(&operands);
         let mut operands = operands.into_iter();
-        let first = operands.next().unwrap_or_else(|| unreachable!("a chain has an operand"));
+        let first = operands
+            .next()
+            .unwrap_or_else(|| unreachable!("a chain has an operand"));
         ops.into_iter()
             .zip(operands)
             .fold(first, |a, (op, b)| binary(op, a, b))
@@ -929,6 +932,69 @@ impl Builder {
             }
         }
     }
+}
+
+/// Words that only hold a rule together.
+fn is_keyword(rule: Rule) -> bool {
+    matches!(
+        rule,
+        Rule::k_abstract
+            | Rule::k_becomes
+            | Rule::k_buffer
+            | Rule::k_capacity
+            | Rule::k_const
+            | Rule::k_contract
+            | Rule::k_conveyor
+            | Rule::k_defect
+            | Rule::k_define
+            | Rule::k_done
+            | Rule::k_else
+            | Rule::k_every
+            | Rule::k_failures
+            | Rule::k_from
+            | Rule::k_hour
+            | Rule::k_idle
+            | Rule::k_if
+            | Rule::k_implements
+            | Rule::k_import
+            | Rule::k_in
+            | Rule::k_limit
+            | Rule::k_line
+            | Rule::k_machine
+            | Rule::k_mtbf
+            | Rule::k_mttr
+            | Rule::k_of
+            | Rule::k_on
+            | Rule::k_one
+            | Rule::k_operation
+            | Rule::k_order
+            | Rule::k_parameter
+            | Rule::k_part
+            | Rule::k_per
+            | Rule::k_perform
+            | Rule::k_power
+            | Rule::k_probability
+            | Rule::k_product
+            | Rule::k_property
+            | Rule::k_reorder
+            | Rule::k_requirement
+            | Rule::k_route
+            | Rule::k_setup
+            | Rule::k_shift
+            | Rule::k_signal
+            | Rule::k_sink
+            | Rule::k_source
+            | Rule::k_station
+            | Rule::k_step
+            | Rule::k_steps
+            | Rule::k_store
+            | Rule::k_then
+            | Rule::k_time
+            | Rule::k_to
+            | Rule::k_type
+            | Rule::k_when
+            | Rule::k_write
+    )
 }
 
 fn make(kind: ExprKind, span: Span) -> Expr {

@@ -33,9 +33,7 @@ pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
         let mut builder = Builder::new(file);
         match Grammar::parse(Rule::file, text) {
             Ok(pairs) => builder.file(pairs),
-            Err(error) => builder
-                .findings
-                .push(finding_of(file, 0, text, &error)),
+            Err(error) => builder.findings.push(finding_of(file, 0, text, &error)),
         }
         (builder.tree, builder.findings)
     };
@@ -207,10 +205,16 @@ fn finding_of(
     } else {
         format!("`{word}` does not fit here")
     };
-    let span = Span::new(file, start + at, start + end.max(at + usize::from(at < text.len())));
+    let span = Span::new(
+        file,
+        start + at,
+        start + end.max(at + usize::from(at < text.len())),
+    );
     let finding = Diagnostic::error(codes::SYNTAX, span, message);
     if RESERVED.contains(&word.as_str()) && expected.contains("a name") {
-        return finding.with_help(format!("expected {expected}; `{word}` is a word of the language and cannot be a name"));
+        return finding.with_help(format!(
+            "expected {expected}; `{word}` is a word of the language and cannot be a name"
+        ));
     }
     if expected.is_empty() {
         finding
@@ -220,10 +224,44 @@ fn finding_of(
 }
 
 const RESERVED: &[&str] = &[
-    "always", "eventually", "next", "not", "and", "or", "xor", "implies", "iff", "mod", "if", "then",
-    "else", "forall", "exists", "count", "sum", "true", "false", "in", "input", "output", "internal",
-    "define", "assume", "guarantee", "contract", "moore", "machine", "line", "import", "type",
-    "const", "GF", "G", "F", "X", "O",
+    "always",
+    "eventually",
+    "next",
+    "not",
+    "and",
+    "or",
+    "xor",
+    "implies",
+    "iff",
+    "mod",
+    "if",
+    "then",
+    "else",
+    "forall",
+    "exists",
+    "count",
+    "sum",
+    "true",
+    "false",
+    "in",
+    "input",
+    "output",
+    "internal",
+    "define",
+    "assume",
+    "guarantee",
+    "contract",
+    "moore",
+    "machine",
+    "line",
+    "import",
+    "type",
+    "const",
+    "GF",
+    "G",
+    "F",
+    "X",
+    "O",
 ];
 
 fn word_at(text: &str) -> String {
@@ -242,23 +280,68 @@ fn word_at(text: &str) -> String {
 
 /// The rules that could have matched, in words; several rules share one phrase.
 fn expectations(rules: &[Rule]) -> String {
-    let mut words: Vec<&str> = Vec::new();
+    let mut words: Vec<String> = Vec::new();
     for rule in rules {
+        // A keyword's rule is called `k_` and the word.
+        let name = format!("{rule:?}");
+        if let Some(keyword) = name.strip_prefix("k_") {
+            let word = format!("`{keyword}`");
+            if !words.contains(&word) {
+                words.push(word);
+            }
+            continue;
+        }
         let word = match rule {
             Rule::name | Rule::path => "a name",
             Rule::integer => "a whole number",
-            Rule::expression | Rule::iff | Rule::implication | Rule::disjunction | Rule::exclusive
-            | Rule::conjunction | Rule::negation | Rule::prefix | Rule::comparison | Rule::additive
-            | Rule::product | Rule::signed | Rule::sign | Rule::postfix | Rule::atom
-            | Rule::parenthesis | Rule::list | Rule::call | Rule::quantity | Rule::boolean
-            | Rule::wide | Rule::conditional | Rule::quantifier | Rule::wide_always
-            | Rule::wide_eventually | Rule::not_op | Rule::next_op | Rule::minus
-            | Rule::always_word | Rule::eventually_word | Rule::tight_always
-            | Rule::tight_eventually | Rule::quantifier_op | Rule::real => "an expression",
-            Rule::iff_op | Rule::implies_op | Rule::or_op | Rule::xor_op | Rule::and_op
-            | Rule::compare_op | Rule::add_op | Rule::mul_op | Rule::membership | Rule::index
+            Rule::expression
+            | Rule::iff
+            | Rule::implication
+            | Rule::disjunction
+            | Rule::exclusive
+            | Rule::conjunction
+            | Rule::negation
+            | Rule::prefix
+            | Rule::comparison
+            | Rule::additive
+            | Rule::product
+            | Rule::signed
+            | Rule::sign
+            | Rule::postfix
+            | Rule::atom
+            | Rule::parenthesis
+            | Rule::list
+            | Rule::call
+            | Rule::quantity
+            | Rule::boolean
+            | Rule::wide
+            | Rule::conditional
+            | Rule::quantifier
+            | Rule::wide_always
+            | Rule::wide_eventually
+            | Rule::not_op
+            | Rule::next_op
+            | Rule::minus
+            | Rule::always_word
+            | Rule::eventually_word
+            | Rule::tight_always
+            | Rule::tight_eventually
+            | Rule::quantifier_op
+            | Rule::real => "an expression",
+            Rule::iff_op
+            | Rule::implies_op
+            | Rule::or_op
+            | Rule::xor_op
+            | Rule::and_op
+            | Rule::compare_op
+            | Rule::add_op
+            | Rule::mul_op
+            | Rule::membership
+            | Rule::index
             | Rule::prime => "an operator",
-            Rule::domain | Rule::labels | Rule::range | Rule::array_of | Rule::unit_type => "a type",
+            Rule::domain | Rule::labels | Rule::range | Rule::array_of | Rule::unit_type => {
+                "a type"
+            }
             Rule::unit => "a unit",
             Rule::label | Rule::requirement_id => "`:`",
             Rule::parameters | Rule::parameter => "parameters",
@@ -273,17 +356,15 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::close_brace => "`}`",
             Rule::colon => "`:`",
             Rule::equals => "`=`",
-            Rule::then_word => "`then`",
-            Rule::else_word => "`else`",
             _ => continue,
         };
-        if !words.contains(&word) {
-            words.push(word);
+        if !words.iter().any(|w| w == word) {
+            words.push(word.to_owned());
         }
     }
     match words.as_slice() {
         [] => String::new(),
-        [one] => (*one).to_owned(),
+        [one] => one.clone(),
         [most @ .., last] => format!("{} or {last}", most.join(", ")),
     }
 }
