@@ -98,11 +98,13 @@ fn temporal(e: &ast::Expr) -> bool {
         ExprKind::Always(_) | ExprKind::Eventually(_) => true,
         ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) | ExprKind::Path(_) => false,
         ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => temporal(a) || temporal(b),
-        ExprKind::Next(a) | ExprKind::Not(a) | ExprKind::Neg(a) => temporal(a),
+        ExprKind::Next(a)
+        | ExprKind::Not(a)
+        | ExprKind::Neg(a)
+        | ExprKind::Quantifier(_, _, _, a) => temporal(a),
         ExprKind::If(a, b, c) | ExprKind::Within(a, b, c) => {
             temporal(a) || temporal(b) || temporal(c)
         }
-        ExprKind::Quantifier(_, _, _, a) => temporal(a),
         ExprKind::Call(_, list) | ExprKind::List(list) => list.iter().any(temporal),
         ExprKind::Member(a, list) => temporal(a) || list.iter().any(temporal),
     }
@@ -160,9 +162,11 @@ fn smallest(e: &ast::Expr) -> Span {
     };
     match &e.kind {
         ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => within(&[a, b]),
-        ExprKind::Next(a) | ExprKind::Not(a) | ExprKind::Neg(a) => within(&[a]),
+        ExprKind::Next(a)
+        | ExprKind::Not(a)
+        | ExprKind::Neg(a)
+        | ExprKind::Quantifier(_, _, _, a) => within(&[a]),
         ExprKind::If(a, b, c) | ExprKind::Within(a, b, c) => within(&[a, b, c]),
-        ExprKind::Quantifier(_, _, _, a) => within(&[a]),
         _ => e.span,
     }
 }

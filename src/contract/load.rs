@@ -106,21 +106,20 @@ impl Reader<'_> {
 
     fn import(&mut self, from: &str, import: &ast::Import, path: &mut Vec<usize>) -> Option<usize> {
         let wanted = if import.dotted {
-            match import.path.strip_prefix("std.") {
-                Some(rest) => format!("std:{}.lw", rest.replace('.', "/")),
-                None => {
-                    self.findings.push(
-                        Diagnostic::error(
-                            codes::IMPORT_MISSING,
-                            import.span,
-                            format!("`{}` is not in the bundled library", import.path),
-                        )
-                        .with_help(
-                            "library names begin with `std.`; a file of your own stands in quotes",
-                        ),
-                    );
-                    return None;
-                }
+            if let Some(rest) = import.path.strip_prefix("std.") {
+                format!("std:{}.lw", rest.replace('.', "/"))
+            } else {
+                self.findings.push(
+                    Diagnostic::error(
+                        codes::IMPORT_MISSING,
+                        import.span,
+                        format!("`{}` is not in the bundled library", import.path),
+                    )
+                    .with_help(
+                        "library names begin with `std.`; a file of your own stands in quotes",
+                    ),
+                );
+                return None;
             }
         } else {
             import.path.clone()

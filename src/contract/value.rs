@@ -151,9 +151,8 @@ impl Term {
             | (B::And, _, Self::Int(0))
             | (B::Or, Self::Int(0), Self::Int(0)) => return Self::FALSE,
             (B::Or, Self::Int(1), _)
-            | (B::Or, _, Self::Int(1))
-            | (B::Implies, Self::Int(0), _)
-            | (B::Implies, _, Self::Int(1)) => return Self::TRUE,
+            | (B::Or | B::Implies, _, Self::Int(1))
+            | (B::Implies, Self::Int(0), _) => return Self::TRUE,
             (B::And | B::Implies, Self::Int(1), _) | (B::Or, Self::Int(0), _) => return b,
             (B::And, _, Self::Int(1)) | (B::Or, _, Self::Int(0)) => return a,
             (B::Implies, _, Self::Int(0)) => return Self::unary(UnaryOp::Not, a),

@@ -343,7 +343,6 @@ fn expectations(rules: &[Rule]) -> String {
                 "a type"
             }
             Rule::unit => "a unit",
-            Rule::label | Rule::requirement_id => "`:`",
             Rule::parameters | Rule::parameter => "parameters",
             Rule::arguments | Rule::argument => "arguments",
             Rule::implements => "`implements`",
@@ -354,7 +353,7 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::close_paren => "`)`",
             Rule::close_bracket => "`]`",
             Rule::close_brace => "`}`",
-            Rule::colon => "`:`",
+            Rule::colon | Rule::label | Rule::requirement_id => "`:`",
             Rule::equals => "`=`",
             _ => continue,
         };

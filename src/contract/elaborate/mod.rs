@@ -1,0 +1,400 @@
+//! From a syntax tree's expressions to typed terms.
+//!
+//! Labels have no type of their own: `turn` in `command = turn` is looked up in the type of `command`. A name is, in this order:
+//! bound by a quantifier, a `define`, a variable, a parameter or constant, a label of the expected type, a label of the one
+//! enumeration in sight that has it.
+
+mod domains;
+mod names;
+mod operators;
+mod quantifiers;
+
+use super::value::{Dimension, Term, Type, Value};
+use crate::diagnostics::{Code, Diagnostic, codes};
+use crate::gr1::{BinaryOp, Domain, Time, UnaryOp, VarId};
+use crate::source::Span;
+use crate::syntax::ast::{self, ExprKind};
+use std::collections::BTreeMap;
+
+/// Quantifiers and arrays expand to at most so many instances.
+pub(super) const MAX_EXPANSION: i64 = 4096;
+/// A domain has at most so many values.
+pub(super) const MAX_DOMAIN: i64 = 1 << 20;
+
+/// A variable in sight.
+#[derive(Debug, Clone)]
+pub(super) enum Entry {
+    /// A scalar.
+    One(VarId),
+    /// An array.
+    Many(Vec<VarId>),
+}
+
+/// A property's unit, for reading it: its dimension and how many base units it is.
+pub(super) type UnitOf = (Dimension, f64);
+
+/// What names mean, and where findings go.
+pub(super) struct Elaborator<'a> {
+    /// Variables by name; dotted for a component's.
+    pub variables: BTreeMap<String, Entry>,
+    /// The domains of variables by id; `None` for real ones.
+    pub domains: Vec<Option<Domain>>,
+    /// The units of real variables by id.
+    pub units: BTreeMap<VarId, UnitOf>,
+    /// Constants, parameters and quantified names.
+    pub constants: BTreeMap<String, Value>,
+    /// Named types in sight.
+    pub types: BTreeMap<String, Type>,
+    /// The domains of the named types that are finite.
+    pub named_domains: BTreeMap<String, Domain>,
+    /// Defines by name.
+    pub defines: BTreeMap<String, &'a ast::Expr>,
+    /// Whether real numbers are understood: `/` is then the division of real numbers.
+    pub real: bool,
+    /// Whether next values are understood.
+    pub next: bool,
+    /// What was found.
+    pub findings: Vec<Diagnostic>,
+    defining: Vec<String>,
+    expansions: i64,
+}
+
+impl<'a> Elaborator<'a> {
+    pub fn new() -> Self {
+        Self {
+            variables: BTreeMap::new(),
+            domains: Vec::new(),
+            units: BTreeMap::new(),
+            constants: BTreeMap::new(),
+            types: BTreeMap::new(),
+            named_domains: BTreeMap::new(),
+            defines: BTreeMap::new(),
+            real: false,
+            next: false,
+            findings: Vec::new(),
+            defining: Vec::new(),
+            expansions: 0,
+        }
+    }
+
+    /// Records an error.
+    pub fn error(&mut self, code: Code, span: Span, message: impl Into<String>) {
+        self.findings.push(Diagnostic::error(code, span, message));
+    }
+
+    /// Records an error with a next step.
+    pub fn error_with(
+        &mut self,
+        code: Code,
+        span: Span,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.findings
+            .push(Diagnostic::error(code, span, message).with_help(help));
+    }
+
+    pub(super) fn mismatch(&mut self, span: Span, expected: &str, found: &Type) {
+        self.error(
+            codes::TYPE_MISMATCH,
+            span,
+            format!("expected {expected}, found {}", found.describe()),
+        );
+    }
+
+    /// A truth value over current (and, where allowed, next) values.
+    pub fn boolean(&mut self, e: &'a ast::Expr, time: Time) -> Option<Term> {
+        match self.value(e, Some(&Type::Bool), time)? {
+            Value::Scalar(term, Type::Bool) => Some(term),
+            other => {
+                self.mismatch(e.span, "a truth value", &other.ty());
+                None
+            }
+        }
+    }
+
+    /// A scalar of a type.
+    pub fn scalar(&mut self, e: &'a ast::Expr, expected: &Type) -> Option<Term> {
+        let value = self.value(e, Some(expected), Time::Now)?;
+        match (value, expected) {
+            (Value::Scalar(term, found), _) if found == *expected => Some(term),
+            (Value::Scalar(term, Type::Int), Type::Number(_)) => Some(term),
+            (value, _) => {
+                self.mismatch(e.span, &expected.describe(), &value.ty());
+                None
+            }
+        }
+    }
+
+    /// A whole number that is known now.
+    pub fn constant_int(&mut self, e: &'a ast::Expr) -> Option<i64> {
+        let before = self.findings.len();
+        match self.value(e, Some(&Type::Int), Time::Now) {
+            Some(Value::Scalar(Term::Int(i), Type::Int)) => Some(i),
+            Some(Value::Scalar(Term::Real(x), Type::Number(_))) if x.fract() == 0.0 => {
+                Some(x as i64)
+            }
+            Some(Value::Scalar(_, Type::Int)) => {
+                self.error_with(
+                    codes::NOT_CONSTANT,
+                    e.span,
+                    "this has to be known before the machine runs",
+                    "use numbers, constants and parameters only",
+                );
+                None
+            }
+            Some(other) => {
+                self.mismatch(e.span, "a whole number", &other.ty());
+                None
+            }
+            None => {
+                debug_assert!(self.findings.len() > before);
+                None
+            }
+        }
+    }
+
+    /// A number that is known now, in base units of `dimension`; a bare number is refused where a unit is expected.
+    pub fn constant_quantity(&mut self, e: &'a ast::Expr, dimension: Dimension) -> Option<f64> {
+        let term = self.quantity(e, dimension)?;
+        let value = constant_real(&term);
+        if value.is_none() {
+            self.error_with(
+                codes::NOT_CONSTANT,
+                e.span,
+                "this has to be known before the line runs",
+                "use numbers, constants and parameters only",
+            );
+        }
+        value
+    }
+
+    /// A real expression in base units of `dimension`.
+    pub fn quantity(&mut self, e: &'a ast::Expr, dimension: Dimension) -> Option<Term> {
+        let (term, ty) = self.any_scalar(e, None, Time::Now)?;
+        match ty {
+            Type::Number(d) if d == dimension => Some(term),
+            Type::Int if dimension == Dimension::None => Some(term),
+            Type::Int | Type::Number(Dimension::None) if term == Term::Int(0) => Some(term),
+            Type::Int | Type::Number(Dimension::None) => {
+                self.error_with(
+                    codes::TYPE_MISMATCH,
+                    e.span,
+                    "a unit is missing",
+                    format!("write {}", dimension.word()),
+                );
+                None
+            }
+            other => {
+                self.mismatch(e.span, dimension.word(), &other);
+                None
+            }
+        }
+    }
+
+    /// Any value.
+    pub fn value(
+        &mut self,
+        e: &'a ast::Expr,
+        expected: Option<&Type>,
+        time: Time,
+    ) -> Option<Value> {
+        match &e.kind {
+            ExprKind::Bool(b) => Some(Value::Scalar(Term::truth(*b), Type::Bool)),
+            ExprKind::Int(i) => Some(Value::Scalar(Term::Int(*i), Type::Int)),
+            ExprKind::Quantity(number, name) => self.literal(e.span, *number, name),
+            ExprKind::Path(names) => self.path(e.span, names, expected, time),
+            ExprKind::Index(base, index) => self.index(e.span, base, index, expected, time),
+            ExprKind::Next(inner) => {
+                if !self.next {
+                    self.error_with(
+                        codes::NEXT_NESTED,
+                        e.span,
+                        "`next` has no meaning here",
+                        "next values stand under `always` in assumptions and guarantees only",
+                    );
+                    return None;
+                }
+                if time == Time::Next {
+                    self.error_with(
+                        codes::NEXT_NESTED,
+                        e.span,
+                        "`next` stands within `next`",
+                        "GR(1) looks one step ahead; hold the value in an internal variable to look further",
+                    );
+                    return None;
+                }
+                self.value(inner, expected, Time::Next)
+            }
+            ExprKind::Always(_) | ExprKind::Eventually(_) => {
+                let word = if matches!(e.kind, ExprKind::Always(_)) {
+                    "always"
+                } else {
+                    "eventually"
+                };
+                self.error_with(
+                    codes::NOT_GR1,
+                    e.span,
+                    format!("`{word}` stands within a larger formula, which is outside GR(1)"),
+                    "an assumption or guarantee is an initial condition, `always P`, or `always eventually P`",
+                );
+                None
+            }
+            ExprKind::Not(inner) => {
+                let a = self.boolean(inner, time)?;
+                Some(Value::Scalar(Term::unary(UnaryOp::Not, a), Type::Bool))
+            }
+            ExprKind::Neg(inner) => {
+                let (a, ty) = self.any_scalar(inner, expected, time)?;
+                if !ty.is_numeric() {
+                    self.mismatch(inner.span, "a number", &ty);
+                    return None;
+                }
+                let term = match a {
+                    Term::Real(x) => Term::Real(-x),
+                    a => Term::unary(UnaryOp::Neg, a),
+                };
+                Some(Value::Scalar(term, ty))
+            }
+            ExprKind::Binary(op, a, b) => self.operation(e.span, *op, a, b, expected, time),
+            ExprKind::If(c, a, b) => self.conditional(c, a, b, expected, time),
+            ExprKind::Quantifier(kind, name, domain, body) => {
+                self.quantifier(e.span, *kind, name, domain, body, time)
+            }
+            ExprKind::Call(name, arguments) => self.call(e.span, name, arguments, time),
+            ExprKind::List(members) => {
+                let inner = match expected {
+                    Some(Type::Array(of, _)) => Some((**of).clone()),
+                    _ => None,
+                };
+                let mut values = Vec::with_capacity(members.len());
+                for m in members {
+                    values.push(self.value(m, inner.as_ref(), time)?);
+                }
+                let first = values.first().map(Value::ty);
+                for (v, m) in values.iter().zip(members) {
+                    if Some(v.ty()) != first
+                        && !(v.ty().is_numeric() && first.as_ref().is_some_and(Type::is_numeric))
+                    {
+                        let found = v.ty();
+                        let expected = first.map(|t| t.describe()).unwrap_or_default();
+                        self.mismatch(m.span, &expected, &found);
+                        return None;
+                    }
+                }
+                Some(Value::Array(values))
+            }
+            ExprKind::Member(x, members) => {
+                let (x, ty) = self.any_scalar(x, None, time)?;
+                let mut terms = Vec::new();
+                for m in members {
+                    let (m_term, m_ty) = self.any_scalar(m, Some(&ty), time)?;
+                    if !comparable(&ty, &m_ty) {
+                        self.mismatch(m.span, &ty.describe(), &m_ty);
+                        return None;
+                    }
+                    terms.push(Term::binary(BinaryOp::Eq, x.clone(), m_term));
+                }
+                Some(Value::Scalar(
+                    Term::fold(BinaryOp::Or, terms, 0),
+                    Type::Bool,
+                ))
+            }
+            ExprKind::Within(x, low, high) => {
+                let x = self.number(x, time)?;
+                let low = self.number(low, time)?;
+                let high = self.number(high, time)?;
+                Some(Value::Scalar(
+                    Term::binary(
+                        BinaryOp::And,
+                        Term::binary(BinaryOp::Le, low.0, x.0.clone()),
+                        Term::binary(BinaryOp::Le, x.0, high.0),
+                    ),
+                    Type::Bool,
+                ))
+            }
+        }
+    }
+
+    /// A scalar of whatever type.
+    pub fn any_scalar(
+        &mut self,
+        e: &'a ast::Expr,
+        expected: Option<&Type>,
+        time: Time,
+    ) -> Option<(Term, Type)> {
+        match self.value(e, expected, time)? {
+            Value::Scalar(term, ty) => Some((term, ty)),
+            array @ Value::Array(_) => {
+                let ty = array.ty();
+                self.findings.push(
+                    Diagnostic::error(
+                        codes::TYPE_MISMATCH,
+                        e.span,
+                        format!("this is {}", ty.describe()),
+                    )
+                    .with_help(
+                        "name one element with `[i]`, or quantify over `forall i in 0..n-1`",
+                    ),
+                );
+                None
+            }
+        }
+    }
+
+    pub(super) fn number(&mut self, e: &'a ast::Expr, time: Time) -> Option<(Term, Type)> {
+        let (term, ty) = self.any_scalar(e, Some(&Type::Int), time)?;
+        if ty.is_numeric() {
+            Some((term, ty))
+        } else {
+            self.mismatch(e.span, "a number", &ty);
+            None
+        }
+    }
+}
+
+/// A real constant.
+pub(in crate::contract) fn constant_real(term: &Term) -> Option<f64> {
+    match term {
+        Term::Int(i) => Some(*i as f64),
+        Term::Real(x) => Some(*x),
+        Term::Unary(UnaryOp::Neg, a) => constant_real(a).map(|x| -x),
+        _ => None,
+    }
+}
+
+fn is_zero(term: &Term) -> bool {
+    constant_real(term) == Some(0.0)
+}
+
+fn comparable(a: &Type, b: &Type) -> bool {
+    a == b || a.is_numeric() && b.is_numeric()
+}
+
+/// The known name closest to a misspelt one, if any is close.
+pub(in crate::contract) fn nearest<'n>(
+    name: &str,
+    known: impl Iterator<Item = &'n str>,
+) -> Option<&'n str> {
+    known
+        .map(|k| (distance(name, k), k))
+        .filter(|(d, k)| *d <= 1 + name.len().min(k.len()) / 4)
+        .min()
+        .map(|(_, k)| k)
+}
+
+/// Levenshtein's edit distance.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, cb) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(ca != *cb);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,323 @@
+//! Operators: logic, equality, arithmetic, choice; dimensions and ranges.
+
+use super::{Elaborator, comparable, constant_real, is_zero};
+use crate::contract::value::{Dimension, Term, Type, Value};
+use crate::diagnostics::codes;
+use crate::gr1::interval::{Interval, Problem, interval};
+use crate::gr1::{BinaryOp, Time, UnaryOp};
+use crate::source::Span;
+use crate::syntax::ast::{self, ExprKind};
+
+impl<'a> Elaborator<'a> {
+    pub(super) fn operation(
+        &mut self,
+        span: Span,
+        op: ast::BinaryOp,
+        a: &'a ast::Expr,
+        b: &'a ast::Expr,
+        expected: Option<&Type>,
+        time: Time,
+    ) -> Option<Value> {
+        use ast::BinaryOp as A;
+        let boolean = |op, a, b| Some(Value::Scalar(Term::binary(op, a, b), Type::Bool));
+        match op {
+            A::And | A::Or | A::Implies | A::Iff | A::Xor => {
+                // Both sides are looked at even when one is wrong: all findings at once.
+                let (a, b) = (self.boolean(a, time), self.boolean(b, time));
+                let op = match op {
+                    A::And => BinaryOp::And,
+                    A::Or => BinaryOp::Or,
+                    A::Implies => BinaryOp::Implies,
+                    A::Iff => BinaryOp::Eq,
+                    _ => BinaryOp::Ne,
+                };
+                boolean(op, a?, b?)
+            }
+            A::Eq | A::Ne => {
+                let (left, right) = self.two_sides(a, b, time)?;
+                let equal = self.equal(span, left, right)?;
+                let term = if op == A::Eq {
+                    equal
+                } else {
+                    match equal {
+                        Term::Binary(BinaryOp::Eq, a, b) => Term::Binary(BinaryOp::Ne, a, b),
+                        other => Term::unary(UnaryOp::Not, other),
+                    }
+                };
+                Some(Value::Scalar(term, Type::Bool))
+            }
+            A::Lt | A::Le | A::Gt | A::Ge => {
+                let (a, b) = (self.number(a, time), self.number(b, time));
+                let ((a, at), (b, bt)) = (a?, b?);
+                self.same_dimension(span, &at, &a, &bt, &b)?;
+                let op = match op {
+                    A::Lt => BinaryOp::Lt,
+                    A::Le => BinaryOp::Le,
+                    A::Gt => BinaryOp::Gt,
+                    _ => BinaryOp::Ge,
+                };
+                boolean(op, a, b)
+            }
+            A::Add | A::Sub | A::Mul | A::Div | A::Mod => {
+                let _ = expected;
+                let (a, b_value) = (self.number(a, time), self.number(b, time));
+                self.arithmetic(span, op, a?, b_value?, b.span)
+            }
+        }
+    }
+
+    /// Both sides of an equality; a bare label is looked up in the type of the other side.
+    pub(super) fn two_sides(
+        &mut self,
+        a: &'a ast::Expr,
+        b: &'a ast::Expr,
+        time: Time,
+    ) -> Option<(Value, Value)> {
+        if self.is_label(a) && !self.is_label(b) {
+            let right = self.value(b, None, time)?;
+            let left = self.value(a, Some(&right.ty()), time)?;
+            return Some((left, right));
+        }
+        let left = self.value(a, None, time);
+        let ty = left.as_ref().map(Value::ty);
+        let right = self.value(b, ty.as_ref(), time);
+        Some((left?, right?))
+    }
+
+    pub(super) fn is_label(&self, e: &ast::Expr) -> bool {
+        match &e.kind {
+            ExprKind::Path(names) => {
+                let [name] = names.as_slice() else {
+                    return false;
+                };
+                !self.variables.contains_key(&name.text)
+                    && !self.constants.contains_key(&name.text)
+                    && !self.defines.contains_key(&name.text)
+            }
+            ExprKind::If(_, a, b) => self.is_label(a) && self.is_label(b),
+            ExprKind::List(members) => members.iter().all(|m| self.is_label(m)),
+            ExprKind::Index(base, _) => self.is_label(base),
+            _ => false,
+        }
+    }
+
+    pub(super) fn equal(&mut self, span: Span, a: Value, b: Value) -> Option<Term> {
+        match (a, b) {
+            (Value::Scalar(a, at), Value::Scalar(b, bt)) => {
+                if !comparable(&at, &bt) {
+                    self.error(
+                        codes::TYPE_MISMATCH,
+                        span,
+                        format!("{} cannot equal {}", at.describe(), bt.describe()),
+                    );
+                    return None;
+                }
+                self.same_dimension(span, &at, &a, &bt, &b)?;
+                Some(Term::binary(BinaryOp::Eq, a, b))
+            }
+            (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+                let mut terms = Vec::with_capacity(a.len());
+                for (a, b) in a.into_iter().zip(b) {
+                    terms.push(self.equal(span, a, b)?);
+                }
+                Some(Term::fold(BinaryOp::And, terms, 1))
+            }
+            (Value::Array(a), b @ Value::Scalar(..)) => {
+                // An array equals a scalar when every element does: `h = 0`.
+                let mut terms = Vec::with_capacity(a.len());
+                for a in a {
+                    terms.push(self.equal(span, a, b.clone())?);
+                }
+                Some(Term::fold(BinaryOp::And, terms, 1))
+            }
+            (a, b) => {
+                self.error(
+                    codes::TYPE_MISMATCH,
+                    span,
+                    format!("{} cannot equal {}", a.ty().describe(), b.ty().describe()),
+                );
+                None
+            }
+        }
+    }
+
+    /// Adding and comparing needs one dimension; 0 fits every one.
+    pub(super) fn same_dimension(
+        &mut self,
+        span: Span,
+        at: &Type,
+        a: &Term,
+        bt: &Type,
+        b: &Term,
+    ) -> Option<Dimension> {
+        let of = |t: &Type| match t {
+            Type::Number(d) => *d,
+            _ => Dimension::None,
+        };
+        let (ad, bd) = (of(at), of(bt));
+        if ad == bd || is_zero(b) {
+            return Some(ad);
+        }
+        if is_zero(a) {
+            return Some(bd);
+        }
+        self.error_with(
+            codes::TYPE_MISMATCH,
+            span,
+            format!("{} does not go together with {}", ad.word(), bd.word()),
+            "give both sides the same kind of unit",
+        );
+        None
+    }
+
+    pub(super) fn arithmetic(
+        &mut self,
+        span: Span,
+        op: ast::BinaryOp,
+        (a, at): (Term, Type),
+        (b, bt): (Term, Type),
+        b_span: Span,
+    ) -> Option<Value> {
+        use ast::BinaryOp as A;
+        let of = |t: &Type| match t {
+            Type::Number(d) => *d,
+            _ => Dimension::None,
+        };
+        let dimension = match op {
+            A::Add | A::Sub | A::Mod => self.same_dimension(span, &at, &a, &bt, &b)?,
+            A::Mul if of(&at) == Dimension::None => of(&bt),
+            A::Mul | A::Div if of(&bt) == Dimension::None => of(&at),
+            A::Div if of(&at) == Dimension::Length && of(&bt) == Dimension::Speed => {
+                Dimension::Time
+            }
+            _ => Dimension::None,
+        };
+        let int = at == Type::Int && bt == Type::Int;
+        let op = match op {
+            A::Add => BinaryOp::Add,
+            A::Sub => BinaryOp::Sub,
+            A::Mul => BinaryOp::Mul,
+            A::Div => BinaryOp::Div,
+            _ => BinaryOp::Mod,
+        };
+        if self.real {
+            let exact = int && op != BinaryOp::Div;
+            let ty = if exact {
+                Type::Int
+            } else {
+                Type::Number(dimension)
+            };
+            let term = match (constant_real(&a), constant_real(&b)) {
+                (Some(x), Some(y)) if !exact => Term::Real(match op {
+                    BinaryOp::Add => x + y,
+                    BinaryOp::Sub => x - y,
+                    BinaryOp::Mul => x * y,
+                    BinaryOp::Div => x / y,
+                    _ => x - y * (x / y).floor(),
+                }),
+                _ if exact => Term::binary(op, a, b),
+                _ => Term::Binary(op, Box::new(a), Box::new(b)),
+            };
+            return Some(Value::Scalar(term, ty));
+        }
+        if matches!(op, BinaryOp::Div | BinaryOp::Mod) && self.range_of(&b, b_span)?.contains(0) {
+            self.error_with(
+                codes::DIVISION,
+                b_span,
+                "this divisor can be 0",
+                "divide by a constant, or by an expression that is never 0, such as `max(x, 1)`",
+            );
+            return None;
+        }
+        let term = Term::binary(op, a, b);
+        self.range_of(&term, span)?;
+        Some(Value::Scalar(term, Type::Int))
+    }
+
+    /// The interval of a whole number; reports what leaves the arithmetic's limits.
+    pub fn range_of(&mut self, term: &Term, span: Span) -> Option<Interval> {
+        if self.real {
+            // Plant expressions are not bounded; only constant indices are asked for here.
+            return if let Term::Int(i) = term {
+                Some(Interval { low: *i, high: *i })
+            } else {
+                self.error_with(
+                    codes::NOT_CONSTANT,
+                    span,
+                    "the index has to be known before the line runs",
+                    "use numbers, constants, parameters and quantified names",
+                );
+                None
+            };
+        }
+        let expr = term.to_expr()?;
+        let result = interval(&expr, &|v| {
+            self.domains[v.index()]
+                .as_ref()
+                .map_or(Interval::BOOL, Interval::of)
+        });
+        match result {
+            Ok(range) => Some(range),
+            Err(Problem::TooLarge) => {
+                self.error_with(
+                    codes::NUMBER_RANGE,
+                    span,
+                    "this can grow beyond 2^62",
+                    "use smaller domains",
+                );
+                None
+            }
+            Err(Problem::DivisorZero) => {
+                self.error(codes::DIVISION, span, "a divisor can be 0");
+                None
+            }
+        }
+    }
+
+    pub(super) fn conditional(
+        &mut self,
+        c: &'a ast::Expr,
+        a: &'a ast::Expr,
+        b: &'a ast::Expr,
+        expected: Option<&Type>,
+        time: Time,
+    ) -> Option<Value> {
+        let condition = self.boolean(c, time);
+        let (left, right) = if expected.is_some() {
+            (self.value(a, expected, time), self.value(b, expected, time))
+        } else {
+            let (l, r) = self.two_sides(a, b, time)?;
+            (Some(l), Some(r))
+        };
+        let (condition, left, right) = (condition?, left?, right?);
+        match (left, right) {
+            (Value::Scalar(l, lt), Value::Scalar(r, rt)) if comparable(&lt, &rt) => {
+                let ty = if lt == Type::Int { rt } else { lt };
+                Some(Value::Scalar(Term::choose(condition, l, r), ty))
+            }
+            (Value::Array(l), Value::Array(r)) if l.len() == r.len() => {
+                let mut elements = Vec::with_capacity(l.len());
+                for (l, r) in l.into_iter().zip(r) {
+                    let (Value::Scalar(l, lt), Value::Scalar(r, rt)) = (l, r) else {
+                        self.error(
+                            codes::TYPE_MISMATCH,
+                            a.span,
+                            "arrays of arrays cannot be chosen",
+                        );
+                        return None;
+                    };
+                    if !comparable(&lt, &rt) {
+                        self.mismatch(b.span, &lt.describe(), &rt);
+                        return None;
+                    }
+                    elements.push(Value::Scalar(Term::choose(condition.clone(), l, r), lt));
+                }
+                Some(Value::Array(elements))
+            }
+            (l, r) => {
+                self.mismatch(b.span, &l.ty().describe(), &r.ty());
+                None
+            }
+        }
+    }
+}

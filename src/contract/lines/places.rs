@@ -1,0 +1,471 @@
+//! Sources, stores, sinks, buffers, conveyors and stations.
+
+use super::Builder;
+use crate::contract::elaborate::nearest;
+use crate::contract::instantiate;
+use crate::contract::line::{Belt, Defect, NodeKind, Supply, Task};
+use crate::contract::machine::{Machine, PropertyKind};
+use crate::contract::machines::{
+    PropertyType, assigned, failures, machine, positive, property_values, see_property,
+};
+use crate::contract::value::Dimension;
+use crate::diagnostics::codes;
+use crate::gr1::Domain;
+use crate::source::Span;
+use crate::syntax::ast::{self, LineItem, StationItem};
+use std::sync::Arc;
+
+impl<'a> Builder<'a, '_> {
+    pub(super) fn node(&mut self, item: &'a LineItem) -> Option<(&'a ast::Name, NodeKind)> {
+        match item {
+            LineItem::Source { name, part, supply } => {
+                let part = self.find_part(part);
+                let supply = match supply {
+                    ast::Supply::OnOrder => Some(Supply::OnOrder),
+                    ast::Supply::Every {
+                        seconds,
+                        random,
+                        limit,
+                    } => positive(&mut self.e, seconds, Dimension::Time).map(|s| Supply::Every {
+                        seconds: s,
+                        random: *random,
+                        limit: *limit,
+                    }),
+                };
+                Some((
+                    name,
+                    NodeKind::Source {
+                        part: part?,
+                        supply: supply?,
+                    },
+                ))
+            }
+            LineItem::Store { name, stock } => {
+                let mut resolved = Vec::new();
+                for counted in stock {
+                    if let Some(part) = self.find_part(&counted.name) {
+                        resolved.push((part, counted.count));
+                    }
+                }
+                Some((name, NodeKind::Store { stock: resolved }))
+            }
+            LineItem::Sink {
+                name,
+                rejects,
+                reorder,
+            } => {
+                let reorder = match reorder {
+                    None => None,
+                    Some(r) => Some(self.find_node(r)?),
+                };
+                Some((
+                    name,
+                    NodeKind::Sink {
+                        reject: *rejects,
+                        reorder,
+                    },
+                ))
+            }
+            LineItem::Buffer { name, capacity } => {
+                if *capacity == 0 || *capacity > 1_000_000 {
+                    self.e.error_with(
+                        codes::ARGUMENT,
+                        name.span,
+                        format!("a buffer for {capacity} parts"),
+                        "the capacity is 1 to 1000000",
+                    );
+                    return None;
+                }
+                Some((
+                    name,
+                    NodeKind::Buffer {
+                        capacity: *capacity as u32,
+                    },
+                ))
+            }
+            LineItem::Conveyor {
+                name,
+                machine,
+                options,
+            } => self.conveyor(name, machine.as_ref(), options),
+            LineItem::Station {
+                name,
+                machine,
+                arguments,
+                items,
+            } => self.station(name, machine, arguments, items),
+            _ => None,
+        }
+    }
+
+    pub(super) fn machine(
+        &mut self,
+        name: &ast::Name,
+        arguments: &'a [ast::Argument],
+    ) -> Option<Arc<Machine>> {
+        let Some(decl) = self.scope.machines.get(name.text.as_str()) else {
+            let known = self.scope.machines.keys().copied();
+            let help = match nearest(&name.text, known) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => "declare it with `machine`, or import the file that does".to_owned(),
+            };
+            self.e.error_with(
+                codes::NAME_UNKNOWN,
+                name.span,
+                format!("there is no machine `{}`", name.text),
+                help,
+            );
+            return None;
+        };
+        let given =
+            instantiate::arguments(&mut self.e, &decl.header.parameters, arguments, &name.text);
+        let before = self.e.findings.len();
+        let mut found = Vec::new();
+        let model = machine(
+            self.scope,
+            self.sources,
+            decl,
+            &given,
+            Some(name.span),
+            &mut found,
+        );
+        if model.is_none() {
+            self.e.findings.append(&mut found);
+            if self.e.findings.len() == before {
+                self.e.error(
+                    codes::NAME_UNKNOWN,
+                    name.span,
+                    format!("the machine `{}` cannot be used", name.text),
+                );
+            }
+        }
+        model.map(Arc::new)
+    }
+
+    pub(super) fn conveyor(
+        &mut self,
+        name: &'a ast::Name,
+        declared: Option<&'a (ast::Name, Vec<ast::Argument>)>,
+        options: &'a [(ast::Name, ast::Expr)],
+    ) -> Option<(&'a ast::Name, NodeKind)> {
+        let (mut places, mut pitch, mut speed, mut watts) = (None, None, None, 0.0);
+        for (word, value) in options {
+            match word.text.as_str() {
+                "places" => places = self.e.constant_int(value).map(|n| (n, value.span)),
+                "pitch" => pitch = positive(&mut self.e, value, Dimension::Length),
+                "speed" => speed = positive(&mut self.e, value, Dimension::Speed),
+                _ => watts = positive(&mut self.e, value, Dimension::Power).unwrap_or(0.0),
+            }
+        }
+        let belt = match declared {
+            None => None,
+            Some((machine_name, arguments)) => {
+                let machine = self.machine(machine_name, arguments)?;
+                Some(self.belt(machine_name.span, machine)?)
+            }
+        };
+        let count = match (&belt, places) {
+            (Some(belt), Some((n, span))) if n != belt.places.len() as i64 => {
+                self.e.error_with(
+                    codes::ARGUMENT,
+                    span,
+                    format!("the contract has {} places, not {n}", belt.places.len()),
+                    "leave `places` out; the contract says how many there are",
+                );
+                return None;
+            }
+            (Some(belt), _) => belt.places.len() as i64,
+            (None, Some((n, span))) => {
+                if !(1..=100_000).contains(&n) {
+                    self.e
+                        .error(codes::ARGUMENT, span, "a conveyor has 1 to 100000 places");
+                    return None;
+                }
+                n
+            }
+            (None, None) => {
+                self.e.error_with(
+                    codes::ARGUMENT,
+                    name.span,
+                    "how many parts fit on this conveyor?",
+                    "add `places 3`, or a contract: `conveyor belt: Belt`",
+                );
+                return None;
+            }
+        };
+        let (pitch, speed) = (pitch.unwrap_or(1.0), speed.unwrap_or(1.0));
+        if pitch == 0.0 || speed == 0.0 {
+            self.e.error(
+                codes::ARGUMENT,
+                name.span,
+                "pitch and speed of a conveyor are more than 0",
+            );
+            return None;
+        }
+        Some((
+            name,
+            NodeKind::Conveyor {
+                places: count as u32,
+                pitch,
+                speed,
+                belt,
+                watts,
+            },
+        ))
+    }
+
+    /// The wires of a belt's machine: inputs `load` and `unload_ready`, outputs `s[i]` and `ready`.
+    pub(super) fn belt(&mut self, span: Span, machine: Arc<Machine>) -> Option<Belt> {
+        let plant = |name: &str| machine.plant.iter().position(|p| p.name == name);
+        let wires: Vec<String> = (0..machine.wire_count())
+            .map(|w| machine.wire_name(w))
+            .collect();
+        let output = |name: &str| wires.iter().position(|w| w.ends_with(&format!(".{name}")));
+        let mut places = Vec::new();
+        while let Some(wire) = output(&format!("s[{}]", places.len())) {
+            places.push(wire);
+        }
+        let moore = machine
+            .components
+            .iter()
+            .all(|c| c.specification.timing == crate::gr1::Timing::Moore);
+        if let (Some(load), Some(unload_ready), Some(ready), false) = (
+            plant("load"),
+            plant("unload_ready"),
+            output("ready"),
+            places.is_empty() || !machine.operations.is_empty() || !moore,
+        ) {
+            Some(Belt {
+                machine,
+                load,
+                unload_ready,
+                places,
+                ready,
+            })
+        } else {
+            self.e.error_with(
+                codes::ARGUMENT,
+                span,
+                format!("`{}` cannot move a conveyor", machine.name),
+                "a belt's machine has the signals `load` and `unload_ready`, a `moore` action with the outputs `s: array[n] of bool` and `ready`, and no operations",
+            );
+            None
+        }
+    }
+
+    pub(super) fn station(
+        &mut self,
+        name: &'a ast::Name,
+        machine_name: &'a ast::Name,
+        arguments: &'a [ast::Argument],
+        items: &'a [StationItem],
+    ) -> Option<(&'a ast::Name, NodeKind)> {
+        let machine = self.machine(machine_name, arguments)?;
+        let mut tasks: Vec<Task> = Vec::new();
+        let mut defects = Vec::new();
+        let mut setup_seconds = 0.0;
+        let mut breakdowns = machine.failures;
+        for item in items {
+            match item {
+                StationItem::Setup(value) => {
+                    if let Some(v) = positive(&mut self.e, value, Dimension::Time) {
+                        setup_seconds = v;
+                    }
+                }
+                StationItem::Failures(a, b) => breakdowns = failures(&mut self.e, a, b),
+                StationItem::Perform { operations, part } => {
+                    if let Some(task) = self.task(&machine, operations, part) {
+                        if tasks.iter().any(|t| t.part == task.part) {
+                            self.e.error_with(
+                                codes::NAME_DOUBLE,
+                                part.span,
+                                format!("`{}` is performed on already", part.text),
+                                "name all operations in one `perform a, b on P`",
+                            );
+                        }
+                        tasks.push(task);
+                    }
+                }
+                StationItem::Defect {
+                    part,
+                    probability,
+                    property,
+                    value,
+                } => {
+                    if let Some(defect) = self.defect(part, probability, property, value) {
+                        defects.push(defect);
+                    }
+                }
+            }
+        }
+        if machine.operations.is_empty() {
+            self.e.error_with(
+                codes::OPERATION,
+                machine_name.span,
+                format!(
+                    "`{}` has no operations, so it cannot be a station",
+                    machine.name
+                ),
+                "a belt's machine moves a `conveyor`",
+            );
+            return None;
+        }
+        Some((
+            name,
+            NodeKind::Station {
+                machine,
+                tasks,
+                defects,
+                setup_seconds,
+                failures: breakdowns,
+            },
+        ))
+    }
+
+    pub(super) fn task(
+        &mut self,
+        machine: &Machine,
+        operations: &'a [(ast::Name, Vec<ast::Argument>)],
+        part: &'a ast::Name,
+    ) -> Option<Task> {
+        let index = self.find_part(part);
+        let mut resolved = Vec::new();
+        for (name, arguments) in operations {
+            let Some(operation) = machine.operations.iter().position(|o| o.name == name.text)
+            else {
+                let known = machine.operations.iter().map(|o| o.name.as_str());
+                let help = match nearest(&name.text, known.clone()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!(
+                        "its operations are {}",
+                        known.collect::<Vec<_>>().join(", ")
+                    ),
+                };
+                self.e.error_with(
+                    codes::OPERATION,
+                    name.span,
+                    format!("`{}` has no operation `{}`", machine.name, name.text),
+                    help,
+                );
+                continue;
+            };
+            let mut values = Vec::new();
+            for argument in arguments {
+                let found = machine.properties.iter().position(|p| {
+                    p.kind == PropertyKind::Parameter && p.name == argument.name.text
+                });
+                let Some(i) = found else {
+                    self.e.error_with(
+                        codes::ARGUMENT,
+                        argument.name.span,
+                        format!(
+                            "`{}` has no parameter `{}`",
+                            machine.name, argument.name.text
+                        ),
+                        "declare it in the machine: `parameter ...`",
+                    );
+                    continue;
+                };
+                let ty = PropertyType {
+                    unit: machine.properties[i].unit.clone(),
+                    domain: machine.properties[i].domain.clone(),
+                    length: None,
+                };
+                if let Some(v) = property_values(&mut self.e, &ty, Some(&argument.value)) {
+                    values.push((i, v[0]));
+                }
+            }
+            resolved.push((operation, values));
+        }
+        let index = index?;
+        let carried = &self.parts[index].model.properties;
+        let mut mapping = Vec::new();
+        let mut clashes = Vec::new();
+        for p in &machine.properties {
+            let found = (p.kind == PropertyKind::Part)
+                .then(|| carried.iter().position(|c| c.name == p.name))
+                .flatten();
+            if let Some(i) = found
+                && (carried[i].unit != p.unit
+                    || !same_values(carried[i].domain.as_ref(), p.domain.as_ref()))
+            {
+                clashes.push(p.name.clone());
+            }
+            mapping.push(found);
+        }
+        for name in clashes {
+            self.e.error_with(
+                codes::PROPERTY,
+                part.span,
+                format!(
+                    "`{name}` of `{}` has another type than in the machine `{}`",
+                    part.text, machine.name
+                ),
+                "declare it in both with the same unit, range or labels",
+            );
+        }
+        Some(Task {
+            part: index,
+            operations: resolved,
+            properties: mapping,
+            span: part.span,
+        })
+    }
+
+    pub(super) fn defect(
+        &mut self,
+        part: &'a ast::Name,
+        probability: &'a ast::Expr,
+        property: &'a ast::Name,
+        value: &'a ast::Expr,
+    ) -> Option<Defect> {
+        let index = self.find_part(part)?;
+        let p = positive(&mut self.e, probability, Dimension::None)?;
+        if p > 1.0 {
+            self.e.error(
+                codes::ARGUMENT,
+                probability.span,
+                "a probability is between 0 and 1",
+            );
+            return None;
+        }
+        let found = self.parts[index]
+            .types
+            .iter()
+            .find(|(n, ..)| *n == property.text)
+            .cloned();
+        let Some((_, first, ty)) = found else {
+            self.e.error(
+                codes::PROPERTY,
+                property.span,
+                format!("`{}` has no property `{}`", part.text, property.text),
+            );
+            return None;
+        };
+        let element = PropertyType {
+            length: None,
+            ..ty.clone()
+        };
+        let mut scope = self.part_scope(index);
+        see_property(&mut scope, "it", &element);
+        let term = assigned(&mut scope, &element, value);
+        self.e.findings.append(&mut scope.findings);
+        let count = self.parts[index].model.properties.len() + 1;
+        Some(Defect {
+            part: index,
+            probability: p,
+            properties: (first..first + ty.length.unwrap_or(1)).collect(),
+            value: term?.to_real(count),
+            span: property.span,
+        })
+    }
+}
+
+/// Whether two properties have the same values; the name of an enumeration does not matter.
+fn same_values(a: Option<&Domain>, b: Option<&Domain>) -> bool {
+    match (a, b) {
+        (None, None) => true,
+        (Some(a), Some(b)) => a.describe() == b.describe(),
+        _ => false,
+    }
+}

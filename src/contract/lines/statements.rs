@@ -1,0 +1,205 @@
+//! Routes, requirements, shifts, limits and the end product.
+
+use super::Builder;
+use crate::contract::elaborate::nearest;
+use crate::contract::line::{Comparison, Limit, Line, Metric, Requirement, Route, Shift};
+use crate::contract::machines::positive;
+use crate::contract::value::Dimension;
+use crate::diagnostics::codes;
+use crate::gr1::Time;
+use crate::syntax::ast::{self, LineItem};
+
+impl<'a> Builder<'a, '_> {
+    pub(super) fn product(&mut self, decl: &'a ast::Line, model: &mut Line) {
+        let mut named = decl.items.iter().filter_map(|i| match i {
+            LineItem::Product(name) => Some(name),
+            _ => None,
+        });
+        let joined: Vec<usize> = (0..self.parts.len())
+            .filter(|i| !self.parts[*i].model.bill.is_empty())
+            .collect();
+        match (named.next(), joined.as_slice()) {
+            (Some(name), _) => {
+                if let Some(p) = self.find_part(name) {
+                    model.product = p;
+                }
+            }
+            (None, [one]) => model.product = *one,
+            (None, []) if self.parts.len() == 1 => model.product = 0,
+            _ => self.e.error_with(
+                codes::LINE_UNKNOWN,
+                decl.name.span,
+                "which part is the end product?",
+                "add `product P`",
+            ),
+        }
+        if let Some(second) = named.next() {
+            self.e.error(
+                codes::NAME_DOUBLE,
+                second.span,
+                "a line has one end product",
+            );
+        }
+    }
+
+    pub(super) fn statement(&mut self, item: &'a LineItem, model: &mut Line) {
+        match item {
+            LineItem::Route { part, stops, when } => self.route(part, stops, when.as_ref(), model),
+            LineItem::Shift(from, to) => {
+                let a = positive(&mut self.e, from, Dimension::Time);
+                let b = positive(&mut self.e, to, Dimension::Time);
+                if let (Some(from_s), Some(to_s)) = (a, b) {
+                    if from_s >= to_s || to_s > 86_400.0 {
+                        self.e.error_with(
+                            codes::ARGUMENT,
+                            from.span.to(to.span),
+                            "a shift begins before it ends, within one day",
+                            "write `shift 6 h to 14 h`",
+                        );
+                    }
+                    model.shift = Some(Shift {
+                        from: from_s,
+                        to: to_s,
+                    });
+                }
+            }
+            LineItem::Limit(value, true) => {
+                if let Some(n) = self.e.constant_int(value) {
+                    if n < 1 {
+                        self.e
+                            .error(codes::ARGUMENT, value.span, "at least one product");
+                    }
+                    model.limit = Some(Limit::Products(n.max(1) as u64));
+                }
+            }
+            LineItem::Limit(value, false) => {
+                if let Some(s) = positive(&mut self.e, value, Dimension::Time) {
+                    model.limit = Some(Limit::Seconds(s));
+                }
+            }
+            LineItem::Requirement {
+                name,
+                metric,
+                of,
+                op,
+                bound,
+                per_hour,
+                span,
+            } => {
+                let Some((metric, dimension, factor)) = self.metric(metric, of.as_ref()) else {
+                    return;
+                };
+                if *per_hour != (metric == Metric::ThroughputPerHour) {
+                    self.e.error_with(
+                        codes::TYPE_MISMATCH,
+                        *span,
+                        if *per_hour {
+                            "`per hour` belongs to `throughput`"
+                        } else {
+                            "the throughput of what time?"
+                        },
+                        "write `throughput >= 20 per hour`",
+                    );
+                }
+                let comparison = match op {
+                    ast::BinaryOp::Lt => Comparison::Lt,
+                    ast::BinaryOp::Le => Comparison::Le,
+                    ast::BinaryOp::Eq => Comparison::Eq,
+                    ast::BinaryOp::Ge => Comparison::Ge,
+                    ast::BinaryOp::Gt => Comparison::Gt,
+                    _ => {
+                        self.e.error(
+                            codes::TYPE_MISMATCH,
+                            *span,
+                            "a requirement compares with <, <=, =, >= or >",
+                        );
+                        return;
+                    }
+                };
+                if let Some(value) = self.e.constant_quantity(bound, dimension) {
+                    model.requirements.push(Requirement {
+                        name: name.text.clone(),
+                        metric,
+                        comparison,
+                        bound: value / factor,
+                        span: *span,
+                    });
+                }
+            }
+            _ => {}
+        }
+    }
+
+    pub(super) fn metric(
+        &mut self,
+        name: &ast::Name,
+        of: Option<&ast::Name>,
+    ) -> Option<(Metric, Dimension, f64)> {
+        const NAMES: [&str; 8] = [
+            "throughput",
+            "makespan",
+            "lead_time",
+            "energy",
+            "rejected",
+            "products",
+            "violations",
+            "busy",
+        ];
+        Some(match (name.text.as_str(), of) {
+            ("throughput", None) => (Metric::ThroughputPerHour, Dimension::None, 1.0),
+            ("makespan", None) => (Metric::MakespanSeconds, Dimension::Time, 1.0),
+            ("lead_time", None) => (Metric::LeadTimeMeanSeconds, Dimension::Time, 1.0),
+            ("energy", None) => (Metric::EnergyKwh, Dimension::Energy, 3.6e6),
+            ("rejected", None) => (Metric::Rejected, Dimension::None, 1.0),
+            ("products", None) => (Metric::Products, Dimension::None, 1.0),
+            ("violations", None) => (Metric::Violations, Dimension::None, 1.0),
+            ("busy", Some(station)) => {
+                (Metric::Busy(self.find_node(station)?), Dimension::None, 1.0)
+            }
+            (other, _) => {
+                let help = match nearest(other, NAMES.into_iter()) {
+                    Some("busy") => "write `busy(station)`".to_owned(),
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("the measures are {}(station)", NAMES.join(", ")),
+                };
+                self.e.error_with(
+                    codes::NAME_UNKNOWN,
+                    name.span,
+                    format!("`{other}` is not measured"),
+                    help,
+                );
+                return None;
+            }
+        })
+    }
+
+    pub(super) fn route(
+        &mut self,
+        part: &'a ast::Name,
+        stops: &'a [ast::Name],
+        when: Option<&'a ast::Expr>,
+        model: &mut Line,
+    ) {
+        let index = self.find_part(part);
+        let nodes: Vec<Option<usize>> = stops.iter().map(|s| self.find_node(s)).collect();
+        let Some(index) = index else { return };
+        let condition = when.and_then(|c| {
+            let mut scope = self.part_scope(index);
+            let term = scope.boolean(c, Time::Now);
+            self.e.findings.append(&mut scope.findings);
+            Some(term?.to_real(self.parts[index].model.properties.len()))
+        });
+        for (i, pair) in nodes.windows(2).enumerate() {
+            let (Some(from), Some(to)) = (pair[0], pair[1]) else {
+                continue;
+            };
+            model.routes.push(Route {
+                part: index,
+                from,
+                to,
+                condition: if i == 0 { condition.clone() } else { None },
+                span: stops[i].span.to(stops[i + 1].span),
+            });
+        }
+    }
+}

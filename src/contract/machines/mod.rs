@@ -1,0 +1,329 @@
+//! From a machine's syntax tree and arguments to its model: contracts instantiated, wires laid, expressions resolved.
+
+mod component;
+mod plant;
+mod properties;
+mod settings;
+
+pub(super) use properties::{
+    PropertyType, assigned, element_names, property_type, property_values, see_property,
+};
+pub(super) use settings::{failures, positive};
+
+use super::TaxonomyCode;
+use super::elaborate::{Elaborator, nearest};
+use super::instantiate::{self, Arguments, instantiate};
+use super::machine::{Machine, PlantInput, Property, PropertyKind};
+use super::scope::{Scope, double};
+use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::gr1::{Domain, Specification, Timing};
+use crate::source::{SourceMap, Span};
+use crate::syntax::ast::{self, MachineItem};
+use component::{component, scope_of_wires};
+use plant::{declare_plant, operations};
+use settings::settings;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Operations that say nothing else end within so many steps.
+const DEFAULT_STEP_LIMIT: u64 = 10_000;
+
+struct Parts<'a> {
+    machine: &'a ast::Machine,
+    properties: Vec<(Property, Option<Domain>)>,
+    /// By name: its first element's index and its type.
+    property_types: BTreeMap<String, (usize, PropertyType)>,
+    plant: Vec<PlantInput>,
+    plant_entries: BTreeMap<String, Vec<usize>>,
+    components: Vec<(&'a ast::Component, Arc<Specification>)>,
+}
+
+/// A machine with these arguments. `None` when something is wrong; findings say what.
+pub(super) fn machine(
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+    machine: &ast::Machine,
+    given: &Arguments,
+    call: Option<Span>,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<Machine> {
+    let mut e = scope.elaborator();
+    e.real = true;
+    if instantiate::bind(&mut e, &machine.header.parameters, given, call).is_none() {
+        findings.append(&mut e.findings);
+        return None;
+    }
+    for item in &machine.items {
+        match item {
+            MachineItem::Const(decl) => super::scope::constant(&mut e, decl, &mut Vec::new()),
+            MachineItem::Type(decl) => super::scope::type_decl(&mut e, decl),
+            _ => {}
+        }
+    }
+    let mut parts = Parts {
+        machine,
+        properties: Vec::new(),
+        property_types: BTreeMap::new(),
+        plant: Vec::new(),
+        plant_entries: BTreeMap::new(),
+        components: Vec::new(),
+    };
+    let result = build(&mut e, &mut parts, scope, sources);
+    let broken = has_errors(&e.findings);
+    findings.append(&mut e.findings);
+    if broken { None } else { result }
+}
+
+fn build<'a>(
+    e: &mut Elaborator<'a>,
+    parts: &mut Parts<'a>,
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+) -> Option<Machine> {
+    let machine = parts.machine;
+    no_doubles(e, machine);
+    declare_properties(e, parts);
+    instantiate_components(e, parts, scope, sources);
+    let operations = operations(e, parts);
+    declare_plant(e, parts, &operations);
+    if has_errors(&e.findings) {
+        return None;
+    }
+    let properties = parts.properties.len();
+
+    // Wires: the plant's first, then every component's outputs.
+    let mut wires = scope_of_wires(e, parts);
+    let mut components = Vec::new();
+    let mut first = parts.plant.len();
+    let firsts: Vec<usize> = parts
+        .components
+        .iter()
+        .map(|(_, s)| {
+            let here = first;
+            first += s.outputs().count();
+            here
+        })
+        .collect();
+    for index in 0..parts.components.len() {
+        let component = component(e, &mut wires, parts, index, &firsts);
+        components.extend(component);
+    }
+    e.findings.append(&mut wires.findings);
+
+    let mut model = Machine {
+        name: machine.header.name.text.clone(),
+        doc: machine.header.doc.clone(),
+        codes: machine
+            .header
+            .codes
+            .iter()
+            .map(|c| TaxonomyCode {
+                text: c.text.clone(),
+                span: c.span,
+            })
+            .collect(),
+        components,
+        plant: parts.plant.clone(),
+        properties: parts.properties.iter().map(|(p, _)| p.clone()).collect(),
+        operations,
+        writes: Vec::new(),
+        done: None,
+        step_seconds: 1.0,
+        base_watts: 0.0,
+        idle_watts: 0.0,
+        step_limit: DEFAULT_STEP_LIMIT,
+        failures: None,
+        span: machine.header.name.span,
+    };
+    settings(e, parts, &mut model, &mut wires, properties);
+    e.findings.append(&mut wires.findings);
+    if model.operations.is_empty() != model.done.is_none() {
+        e.error_with(
+            codes::OPERATION,
+            machine.header.name.span,
+            if model.done.is_none() {
+                "this machine has operations, but does not say when one is done"
+            } else {
+                "this machine says when an operation is done, but has none"
+            },
+            "a machine has both `operation ...` and `done ...`, or neither (a belt that is only stepped)",
+        );
+    }
+    Some(model)
+}
+
+/// Statements that may stand once, and names that may be declared once.
+fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
+    let mut names: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut operations: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut done: Option<Span> = None;
+    for item in &machine.items {
+        let name = match item {
+            MachineItem::Property(t)
+            | MachineItem::Parameter(t)
+            | MachineItem::Signal(t)
+            | MachineItem::Abstract(t) => &t.name,
+            MachineItem::Component(c) => &c.name,
+            MachineItem::Operation { name, .. } => {
+                if let Some(first) = operations.insert(&name.text, name.span) {
+                    e.findings.push(double(name, first));
+                }
+                continue;
+            }
+            MachineItem::Done(expr) => {
+                if let Some(first) = done {
+                    e.findings.push(
+                        Diagnostic::error(codes::NAME_DOUBLE, expr.span, "`done` stands twice")
+                            .with_label(first, "first here")
+                            .with_help("join the two with `or`"),
+                    );
+                }
+                done = Some(expr.span);
+                continue;
+            }
+            _ => continue,
+        };
+        if let Some(first) = names.insert(&name.text, name.span) {
+            e.findings.push(double(name, first));
+        }
+    }
+}
+
+fn declare_properties<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
+    for item in &parts.machine.items {
+        let (typed, kind) = match item {
+            MachineItem::Property(t) => (t, PropertyKind::Part),
+            MachineItem::Parameter(t) => (t, PropertyKind::Parameter),
+            _ => continue,
+        };
+        let Some(ty) = property_type(e, &typed.domain) else {
+            continue;
+        };
+        let Some(values) = property_values(e, &ty, typed.values.first()) else {
+            continue;
+        };
+        let first = parts.properties.len();
+        for (name, default) in element_names(&typed.name.text, &ty).into_iter().zip(values) {
+            parts.properties.push((
+                Property {
+                    name,
+                    unit: ty.unit.clone(),
+                    default,
+                    kind,
+                    domain: ty.domain.clone(),
+                    span: typed.name.span,
+                },
+                ty.domain.clone(),
+            ));
+        }
+        see_property(e, &typed.name.text, &ty);
+        parts
+            .property_types
+            .insert(typed.name.text.clone(), (first, ty));
+    }
+}
+
+fn instantiate_components<'a>(
+    e: &mut Elaborator<'a>,
+    parts: &mut Parts<'a>,
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+) {
+    let items = parts.machine.items.iter().filter_map(|i| match i {
+        MachineItem::Component(c) => Some(c),
+        _ => None,
+    });
+    let mut ordered: Vec<&'a ast::Component> = items.collect();
+    let coordinators = ordered.iter().filter(|c| c.coordinator).count();
+    if coordinators > 1
+        && let Some(second) = ordered.iter().filter(|c| c.coordinator).nth(1)
+    {
+        e.error_with(
+            codes::COORDINATOR_KIND,
+            second.name.span,
+            "a machine has one coordinator",
+            "make the second one an `action`, or put it into a machine of its own",
+        );
+    }
+    ordered.sort_by_key(|c| !c.coordinator);
+    if ordered.is_empty() {
+        e.error_with(
+            codes::OPERATION,
+            parts.machine.header.name.span,
+            "this machine has no component",
+            "add `action name: Contract`",
+        );
+    }
+    for c in ordered {
+        let Some(contract) = scope.contracts.get(c.contract.text.as_str()) else {
+            let known = scope.contracts.keys().copied();
+            let help = match nearest(&c.contract.text, known) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => "import the file that declares it".to_owned(),
+            };
+            e.error_with(
+                codes::NAME_UNKNOWN,
+                c.contract.span,
+                format!("there is no contract `{}`", c.contract.text),
+                help,
+            );
+            continue;
+        };
+        let given = instantiate::arguments(
+            e,
+            &contract.header.parameters,
+            &c.arguments,
+            &c.contract.text,
+        );
+        // What is wrong within the contract is reported once, with the contract; here only what the call gets wrong.
+        let mut found = Vec::new();
+        let instance = instantiate(
+            scope,
+            sources,
+            contract,
+            &given,
+            Some(c.contract.span),
+            &mut found,
+        );
+        let calls = found.into_iter().filter(|d| {
+            d.span.is_some_and(|s| {
+                s.file == c.contract.span.file
+                    && s.start >= c.name.span.start
+                    && parts.machine.header.name.span.start < s.start
+            }) && d.code == codes::ARGUMENT
+        });
+        let before = e.findings.len();
+        e.findings.extend(calls);
+        match instance {
+            Some(instance) => parts.components.push((c, instance.specification)),
+            None if e.findings.len() == before => e.error_with(
+                codes::NAME_UNKNOWN,
+                c.contract.span,
+                format!(
+                    "the contract `{}` cannot be used with these arguments",
+                    c.contract.text
+                ),
+                format!(
+                    "see the findings of `{}`, or other arguments",
+                    c.contract.text
+                ),
+            ),
+            None => {}
+        }
+    }
+    for (c, s) in &parts.components {
+        if c.coordinator && s.timing != Timing::Moore {
+            e.findings.push(
+                Diagnostic::error(
+                    codes::COORDINATOR_KIND,
+                    c.contract.span,
+                    format!("the coordinator `{}` is not a `moore` contract", c.name.text),
+                )
+                .with_help(format!(
+                    "write `moore contract {}`: a coordinator answers before it sees what the actions do in the same step",
+                    c.contract.text
+                )),
+            );
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! What the plant gives: the operation, signals, and abstractions of properties.
+
+use super::Parts;
+use super::properties::{PropertyType, assigned};
+use crate::contract::elaborate::Elaborator;
+use crate::contract::instantiate::taxonomy_codes;
+use crate::contract::machine::{Operation, PlantInput, PlantSource};
+use crate::contract::value::{Term, Type, Value};
+use crate::diagnostics::{Diagnostic, codes};
+use crate::gr1::{Domain, Time};
+use crate::syntax::ast::{ExprKind, MachineItem};
+
+/// The jobs, and the plant wire that selects one: wire 0.
+pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> Vec<Operation> {
+    let mut declared = Vec::new();
+    for item in &parts.machine.items {
+        if let MachineItem::Operation {
+            name,
+            codes,
+            sequence,
+        } = item
+        {
+            declared.push((name, codes, sequence));
+        }
+    }
+    if declared.is_empty() {
+        return Vec::new();
+    }
+    // The type of the input that is bound to `operation` is the type of the wire.
+    let bound = parts.components.iter().find_map(|(c, s)| {
+        c.bindings.iter().find_map(|b| {
+            let is_operation = matches!(&b.value.kind, ExprKind::Path(p) if p.len() == 1 && p[0].text == "operation");
+            let input = s.inputs().map(|id| s.variable(id)).find(|v| v.name == b.name.text)?;
+            match (&input.domain, is_operation) {
+                (Domain::Enum { labels, .. }, true) => Some((input.domain.clone(), labels.clone(), input.span)),
+                _ => None,
+            }
+        })
+    });
+    let (domain, labels) = if let Some((domain, labels, _)) = &bound {
+        (domain.clone(), labels.clone())
+    } else {
+        let labels: Vec<String> = std::iter::once("none".to_owned())
+            .chain(declared.iter().map(|(n, ..)| n.text.clone()))
+            .collect();
+        (
+            Domain::Enum {
+                name: None,
+                labels: labels.clone(),
+            },
+            labels,
+        )
+    };
+    let span = declared[0].0.span;
+    parts.plant.push(PlantInput {
+        name: "operation".to_owned(),
+        domain,
+        source: PlantSource::Operation,
+        span,
+    });
+    parts.plant_entries.insert("operation".to_owned(), vec![0]);
+    let mut result = Vec::new();
+    for (name, code_names, sequence) in declared {
+        let Some(value) = labels.iter().position(|l| *l == name.text) else {
+            let mut finding = Diagnostic::error(
+                codes::OPERATION,
+                name.span,
+                format!("the coordinator does not know the job `{}`", name.text),
+            )
+            .with_help(format!("its jobs are {}", labels.join(", ")));
+            if let Some((_, _, span)) = &bound
+                && span.file == name.span.file
+            {
+                finding = finding.with_label(*span, "the job is chosen here");
+            }
+            e.findings.push(finding);
+            continue;
+        };
+        let mut indices = Vec::new();
+        for action in sequence {
+            match parts
+                .components
+                .iter()
+                .position(|(c, _)| c.name.text == action.text && !c.coordinator)
+            {
+                Some(i) => indices.push(i),
+                None => e.error_with(
+                    codes::NAME_UNKNOWN,
+                    action.span,
+                    format!("this machine has no action `{}`", action.text),
+                    "name actions of this machine, in the order in which they run",
+                ),
+            }
+        }
+        if sequence.is_empty() {
+            match parts
+                .components
+                .iter()
+                .position(|(c, _)| c.name.text == name.text && !c.coordinator)
+            {
+                Some(i) => indices.push(i),
+                None => e.error_with(
+                    codes::OPERATION,
+                    name.span,
+                    format!("no action is called `{}`", name.text),
+                    "name the actions after a colon: `operation emptying: pick, turn, place`",
+                ),
+            }
+        }
+        result.push(Operation {
+            name: name.text.clone(),
+            codes: taxonomy_codes(code_names, &mut e.findings),
+            sequence: indices,
+            value: value as i64,
+            span: name.span,
+        });
+    }
+    result
+}
+
+pub(super) fn declare_plant<'a>(
+    e: &mut Elaborator<'a>,
+    parts: &mut Parts<'a>,
+    operations: &[Operation],
+) {
+    let _ = operations;
+    let properties = parts.properties.len();
+    for item in &parts.machine.items {
+        let (typed, signal) = match item {
+            MachineItem::Signal(t) => (t, true),
+            MachineItem::Abstract(t) => (t, false),
+            _ => continue,
+        };
+        let Some((domain, length)) = e.domain(&typed.domain) else {
+            continue;
+        };
+        let n = length.unwrap_or(1);
+        let mut sources: Vec<PlantSource> = Vec::new();
+        if signal {
+            let ty = Type::of(&domain);
+            let mut script = Vec::new();
+            for value in &typed.values {
+                match e.scalar(value, &ty) {
+                    Some(Term::Int(i)) if domain.contains(i) => script.push(i),
+                    Some(Term::Int(i)) => e.error(
+                        codes::ARGUMENT,
+                        value.span,
+                        format!("{} is outside {}", domain.show(i), domain.describe()),
+                    ),
+                    Some(_) => e.error(
+                        codes::NOT_CONSTANT,
+                        value.span,
+                        "a signal's script is made of constants",
+                    ),
+                    None => {}
+                }
+            }
+            if script.is_empty() {
+                continue;
+            }
+            sources = vec![PlantSource::Signal { script }; n];
+        } else if let Some(value) = typed.values.first() {
+            let element = PropertyType {
+                unit: String::new(),
+                domain: Some(domain.clone()),
+                length: None,
+            };
+            match (&value.kind, length) {
+                (_, None) => {
+                    if let Some(term) = assigned(e, &element, value) {
+                        sources.push(PlantSource::Property(term.to_real(properties)));
+                    }
+                }
+                (ExprKind::List(members), Some(_)) => {
+                    for m in members {
+                        if let Some(term) = assigned(e, &element, m) {
+                            sources.push(PlantSource::Property(term.to_real(properties)));
+                        }
+                    }
+                    if members.len() != n {
+                        e.error(
+                            codes::TYPE_MISMATCH,
+                            value.span,
+                            format!("{} values for {n} elements", members.len()),
+                        );
+                        continue;
+                    }
+                }
+                (_, Some(_)) => match e.value(value, None, Time::Now) {
+                    Some(Value::Array(values)) if values.len() == n => {
+                        for v in values {
+                            if let Value::Scalar(term, _) = v {
+                                sources.push(PlantSource::Property(term.to_real(properties)));
+                            }
+                        }
+                    }
+                    Some(other) => e.error(
+                        codes::TYPE_MISMATCH,
+                        value.span,
+                        format!("expected an array of {n}, found {}", other.ty().describe()),
+                    ),
+                    None => {}
+                },
+            }
+        }
+        if sources.len() != n {
+            continue;
+        }
+        let names = match length {
+            None => vec![typed.name.text.clone()],
+            Some(n) => (0..n)
+                .map(|i| format!("{}[{i}]", typed.name.text))
+                .collect(),
+        };
+        let mut entries = Vec::new();
+        for (name, source) in names.into_iter().zip(sources) {
+            entries.push(parts.plant.len());
+            parts.plant.push(PlantInput {
+                name,
+                domain: domain.clone(),
+                source,
+                span: typed.name.span,
+            });
+        }
+        parts.plant_entries.insert(typed.name.text.clone(), entries);
+    }
+}

@@ -1,0 +1,77 @@
+//! Contracts: variables, defines, formulas.
+
+use super::super::ast::{Contract, ContractItem, Ownership};
+use super::super::parser::Rule;
+use super::{Builder, Children};
+use pest::iterators::Pair;
+
+impl Builder {
+    pub(super) fn contract(&mut self, pair: Pair<'_, Rule>) -> Contract {
+        let mut c = Children::of(pair);
+        let doc = Self::doc(&mut c);
+        let moore = c.take(Rule::moore).is_some();
+        let header = self.header(doc, &mut c);
+        let mut items = Vec::new();
+        for item in c.rest() {
+            match item.as_rule() {
+                Rule::variables => items.push(self.variables(item)),
+                Rule::define => {
+                    let mut c = Children::of(item);
+                    Self::doc(&mut c);
+                    items.push(ContractItem::Define {
+                        name: self.name(&c.next()),
+                        value: self.expr(c.next()),
+                    });
+                }
+                Rule::formula => items.push(self.formula(item)),
+                Rule::type_decl => items.push(ContractItem::Type(self.type_decl(item))),
+                Rule::const_decl => items.push(ContractItem::Const(self.const_decl(item))),
+                _ => self.bad(&item),
+            }
+        }
+        Contract {
+            header,
+            moore,
+            items,
+        }
+    }
+
+    pub(super) fn variables(&mut self, pair: Pair<'_, Rule>) -> ContractItem {
+        let mut c = Children::of(pair);
+        Self::doc(&mut c);
+        let ownership = match c.next().as_str().trim() {
+            "input" => Ownership::Input,
+            "output" => Ownership::Output,
+            _ => Ownership::Internal,
+        };
+        let mut names = Vec::new();
+        while let Some(name) = c.take(Rule::name) {
+            names.push(self.name(&name));
+        }
+        ContractItem::Variables {
+            ownership,
+            names,
+            domain: self.domain(c.next()),
+        }
+    }
+
+    pub(super) fn formula(&mut self, pair: Pair<'_, Rule>) -> ContractItem {
+        let mut c = Children::of(pair);
+        Self::doc(&mut c);
+        let guarantee = c.next().as_str().trim() == "guarantee";
+        let (mut name, mut requirement) = (None, None);
+        if let Some(label) = c.take(Rule::label) {
+            let mut label = Children::of(label);
+            name = label.take(Rule::name).map(|n| self.name(&n));
+            requirement = label
+                .take(Rule::requirement_id)
+                .map(|r| Children::of(r).next().as_str().trim().to_owned());
+        }
+        ContractItem::Formula {
+            guarantee,
+            name,
+            requirement,
+            expr: self.expr(c.next()),
+        }
+    }
+}

@@ -1,0 +1,372 @@
+//! Types, expressions and formulas.
+
+use super::super::ast::{BinaryOp, Domain, DomainKind, Expr, ExprKind, Quantifier};
+use super::super::parser::Rule;
+use super::{Builder, Children};
+use crate::diagnostics::{Diagnostic, codes};
+use crate::source::Span;
+use pest::iterators::Pair;
+
+impl Builder {
+    pub(super) fn domain(&mut self, pair: Pair<'_, Rule>) -> Domain {
+        let span = self.span(&pair);
+        if pair.as_rule() == Rule::range {
+            return self.range_domain(pair);
+        }
+        let inner = Children::of(pair).next();
+        let kind = match inner.as_rule() {
+            Rule::array_of => {
+                let mut c = Children::of(inner);
+                let length = self.expr(c.next());
+                DomainKind::Array(length, Box::new(self.domain(c.next())))
+            }
+            Rule::labels => {
+                DomainKind::Labels(Children::of(inner).rest().map(|n| self.name(&n)).collect())
+            }
+            Rule::range => return self.range_domain(inner),
+            Rule::unit_type => DomainKind::Unit(inner.as_str().trim().to_owned()),
+            _ => DomainKind::Named(self.name(&inner)),
+        };
+        Domain { kind, span }
+    }
+
+    pub(super) fn range_domain(&mut self, pair: Pair<'_, Rule>) -> Domain {
+        let span = self.span(&pair);
+        let mut c = Children::of(pair);
+        let low = self.expr(c.next());
+        let high = self.expr(c.next());
+        Domain {
+            kind: DomainKind::Range(low, high),
+            span,
+        }
+    }
+
+    pub(super) fn expr(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let span = self.span(&pair);
+        let rule = pair.as_rule();
+        match rule {
+            Rule::expression | Rule::parenthesis | Rule::wide => {
+                self.expr(Children::of(pair).next())
+            }
+            Rule::iff
+            | Rule::disjunction
+            | Rule::exclusive
+            | Rule::conjunction
+            | Rule::additive
+            | Rule::product => self.chain(pair),
+            Rule::implication => self.implication(pair),
+            Rule::negation => self.negation(pair),
+            Rule::comparison => self.comparison(pair),
+            Rule::signed => self.signed(pair),
+            Rule::postfix => self.postfix(pair),
+            Rule::conditional => {
+                let mut c = Children::of(pair);
+                let (a, b, e) = (self.boxed(&mut c), self.boxed(&mut c), self.boxed(&mut c));
+                make(ExprKind::If(a, b, e), span)
+            }
+            Rule::quantifier => {
+                let mut c = Children::of(pair);
+                let kind = match c.next().as_str().trim() {
+                    "forall" => Quantifier::Forall,
+                    "exists" => Quantifier::Exists,
+                    "count" => Quantifier::Count,
+                    _ => Quantifier::Sum,
+                };
+                let name = self.name(&c.next());
+                let domain = Box::new(self.domain(c.next()));
+                make(
+                    ExprKind::Quantifier(kind, name, domain, self.boxed(&mut c)),
+                    span,
+                )
+            }
+            Rule::wide_always | Rule::wide_eventually => {
+                let mut c = Children::of(pair);
+                c.next();
+                let body = self.boxed(&mut c);
+                make(
+                    if rule == Rule::wide_always {
+                        ExprKind::Always(body)
+                    } else {
+                        ExprKind::Eventually(body)
+                    },
+                    span,
+                )
+            }
+            _ => self.atom(pair),
+        }
+    }
+
+    pub(super) fn boxed(&mut self, c: &mut Children<'_>) -> Box<Expr> {
+        Box::new(self.expr(c.next()))
+    }
+
+    /// `a op b op c`: one of the levels that group to the left. `and` and `or` are halved instead, which keeps long
+    /// conjunctions shallow.
+    pub(super) fn chain(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut c = Children::of(pair);
+        let mut operands = vec![self.expr(c.next())];
+        let mut ops = Vec::new();
+        while let Some(op) = c.pairs.next() {
+            ops.push(binary_op(op.as_str()));
+            operands.push(self.expr(c.next()));
+        }
+        if ops
+            .iter()
+            .all(|o| matches!(o, BinaryOp::And | BinaryOp::Or))
+            && !ops.is_empty()
+        {
+            return balanced(ops[0], operands);
+        }
+        self.limit(&operands);
+        let mut operands = operands.into_iter();
+        let first = operands
+            .next()
+            .unwrap_or_else(|| unreachable!("a chain has an operand"));
+        ops.into_iter()
+            .zip(operands)
+            .fold(first, |a, (op, b)| binary(op, a, b))
+    }
+
+    pub(super) fn implication(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut operands: Vec<Expr> = Vec::new();
+        for p in Children::of(pair).rest() {
+            if p.as_rule() != Rule::implies_op {
+                operands.push(self.expr(p));
+            }
+        }
+        self.limit(&operands);
+        operands
+            .into_iter()
+            .rev()
+            .reduce(|b, a| binary(BinaryOp::Implies, a, b))
+            .unwrap_or_else(|| unreachable!("an implication has an operand"))
+    }
+
+    /// Chains that cannot be halved make deep trees; refuse what would be deeper than any real formula.
+    pub(super) fn limit(&mut self, operands: &[Expr]) {
+        if let Some(last) = operands.get(500) {
+            self.findings.push(
+                Diagnostic::error(
+                    codes::SYNTAX,
+                    last.span,
+                    "this chain of operators has more than 500 operands",
+                )
+                .with_help("give parts of it names with `define`, or use `sum`"),
+            );
+        }
+    }
+
+    pub(super) fn negation(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut c = Children::of(pair);
+        let mut prefixes = Vec::new();
+        while let Some(prefix) = c.take(Rule::prefix) {
+            let span = self.span(&prefix);
+            let inner = Children::of(prefix).next();
+            prefixes.push((inner.as_rule(), inner.as_str().trim() == "GF", span));
+        }
+        if let Some((_, _, span)) = prefixes.get(100) {
+            self.findings.push(Diagnostic::error(
+                codes::SYNTAX,
+                *span,
+                "more than 100 prefixes in a row",
+            ));
+            prefixes.truncate(1);
+        }
+        let body = self.expr(c.next());
+        prefixes
+            .into_iter()
+            .rev()
+            .fold(body, |body, (rule, both, span)| {
+                let whole = span.to(body.span);
+                let body = Box::new(body);
+                match rule {
+                    Rule::not_op => make(ExprKind::Not(body), whole),
+                    Rule::tight_always if both => {
+                        let inner = make(ExprKind::Eventually(body), whole);
+                        make(ExprKind::Always(Box::new(inner)), whole)
+                    }
+                    Rule::tight_always => make(ExprKind::Always(body), whole),
+                    _ => make(ExprKind::Eventually(body), whole),
+                }
+            })
+    }
+
+    pub(super) fn comparison(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let span = self.span(&pair);
+        let mut c = Children::of(pair);
+        let first = self.expr(c.next());
+        if let Some(membership) = c.take(Rule::membership) {
+            let set = Children::of(membership).next();
+            let mut inner = Children::of(set);
+            if let Some(range) = inner.take(Rule::range) {
+                let mut r = Children::of(range);
+                let (low, high) = (self.boxed(&mut r), self.boxed(&mut r));
+                return make(ExprKind::Within(Box::new(first), low, high), span);
+            }
+            let members: Vec<_> = inner.rest().collect();
+            let members = members.into_iter().map(|m| self.expr(m)).collect();
+            return make(ExprKind::Member(Box::new(first), members), span);
+        }
+        // `a < b < c` is `a < b and b < c`.
+        let mut links: Vec<Expr> = Vec::new();
+        let mut left = first;
+        while let Some(op) = c.take(Rule::compare_op) {
+            let right = self.expr(c.next());
+            links.push(binary(binary_op(op.as_str()), left, right.clone()));
+            left = right;
+        }
+        if links.is_empty() {
+            left
+        } else {
+            balanced(BinaryOp::And, links)
+        }
+    }
+
+    pub(super) fn signed(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut c = Children::of(pair);
+        let mut signs = Vec::new();
+        while let Some(sign) = c.take(Rule::sign) {
+            let span = self.span(&sign);
+            signs.push((Children::of(sign).next().as_rule(), span));
+        }
+        if let Some((_, span)) = signs.get(100) {
+            self.findings.push(Diagnostic::error(
+                codes::SYNTAX,
+                *span,
+                "more than 100 prefixes in a row",
+            ));
+            signs.truncate(1);
+        }
+        let body = self.expr(c.next());
+        signs.into_iter().rev().fold(body, |body, (rule, span)| {
+            let whole = span.to(body.span);
+            let body = Box::new(body);
+            make(
+                if rule == Rule::minus {
+                    ExprKind::Neg(body)
+                } else {
+                    ExprKind::Next(body)
+                },
+                whole,
+            )
+        })
+    }
+
+    pub(super) fn postfix(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut c = Children::of(pair);
+        let mut expr = self.expr(c.next());
+        for (count, p) in c.rest().enumerate() {
+            let span = expr.span.to(self.span(&p));
+            if count == 100 {
+                self.findings.push(Diagnostic::error(
+                    codes::SYNTAX,
+                    span,
+                    "more than 100 indices and primes in a row",
+                ));
+                break;
+            }
+            expr = if p.as_rule() == Rule::prime {
+                make(ExprKind::Next(Box::new(expr)), span)
+            } else {
+                let index = self.expr(Children::of(p).next());
+                make(ExprKind::Index(Box::new(expr), Box::new(index)), span)
+            };
+        }
+        expr
+    }
+
+    pub(super) fn atom(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let pair = if pair.as_rule() == Rule::atom {
+            Children::of(pair).next()
+        } else {
+            pair
+        };
+        let span = self.span(&pair);
+        let kind = match pair.as_rule() {
+            Rule::parenthesis => return self.expr(pair),
+            Rule::boolean => ExprKind::Bool(pair.as_str().trim() == "true"),
+            Rule::quantity => self.quantity(pair),
+            Rule::list => {
+                let members: Vec<_> = Children::of(pair).rest().collect();
+                ExprKind::List(members.into_iter().map(|m| self.expr(m)).collect())
+            }
+            Rule::call => {
+                let mut c = Children::of(pair);
+                let name = self.name(&c.next());
+                let arguments: Vec<_> = c.rest().collect();
+                ExprKind::Call(name, arguments.into_iter().map(|a| self.expr(a)).collect())
+            }
+            _ => ExprKind::Path(Children::of(pair).rest().map(|n| self.name(&n)).collect()),
+        };
+        make(kind, span)
+    }
+
+    pub(super) fn quantity(&mut self, pair: Pair<'_, Rule>) -> ExprKind {
+        let mut c = Children::of(pair);
+        let number = c.next();
+        let unit = c.take(Rule::unit).map(|u| u.as_str().trim().to_owned());
+        match (number.as_rule(), unit) {
+            (Rule::integer, None) => ExprKind::Int(self.integer(&number)),
+            (_, unit) => {
+                let value: f64 = number.as_str().trim().parse().unwrap_or(f64::INFINITY);
+                if !value.is_finite() {
+                    let span = self.span(&number);
+                    self.findings.push(Diagnostic::error(
+                        codes::NUMBER_RANGE,
+                        span,
+                        "this number is too large",
+                    ));
+                    return ExprKind::Quantity(0.0, String::new());
+                }
+                ExprKind::Quantity(value, unit.unwrap_or_default())
+            }
+        }
+    }
+}
+
+fn make(kind: ExprKind, span: Span) -> Expr {
+    Expr { kind, span }
+}
+
+fn binary(op: BinaryOp, a: Expr, b: Expr) -> Expr {
+    let span = a.span.to(b.span);
+    make(ExprKind::Binary(op, Box::new(a), Box::new(b)), span)
+}
+
+fn balanced(op: BinaryOp, mut operands: Vec<Expr>) -> Expr {
+    while operands.len() > 1 {
+        let mut halved = Vec::with_capacity(operands.len().div_ceil(2));
+        let mut pairs = operands.into_iter();
+        while let Some(a) = pairs.next() {
+            halved.push(match pairs.next() {
+                Some(b) => binary(op, a, b),
+                None => a,
+            });
+        }
+        operands = halved;
+    }
+    operands
+        .pop()
+        .unwrap_or_else(|| unreachable!("a chain has an operand"))
+}
+
+pub(super) fn binary_op(text: &str) -> BinaryOp {
+    match text.trim() {
+        "<->" | "<=>" | "↔" | "⇔" | "iff" => BinaryOp::Iff,
+        "->" | "=>" | "→" | "⇒" | "implies" => BinaryOp::Implies,
+        "||" | "|" | "\\/" | "∨" | "or" => BinaryOp::Or,
+        "xor" => BinaryOp::Xor,
+        "&&" | "&" | "/\\" | "∧" | "and" => BinaryOp::And,
+        "!=" | "≠" => BinaryOp::Ne,
+        "<" => BinaryOp::Lt,
+        "<=" | "≤" => BinaryOp::Le,
+        ">" => BinaryOp::Gt,
+        ">=" | "≥" => BinaryOp::Ge,
+        "+" => BinaryOp::Add,
+        "-" => BinaryOp::Sub,
+        "*" => BinaryOp::Mul,
+        "/" => BinaryOp::Div,
+        "mod" => BinaryOp::Mod,
+        _ => BinaryOp::Eq,
+    }
+}

@@ -1,0 +1,195 @@
+//! Lines: parts, places, routes.
+
+use super::super::ast::{Counted, Line, LineItem, StationItem, Supply};
+use super::super::parser::Rule;
+use super::expression::binary_op;
+use super::{Builder, Children};
+use pest::iterators::Pair;
+
+impl Builder {
+    pub(super) fn line(&mut self, pair: Pair<'_, Rule>) -> Line {
+        let mut c = Children::of(pair);
+        let doc = Self::doc(&mut c);
+        let name = self.name(&c.next());
+        let mut items = Vec::new();
+        for item in c.rest() {
+            let rule = item.as_rule();
+            match rule {
+                Rule::bad_line_item => self.bad(&item),
+                Rule::const_decl => items.push(LineItem::Const(self.const_decl(item))),
+                Rule::l_station => items.push(self.station(item)),
+                _ => items.push(self.line_item(rule, item)),
+            }
+        }
+        Line { doc, name, items }
+    }
+
+    pub(super) fn counted(&mut self, pair: Pair<'_, Rule>) -> Counted {
+        let mut c = Children::of(pair);
+        let count = self.integer(&c.next()) as u64;
+        Counted {
+            count,
+            name: self.name(&c.next()),
+        }
+    }
+
+    pub(super) fn line_item(&mut self, rule: Rule, item: Pair<'_, Rule>) -> LineItem {
+        let span = self.span(&item);
+        let mut c = Children::of(item);
+        Self::doc(&mut c);
+        match rule {
+            Rule::l_limit => {
+                let value = self.expr(c.next());
+                LineItem::Limit(value, c.take(Rule::products).is_some())
+            }
+            Rule::l_shift => LineItem::Shift(self.expr(c.next()), self.expr(c.next())),
+            Rule::l_product => LineItem::Product(self.name(&c.next())),
+            Rule::l_part => {
+                let name = self.name(&c.next());
+                let bill = c.take(Rule::bill).map(Children::of);
+                let bill = bill
+                    .map(|b| b.rest().collect::<Vec<_>>())
+                    .unwrap_or_default();
+                let bill = bill.into_iter().map(|p| self.counted(p)).collect();
+                let properties: Vec<_> = c.rest().collect();
+                LineItem::Part {
+                    name,
+                    bill,
+                    properties: properties.into_iter().map(|p| self.typed(p)).collect(),
+                }
+            }
+            Rule::l_source => {
+                let name = self.name(&c.next());
+                let part = self.name(&c.next());
+                let supply = c.next();
+                let supply = if supply.as_rule() == Rule::on_order {
+                    Supply::OnOrder
+                } else {
+                    let mut c = Children::of(supply);
+                    let random = c.take(Rule::random).is_some();
+                    let seconds = self.expr(c.next());
+                    let limit = c.take(Rule::integer).map(|i| self.integer(&i) as u64);
+                    Supply::Every {
+                        seconds,
+                        random,
+                        limit,
+                    }
+                };
+                LineItem::Source { name, part, supply }
+            }
+            Rule::l_store => {
+                let name = self.name(&c.next());
+                let stock: Vec<_> = c.rest().collect();
+                LineItem::Store {
+                    name,
+                    stock: stock.into_iter().map(|p| self.counted(p)).collect(),
+                }
+            }
+            Rule::l_sink => LineItem::Sink {
+                name: self.name(&c.next()),
+                rejects: c.take(Rule::rejects).is_some(),
+                reorder: c
+                    .take(Rule::reorder)
+                    .map(|r| self.name(&Children::of(r).next())),
+            },
+            Rule::l_buffer => {
+                let name = self.name(&c.next());
+                let capacity = self.integer(&c.next()) as u64;
+                LineItem::Buffer { name, capacity }
+            }
+            Rule::l_conveyor => {
+                let name = self.name(&c.next());
+                let machine = c.take(Rule::path).map(|p| self.name(&p));
+                let arguments = c.take(Rule::arguments);
+                let arguments = self.arguments(arguments);
+                let options: Vec<_> = c.rest().collect();
+                let options = options
+                    .into_iter()
+                    .map(|o| {
+                        let mut c = Children::of(o);
+                        (self.name(&c.next()), self.expr(c.next()))
+                    })
+                    .collect();
+                LineItem::Conveyor {
+                    name,
+                    machine: machine.map(|m| (m, arguments)),
+                    options,
+                }
+            }
+            Rule::l_route => {
+                let part = self.name(&c.next());
+                let mut stops = Vec::new();
+                while let Some(stop) = c.take(Rule::name) {
+                    stops.push(self.name(&stop));
+                }
+                let when = c.take(Rule::expression).map(|e| self.expr(e));
+                LineItem::Route { part, stops, when }
+            }
+            _ => {
+                let name = self.name(&c.next());
+                let mut metric = Children::of(c.next());
+                LineItem::Requirement {
+                    name,
+                    metric: self.name(&metric.next()),
+                    of: metric.take(Rule::name).map(|n| self.name(&n)),
+                    op: binary_op(c.next().as_str()),
+                    bound: self.expr(c.next()),
+                    per_hour: c.take(Rule::per_hour).is_some(),
+                    span,
+                }
+            }
+        }
+    }
+
+    pub(super) fn station(&mut self, pair: Pair<'_, Rule>) -> LineItem {
+        let mut c = Children::of(pair);
+        Self::doc(&mut c);
+        let name = self.name(&c.next());
+        let machine = self.name(&c.next());
+        let arguments = c.take(Rule::arguments);
+        let arguments = self.arguments(arguments);
+        let mut items = Vec::new();
+        for item in c.rest() {
+            let rule = item.as_rule();
+            if rule == Rule::bad_station_item {
+                self.bad(&item);
+                continue;
+            }
+            let mut c = Children::of(item);
+            items.push(match rule {
+                Rule::s_perform => {
+                    let mut operations = Vec::new();
+                    while let Some(p) = c.take(Rule::performed) {
+                        let mut p = Children::of(p);
+                        let name = self.name(&p.next());
+                        let arguments = p.take(Rule::arguments);
+                        operations.push((name, self.arguments(arguments)));
+                    }
+                    StationItem::Perform {
+                        operations,
+                        part: self.name(&c.next()),
+                    }
+                }
+                Rule::s_setup => StationItem::Setup(self.expr(c.next())),
+                Rule::m_failures => StationItem::Failures(self.expr(c.next()), self.expr(c.next())),
+                _ => {
+                    let part = self.name(&c.next());
+                    let probability = self.expr(c.next());
+                    c.take(Rule::one_of);
+                    StationItem::Defect {
+                        part,
+                        probability,
+                        property: self.name(&c.next()),
+                        value: self.expr(c.next()),
+                    }
+                }
+            });
+        }
+        LineItem::Station {
+            name,
+            machine,
+            arguments,
+            items,
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Machines: properties, components, operations.
+
+use super::super::ast::{Binding, Component, Machine, MachineItem, Typed};
+use super::super::parser::Rule;
+use super::{Builder, Children};
+use pest::iterators::Pair;
+
+impl Builder {
+    pub(super) fn machine(&mut self, pair: Pair<'_, Rule>) -> Machine {
+        let mut c = Children::of(pair);
+        let doc = Self::doc(&mut c);
+        let header = self.header(doc, &mut c);
+        let mut items = Vec::new();
+        for item in c.rest() {
+            let rule = item.as_rule();
+            if rule == Rule::bad_machine_item {
+                self.bad(&item);
+            } else {
+                items.push(self.machine_item(rule, item));
+            }
+        }
+        Machine { header, items }
+    }
+
+    pub(super) fn machine_item(&mut self, rule: Rule, item: Pair<'_, Rule>) -> MachineItem {
+        match rule {
+            Rule::m_component => return MachineItem::Component(self.component(item)),
+            Rule::m_property => return MachineItem::Property(self.typed(item)),
+            Rule::m_parameter => return MachineItem::Parameter(self.typed(item)),
+            Rule::m_signal => return MachineItem::Signal(self.typed(item)),
+            Rule::m_abstract => return MachineItem::Abstract(self.typed(item)),
+            Rule::const_decl => return MachineItem::Const(self.const_decl(item)),
+            Rule::type_decl => return MachineItem::Type(self.type_decl(item)),
+            _ => {}
+        }
+        let mut c = Children::of(item);
+        match rule {
+            Rule::m_step => MachineItem::Step(self.expr(c.next())),
+            Rule::m_idle => MachineItem::IdlePower(self.expr(c.next())),
+            Rule::m_power => MachineItem::Power(self.expr(c.next())),
+            Rule::m_limit => MachineItem::Limit(self.expr(c.next())),
+            Rule::m_failures => MachineItem::Failures(self.expr(c.next()), self.expr(c.next())),
+            Rule::m_operation => {
+                Self::doc(&mut c);
+                let name = self.name(&c.next());
+                let codes = self.codes(c.take(Rule::implements));
+                let sequence = c.rest().map(|n| self.name(&n)).collect();
+                MachineItem::Operation {
+                    name,
+                    codes,
+                    sequence,
+                }
+            }
+            Rule::m_write => {
+                let name = self.name(&c.next());
+                let index = c
+                    .take(Rule::index)
+                    .map(|i| self.expr(Children::of(i).next()));
+                MachineItem::Write {
+                    name,
+                    index,
+                    value: self.expr(c.next()),
+                }
+            }
+            _ => MachineItem::Done(self.expr(c.next())),
+        }
+    }
+
+    pub(super) fn typed(&mut self, pair: Pair<'_, Rule>) -> Typed {
+        let mut c = Children::of(pair);
+        let doc = Self::doc(&mut c);
+        let name = self.name(&c.next());
+        let domain = self.domain(c.next());
+        let values: Vec<_> = c.rest().collect();
+        Typed {
+            doc,
+            name,
+            domain,
+            values: values.into_iter().map(|v| self.expr(v)).collect(),
+        }
+    }
+
+    pub(super) fn component(&mut self, pair: Pair<'_, Rule>) -> Component {
+        let mut c = Children::of(pair);
+        Self::doc(&mut c);
+        let coordinator = c.next().as_str().trim() == "coordinator";
+        let name = self.name(&c.next());
+        let contract = self.name(&c.next());
+        let arguments = c.take(Rule::arguments);
+        let arguments = self.arguments(arguments);
+        let when = c.take(Rule::expression).map(|e| self.expr(e));
+        let mut component = Component {
+            coordinator,
+            name,
+            contract,
+            arguments,
+            when,
+            time: None,
+            power: None,
+            bindings: Vec::new(),
+        };
+        for item in c.rest() {
+            match item.as_rule() {
+                Rule::c_time => {
+                    let mut c = Children::of(item);
+                    let value = self.expr(c.next());
+                    component.time = Some((value, c.take(Rule::per_step).is_some()));
+                }
+                Rule::c_power => component.power = Some(self.expr(Children::of(item).next())),
+                Rule::c_binding => {
+                    let mut c = Children::of(item);
+                    let name = self.name(&c.next());
+                    let index = c.take(Rule::integer).map(|i| self.integer(&i));
+                    component.bindings.push(Binding {
+                        name,
+                        index,
+                        value: self.expr(c.next()),
+                    });
+                }
+                _ => self.bad(&item),
+            }
+        }
+        component
+    }
+}
