@@ -6,7 +6,7 @@ use super::scope::{self, Scope, double};
 use super::value::{Term, Type, Value};
 use super::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes};
-use crate::gr1::{Owner, Side, Specification, Timing, VarId, Variable};
+use crate::gr1::{Domain, Owner, Side, Specification, Timing, VarId, Variable};
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{self, ContractItem, Ownership};
 use crate::taxonomy;
@@ -56,8 +56,9 @@ pub(super) fn arguments<'a>(
     result
 }
 
-/// Brings parameters into sight: from the arguments, or from their defaults. Gives their values, or `None` when one is
-/// missing or outside its range (which was reported, at `call` where there is no better place).
+/// Brings parameters into sight: from the arguments, or from their defaults. Gives their values. What is wrong with a value is
+/// reported, and the smallest value of the range stands in, so that the rest can be looked at too. `None` when a parameter
+/// has no value at all.
 pub(super) fn bind<'a>(
     e: &mut Elaborator<'a>,
     parameters: &'a [ast::Parameter],
@@ -77,8 +78,6 @@ pub(super) fn bind<'a>(
                 p.domain.span,
                 "a parameter is a number, a truth value or a label",
             );
-            complete = false;
-            continue;
         }
         let ty = Type::of(&domain);
         let (value, place) = match (given.get(&p.name.text), &p.default) {
@@ -88,64 +87,67 @@ pub(super) fn bind<'a>(
                 default.span,
             ),
             (None, None) => {
-                let message = format!("the parameter `{}` has no value", p.name.text);
-                let finding = match call {
-                    Some(call) => Diagnostic::error(codes::ARGUMENT, call, message)
-                        .with_help(format!("add `{} = ...`", p.name.text)),
-                    None => Diagnostic::note(codes::ARGUMENT, p.name.span, message).with_help(
-                        "without a default the contract is checked only where it is used",
-                    ),
-                };
-                e.findings.push(finding);
+                e.findings.push(missing(p, call));
                 complete = false;
                 continue;
             }
         };
-        let Some(value) = value else {
-            complete = false;
-            continue;
-        };
-        let number = match &value {
-            Value::Scalar(Term::Int(i), found) if *found == ty => *i,
-            Value::Scalar(Term::Int(_), found) => {
-                e.error(
-                    codes::ARGUMENT,
-                    place,
-                    format!(
-                        "`{}` is {}, not {}",
-                        p.name.text,
-                        ty.describe(),
-                        found.describe()
-                    ),
-                );
-                complete = false;
-                continue;
-            }
-            _ => {
-                e.error_with(
-                    codes::NOT_CONSTANT,
-                    place,
-                    format!("the value of `{}` has to be known beforehand", p.name.text),
-                    "use numbers, constants and parameters only",
-                );
-                complete = false;
-                continue;
-            }
-        };
-        if !domain.contains(number) {
-            e.error_with(
-                codes::ARGUMENT,
-                place,
-                format!("{number} is outside the range of `{}`", p.name.text),
-                format!("its range is {}", domain.describe()),
-            );
-            complete = false;
-            continue;
-        }
-        e.constants.insert(p.name.text.clone(), value);
+        let number = value
+            .and_then(|v| checked(e, p, &v, &ty, &domain, place))
+            .unwrap_or(domain.low());
+        e.constants
+            .insert(p.name.text.clone(), Value::Scalar(Term::Int(number), ty));
         values.push((p.name.text.clone(), number));
     }
     complete.then_some(values)
+}
+
+fn missing(parameter: &ast::Parameter, call: Option<Span>) -> Diagnostic {
+    let name = &parameter.name;
+    let message = format!("the parameter `{}` has no value", name.text);
+    match call {
+        Some(call) => Diagnostic::error(codes::ARGUMENT, call, message)
+            .with_help(format!("add `{} = ...`", name.text)),
+        None => Diagnostic::note(codes::ARGUMENT, name.span, message)
+            .with_help("without a default it is checked only where it is used"),
+    }
+}
+
+/// The value of a parameter, if it fits.
+fn checked(
+    e: &mut Elaborator<'_>,
+    parameter: &ast::Parameter,
+    value: &Value,
+    ty: &Type,
+    domain: &Domain,
+    place: Span,
+) -> Option<i64> {
+    let name = &parameter.name.text;
+    match value {
+        Value::Scalar(Term::Int(i), found) if found == ty => {
+            if domain.contains(*i) {
+                return Some(*i);
+            }
+            e.error_with(
+                codes::ARGUMENT,
+                place,
+                format!("{i} is outside the range of `{name}`"),
+                format!("its range is {}", domain.describe()),
+            );
+        }
+        Value::Scalar(Term::Int(_), found) => e.error(
+            codes::ARGUMENT,
+            place,
+            format!("`{name}` is {}, not {}", ty.describe(), found.describe()),
+        ),
+        _ => e.error_with(
+            codes::NOT_CONSTANT,
+            place,
+            format!("the value of `{name}` has to be known beforehand"),
+            "use numbers, constants and parameters only",
+        ),
+    }
+    None
 }
 
 /// Taxonomy codes, looked up.
@@ -302,8 +304,7 @@ fn declare<'a>(
                     }
                     // A variable hides a constant of the same name from outside.
                     e.constants.remove(&name.text);
-                    let (domain, length) =
-                        resolved.clone().unwrap_or((crate::gr1::Domain::Bool, None));
+                    let (domain, length) = resolved.clone().unwrap_or((Domain::Bool, None));
                     let mut add = |label: String| {
                         let id = VarId(variables.len() as u32);
                         variables.push(Variable {

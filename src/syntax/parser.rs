@@ -162,9 +162,29 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     }
     let shown: String = text.chars().take_while(|c| *c != '\n').take(30).collect();
     let width = shown.len().max(1);
+    let span = Span::new(file, start, start + width);
+    let operator = word_at(text);
+    if text.starts_with(['&', '|', '+', '-', '*', '/', '<', '>', '=', '!'])
+        || ["and", "or", "xor", "implies", "iff", "mod", "not"].contains(&operator.as_str())
+    {
+        return Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(file, start, start + operator.len()),
+            format!("an operand is missing beside `{operator}`"),
+        )
+        .with_help("an operator stands between two expressions");
+    }
+    if text.starts_with('[') {
+        return Diagnostic::error(
+            codes::SYNTAX,
+            span,
+            "an index or length does not belong here",
+        )
+        .with_help("an array's type is written `array[3] of bool`");
+    }
     Diagnostic::error(
         codes::SYNTAX,
-        Span::new(file, start, start + width),
+        span,
         format!("`{}` does not belong here", shown.trim_end()),
     )
     .with_help(match context {

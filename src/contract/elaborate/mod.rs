@@ -95,10 +95,17 @@ impl<'a> Elaborator<'a> {
     }
 
     pub(super) fn mismatch(&mut self, span: Span, expected: &str, found: &Type) {
-        self.error(
+        let help = match found {
+            Type::Bool => "a truth value counts as a number with `if ... then 1 else 0`",
+            Type::Enum(_) => "a label is compared with `=`, `!=` or `in {...}`",
+            Type::Array(..) => "name one element with `[i]`, or quantify over `forall i in 0..n-1`",
+            Type::Int | Type::Number(_) => "compare the number with something to get a truth value",
+        };
+        self.error_with(
             codes::TYPE_MISMATCH,
             span,
             format!("expected {expected}, found {}", found.describe()),
+            help,
         );
     }
 
@@ -378,7 +385,7 @@ pub(in crate::contract) fn nearest<'n>(
 ) -> Option<&'n str> {
     known
         .map(|k| (distance(name, k), k))
-        .filter(|(d, k)| *d <= 1 + name.len().min(k.len()) / 4)
+        .filter(|(d, k)| *d <= name.len().min(k.len()).div_ceil(4).min(name.len() / 2))
         .min()
         .map(|(_, k)| k)
 }

@@ -86,6 +86,32 @@ fn build<'a>(
     instantiate_components(e, parts, scope, sources);
     let operations = operations(e, parts);
     declare_plant(e, parts, &operations);
+    let mut model = Machine {
+        name: machine.header.name.text.clone(),
+        doc: machine.header.doc.clone(),
+        codes: machine
+            .header
+            .codes
+            .iter()
+            .map(|c| TaxonomyCode {
+                text: c.text.clone(),
+                span: c.span,
+            })
+            .collect(),
+        components: Vec::new(),
+        plant: Vec::new(),
+        properties: Vec::new(),
+        operations: Vec::new(),
+        writes: Vec::new(),
+        done: None,
+        step_seconds: 1.0,
+        base_watts: 0.0,
+        idle_watts: 0.0,
+        step_limit: DEFAULT_STEP_LIMIT,
+        failures: None,
+        span: machine.header.name.span,
+    };
+    settings::numbers(e, machine, &mut model);
     if has_errors(&e.findings) {
         return None;
     }
@@ -110,31 +136,10 @@ fn build<'a>(
     }
     e.findings.append(&mut wires.findings);
 
-    let mut model = Machine {
-        name: machine.header.name.text.clone(),
-        doc: machine.header.doc.clone(),
-        codes: machine
-            .header
-            .codes
-            .iter()
-            .map(|c| TaxonomyCode {
-                text: c.text.clone(),
-                span: c.span,
-            })
-            .collect(),
-        components,
-        plant: parts.plant.clone(),
-        properties: parts.properties.iter().map(|(p, _)| p.clone()).collect(),
-        operations,
-        writes: Vec::new(),
-        done: None,
-        step_seconds: 1.0,
-        base_watts: 0.0,
-        idle_watts: 0.0,
-        step_limit: DEFAULT_STEP_LIMIT,
-        failures: None,
-        span: machine.header.name.span,
-    };
+    model.components = components;
+    model.plant.clone_from(&parts.plant);
+    model.properties = parts.properties.iter().map(|(p, _)| p.clone()).collect();
+    model.operations = operations;
     settings(e, parts, &mut model, &mut wires, properties);
     e.findings.append(&mut wires.findings);
     if model.operations.is_empty() != model.done.is_none() {

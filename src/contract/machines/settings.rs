@@ -37,27 +37,6 @@ pub(super) fn settings<'a>(
     }
     for item in &parts.machine.items {
         match item {
-            MachineItem::Step(x) => {
-                if let Some(v) = positive(e, x, Dimension::Time) {
-                    model.step_seconds = v;
-                }
-            }
-            MachineItem::Power(x) => {
-                if let Some(v) = positive(e, x, Dimension::Power) {
-                    model.base_watts = v;
-                }
-            }
-            MachineItem::IdlePower(x) => {
-                if let Some(v) = positive(e, x, Dimension::Power) {
-                    model.idle_watts = v;
-                }
-            }
-            MachineItem::Limit(x) => match e.constant_int(x) {
-                Some(n) if n > 0 => model.step_limit = n as u64,
-                Some(_) => e.error(codes::ARGUMENT, x.span, "the step limit is at least 1"),
-                None => {}
-            },
-            MachineItem::Failures(mtbf, mttr) => model.failures = failures(e, mtbf, mttr),
             MachineItem::Done(x) => {
                 model.done = wires.boolean(x, Time::Now).and_then(|t| t.to_expr());
             }
@@ -130,6 +109,36 @@ pub(super) fn settings<'a>(
         }
     }
     e.findings.append(&mut both.findings);
+}
+
+/// What is known without looking at the components: durations, powers, limits.
+pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, model: &mut Machine) {
+    for item in &machine.items {
+        match item {
+            MachineItem::Step(x) => {
+                if let Some(v) = positive(e, x, Dimension::Time) {
+                    model.step_seconds = v;
+                }
+            }
+            MachineItem::Power(x) => {
+                if let Some(v) = positive(e, x, Dimension::Power) {
+                    model.base_watts = v;
+                }
+            }
+            MachineItem::IdlePower(x) => {
+                if let Some(v) = positive(e, x, Dimension::Power) {
+                    model.idle_watts = v;
+                }
+            }
+            MachineItem::Limit(x) => match e.constant_int(x) {
+                Some(n) if n > 0 => model.step_limit = n as u64,
+                Some(_) => e.error(codes::ARGUMENT, x.span, "the step limit is at least 1"),
+                None => {}
+            },
+            MachineItem::Failures(mtbf, mttr) => model.failures = failures(e, mtbf, mttr),
+            _ => {}
+        }
+    }
 }
 
 /// A quantity that is not negative.
