@@ -9,6 +9,8 @@ mod bits;
 mod encoding;
 mod limits;
 mod manager;
+#[cfg(test)]
+mod tests;
 
 pub use encoding::Encoding;
 pub use limits::{Limit, Limits};
