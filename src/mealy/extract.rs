@@ -1,8 +1,8 @@
 //! From a won game to a machine.
 
-use super::Machine;
-use crate::game::{Limit, Limits, Won};
-use crate::gr1::Specification;
+use super::{Cube, Guard, Machine, Port, Test, Transition, minimise};
+use crate::game::{Limit, Limits, Row, Won};
+use crate::gr1::{Specification, VarId};
 
 /// The machine of a won game, minimised, not yet verified.
 pub fn extract(
@@ -10,6 +10,43 @@ pub fn extract(
     won: &Won,
     limits: &Limits,
 ) -> Result<Machine, Limit> {
-    let _ = (specification, won, limits);
-    todo!("extraction")
+    let explicit = won.explore(specification, limits)?;
+    let rows = |rows: Vec<Row>| -> Vec<Transition> { rows.into_iter().map(transition).collect() };
+    let machine = Machine {
+        name: specification.name.clone(),
+        timing: specification.timing,
+        inputs: ports(specification, specification.inputs()),
+        outputs: ports(specification, specification.outputs()),
+        initial: rows(explicit.initial),
+        states: explicit.states.into_iter().map(rows).collect(),
+    };
+    minimise::minimise(&machine, limits)
+}
+
+fn ports(specification: &Specification, ids: impl Iterator<Item = VarId>) -> Vec<Port> {
+    let port = |id: VarId| {
+        let variable = specification.variable(id);
+        Port {
+            name: variable.name.clone(),
+            domain: variable.domain.clone(),
+            internal: variable.internal,
+        }
+    };
+    ids.map(port).collect()
+}
+
+fn transition(row: Row) -> Transition {
+    let cube = |conditions: Vec<(usize, i64, i64)>| {
+        let tests = conditions.into_iter();
+        Cube(
+            tests
+                .map(|(input, low, high)| Test { input, low, high })
+                .collect(),
+        )
+    };
+    Transition {
+        guard: Guard(row.cubes.into_iter().map(cube).collect()),
+        output: row.output,
+        to: row.to,
+    }
 }

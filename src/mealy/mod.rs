@@ -5,6 +5,7 @@
 //! They cover at least every input that keeps the assumptions; on other inputs there may be no transition.
 //! A `Moore` machine is one in which all transitions of a state (and all initial ones) have the same output.
 
+mod diagram;
 pub mod dot;
 pub mod extract;
 pub mod gr1c;

@@ -1,0 +1,240 @@
+//! A strategy as explicit states with guards, without ever enumerating input letters.
+//!
+//! The memory of the machine between two steps is what it will do next. So a state *is* the residual function
+//! `R(x′, y′, g)`: the strategy of the pursued goal with the current outputs fixed, and the current inputs fixed as far as
+//! it depends on them. Canonical diagrams make equal residuals equal. From a state the machine knows exactly those next
+//! inputs that some reachable valuation behind it allows; they are split by output and by the residual they lead to.
+
+use super::arena::Arena;
+use super::cover::{Condition, Cover};
+use super::strategy::Strategy;
+use crate::gr1::{Specification, Time, VarId};
+use crate::symbolic::{Bit, BitSet, Function, Limit, Limits, Manager};
+use std::collections::HashMap;
+
+/// More rows than this are not written down.
+const MOST_ROWS: usize = 200_000;
+
+/// One row of an explicit strategy.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Row {
+    /// Disjoint cubes; each condition is an input's place among the inputs, its smallest and its largest value.
+    pub cubes: Vec<Vec<Condition>>,
+    /// The outputs of the step, in the order of the specification.
+    pub output: Vec<i64>,
+    /// The state it leads to.
+    pub to: usize,
+}
+
+/// An explicit strategy. The rows of a state are disjoint, and cover the inputs that keep the assumptions.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Explicit {
+    /// Step 0.
+    pub initial: Vec<Row>,
+    /// Every later step.
+    pub states: Vec<Vec<Row>>,
+}
+
+/// A state: the goal that is pursued and what will be done.
+struct State {
+    goal: usize,
+    residual: Function,
+    /// The next inputs that keep the assumptions.
+    legal: Function,
+}
+
+/// Which state the machine is in, by its current inputs: their values as a set over *next* bits, and the state.
+type Classes = Vec<(Function, usize)>;
+
+struct Explorer<'a> {
+    arena: &'a Arena,
+    m: &'a Manager,
+    strategy: &'a Strategy,
+    environment: Function,
+    outputs: Vec<VarId>,
+    limits: &'a Limits,
+    states: Vec<State>,
+    numbers: HashMap<(usize, Function), usize>,
+    classes: HashMap<(usize, Vec<i64>), Classes>,
+}
+
+/// Writes a strategy down state by state.
+pub fn explore(
+    arena: &Arena,
+    specification: &Specification,
+    strategy: &Strategy,
+    limits: &Limits,
+) -> Result<Explicit, Limit> {
+    let m = &arena.manager;
+    let mut explorer = Explorer {
+        arena,
+        m,
+        strategy,
+        environment: arena.environment_moves()?,
+        outputs: specification.outputs().collect(),
+        limits,
+        states: Vec::new(),
+        numbers: HashMap::new(),
+        classes: HashMap::new(),
+    };
+    explorer.find_states()?;
+
+    let cover = Cover::new(m, &arena.encoding, specification);
+    let mut room = MOST_ROWS;
+    let first = m.prime(&strategy.initial)?;
+    let initial = explorer.rows(first, None, &cover, &mut room)?;
+    let mut states = Vec::new();
+    for state in &explorer.states {
+        let moves = m.and(&state.residual, &state.legal)?;
+        states.push(explorer.rows(moves, Some(state.goal), &cover, &mut room)?);
+    }
+    Ok(Explicit { initial, states })
+}
+
+impl Explorer<'_> {
+    /// Fills `states`, `numbers` and `classes` with everything reachable.
+    fn find_states(&mut self) -> Result<(), Limit> {
+        for goal in 0..self.strategy.moves.len() {
+            let reachable = self.strategy.reachable[goal].clone();
+            let mut rest = self.m.exists(&reachable, &self.arena.inputs_now)?;
+            while let Some(bits) = rest.witness() {
+                self.limits.check_time()?;
+                let output = self.output_of(&bits, Time::Now);
+                let fixed = self.assignment(&output, Time::Now);
+                rest = self.m.and_not(&rest, &self.cube(&fixed)?)?;
+
+                let residual = self.m.restrict(&self.strategy.moves[goal], &fixed)?;
+                let inputs = self.m.restrict(&reachable, &fixed)?;
+                let environment = self.m.restrict(&self.environment, &fixed)?;
+                let mut classes = Vec::new();
+                self.split(goal, &residual, &inputs, &environment, &mut classes)?;
+                for (inputs, _) in &mut classes {
+                    *inputs = self.m.prime(inputs)?;
+                }
+                self.classes.insert((goal, output), classes);
+            }
+        }
+        Ok(())
+    }
+
+    /// Splits the current `inputs` by the residual they lead to.
+    fn split(
+        &mut self,
+        goal: usize,
+        residual: &Function,
+        inputs: &Function,
+        environment: &Function,
+        classes: &mut Classes,
+    ) -> Result<(), Limit> {
+        if inputs.is_false() {
+            return Ok(());
+        }
+        let bits = residual.support();
+        if let Some(bit) = bits.iter().find(|b| self.arena.inputs_now.contains(**b)) {
+            for value in [false, true] {
+                let part = self.m.and(inputs, &self.m.literal(*bit, value))?;
+                let fixed = self.m.restrict(residual, &[(*bit, value)])?;
+                self.split(goal, &fixed, &part, environment, classes)?;
+            }
+            return Ok(());
+        }
+        let legal = self
+            .m
+            .and_exists(inputs, environment, &self.arena.inputs_now)?;
+        let next = self.states.len();
+        let number = *self.numbers.entry((goal, residual.clone())).or_insert(next);
+        if number == next {
+            if next >= MOST_ROWS {
+                return Err(Limit::Size);
+            }
+            self.states.push(State {
+                goal,
+                residual: residual.clone(),
+                legal,
+            });
+        } else {
+            let known = &mut self.states[number].legal;
+            *known = self.m.or(known, &legal)?;
+        }
+        match classes.iter_mut().find(|(_, n)| *n == number) {
+            Some((known, _)) => *known = self.m.or(known, inputs)?,
+            None => classes.push((inputs.clone(), number)),
+        }
+        Ok(())
+    }
+
+    /// The rows of `moves` over (x′, y′, g); `goal` is the pursued one, or `None` in step 0.
+    fn rows(
+        &self,
+        moves: Function,
+        goal: Option<usize>,
+        cover: &Cover<'_>,
+        room: &mut usize,
+    ) -> Result<Vec<Row>, Limit> {
+        let goals = self.strategy.moves.len();
+        let flag = self.strategy.flag;
+        let mut answers = self.arena.outputs_next.clone();
+        answers.insert(flag);
+        let mut rest = moves;
+        let mut rows = Vec::new();
+        while let Some(bits) = rest.witness() {
+            self.limits.check_time()?;
+            let output = self.output_of(&bits, Time::Next);
+            let mut fixed = self.assignment(&output, Time::Next);
+            let mut to_goal = 0;
+            if let Some(goal) = goal {
+                let reached = bits[usize::from(flag.0)];
+                fixed.push((flag, reached));
+                to_goal = if reached { (goal + 1) % goals } else { goal };
+            }
+            let inputs = self.m.restrict(&rest, &fixed)?;
+            let inputs = self.forget_flag(&inputs)?;
+            rest = self.m.and_not(&rest, &self.cube(&fixed)?)?;
+            let classes = self
+                .classes
+                .get(&(to_goal, output.clone()))
+                .expect("a successor was not found reachable; please report this");
+            for (class, to) in classes {
+                let guard = self.m.and(&inputs, class)?;
+                if guard.is_false() {
+                    continue;
+                }
+                let cubes = cover.cubes(&guard, *room)?;
+                *room -= cubes.len();
+                rows.push(Row {
+                    cubes,
+                    output: output.clone(),
+                    to: *to,
+                });
+            }
+        }
+        Ok(rows)
+    }
+
+    /// In step 0 there is no flag, and nothing depends on it; later it has been fixed.
+    fn forget_flag(&self, inputs: &Function) -> Result<Function, Limit> {
+        self.m.exists(inputs, &BitSet::new([self.strategy.flag]))
+    }
+
+    fn output_of(&self, bits: &[bool], time: Time) -> Vec<i64> {
+        let outputs = self.outputs.iter();
+        outputs
+            .map(|v| self.arena.encoding.value(*v, time, bits))
+            .collect()
+    }
+
+    fn assignment(&self, output: &[i64], time: Time) -> Vec<(Bit, bool)> {
+        let pairs = self.outputs.iter().zip(output);
+        pairs
+            .flat_map(|(v, value)| self.arena.encoding.assignment(*v, time, *value))
+            .collect()
+    }
+
+    fn cube(&self, fixed: &[(Bit, bool)]) -> Result<Function, Limit> {
+        let mut cube = self.m.constant(true);
+        for (bit, value) in fixed.iter().rev() {
+            cube = self.m.and(&cube, &self.m.literal(*bit, *value))?;
+        }
+        Ok(cube)
+    }
+}

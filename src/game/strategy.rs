@@ -1,0 +1,282 @@
+//! From a won game to a function: for every goal, what to answer to which next inputs in which state.
+//!
+//! In four steps, each of which keeps at least one winning move wherever there was one:
+//!
+//! 1. *Preference.* Of the winning moves, the best kind that is possible (Bloem et al. 2012, section 4): reach the goal, and as
+//!    near to the next goal as can be; else get as near to this goal as can be; else wait for an assumption.
+//! 2. *Forgetting.* A move should depend on as few current inputs as possible, since what it depends on the machine has to
+//!    remember. Input by input, moves that are right whatever that input was are preferred, where every combination that
+//!    cannot occur in play counts as right.
+//! 3. *Choice.* Outputs keep their value where they can and are as small as possible where they cannot, one after the other.
+//! 4. *Reachability*, to leave out what is never met.
+//!
+//! The goal that is pursued is not encoded in bits; there is one relation a goal. A flag bit `g` beside the next outputs says
+//! that the transition reaches the goal, whereupon the next one is pursued.
+
+use super::arena::Arena;
+use super::fixpoint::{Layer, layers};
+use crate::gr1::{Owner, Specification, Time, Timing, VarId};
+use crate::symbolic::{Bit, BitSet, Function, Limit};
+
+/// A deterministic strategy.
+#[derive(Debug)]
+pub struct Strategy {
+    /// For each goal, the transition (x, y, x′, y′, g) taken. Meaningless in states that are not reachable.
+    pub moves: Vec<Function>,
+    /// For each goal, the states (x, y) in which it is pursued.
+    pub reachable: Vec<Function>,
+    /// The first valuations (x, y), over current bits.
+    pub initial: Function,
+    /// The flag g.
+    pub flag: Bit,
+}
+
+/// Makes a strategy for the winning region.
+pub fn strategy(
+    arena: &Arena,
+    specification: &Specification,
+    region: &Function,
+) -> Result<Strategy, Limit> {
+    let maker = Maker::new(arena, specification, region)?;
+    let goals = arena.goals.len();
+    let layers: Vec<Vec<Layer>> = (0..goals)
+        .map(|j| layers(arena, j, region))
+        .collect::<Result<_, _>>()?;
+    let initial = maker.initial()?;
+
+    let mut wide = Vec::new();
+    for j in 0..goals {
+        let targets = maker.targets(j, &layers[j], &layers[(j + 1) % goals])?;
+        wide.push(match arena.timing {
+            Timing::Mealy => maker.first_feasible_mealy(&targets)?,
+            Timing::Moore => maker.first_feasible_moore(&targets)?,
+        });
+    }
+    // What could be reached at all bounds what has to be right.
+    let possible = maker.reachable(&wide, &initial)?;
+    let mut moves = Vec::new();
+    for j in 0..goals {
+        let chosen = maker.choose(&maker.forget(&wide[j], &possible[j])?)?;
+        moves.push(maker.with_flag(&chosen, j)?);
+    }
+    drop(wide);
+    let reachable = maker.reachable(&moves, &initial)?;
+    Ok(Strategy {
+        moves,
+        reachable,
+        initial,
+        flag: maker.flag,
+    })
+}
+
+struct Maker<'a> {
+    arena: &'a Arena,
+    specification: &'a Specification,
+    region: &'a Function,
+    environment: Function,
+    system: Function,
+    now: BitSet,
+    flag: Bit,
+}
+
+impl<'a> Maker<'a> {
+    fn new(
+        arena: &'a Arena,
+        specification: &'a Specification,
+        region: &'a Function,
+    ) -> Result<Self, Limit> {
+        let now = arena.inputs_now.iter().chain(arena.outputs_now.iter());
+        Ok(Self {
+            arena,
+            specification,
+            region,
+            environment: arena.environment_moves()?,
+            system: arena.system_moves()?,
+            now: BitSet::new(now),
+            flag: Bit(2 * arena.encoding.pairs() as u16),
+        })
+    }
+
+    /// The valuations of step 0. The pure strategy has no value to keep there, so it takes the smallest.
+    fn initial(&self) -> Result<Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.manager);
+        let mut good = m.and(&arena.sys_initial, self.region)?;
+        if arena.timing == Timing::Moore {
+            good = m.implies_forall(&arena.env_initial, &good, &arena.inputs_now)?;
+        }
+        let outputs: Vec<Bit> = self
+            .outputs()
+            .flat_map(|v| arena.encoding.bits(v, Time::Now))
+            .collect();
+        for bit in outputs {
+            good = self.prefer(&good, &m.literal(bit, false), &arena.outputs_now)?;
+        }
+        m.and(&good, &arena.env_initial)
+    }
+
+    /// The transitions to aim at in pursuit of goal `j`, the best kind first. Each holds only what is a winning move in the
+    /// state where it begins.
+    fn targets(&self, j: usize, own: &[Layer], next: &[Layer]) -> Result<Vec<Function>, Limit> {
+        let m = &self.arena.manager;
+        let goal = &self.arena.goals[j];
+        let mut targets = Vec::new();
+        for layer in next {
+            targets.push(m.and(goal, &m.prime(&layer.reached)?)?);
+        }
+        for layer in own {
+            let nearer = m.and_not(&m.prime(&layer.reached)?, &layer.reached)?;
+            targets.push(nearer);
+        }
+        let mut waiting = m.constant(false);
+        let mut below = m.constant(false);
+        for layer in own {
+            let here = m.and_not(&layer.wait, &below)?;
+            let idle = m.and_not(
+                &m.prime(&layer.wait)?,
+                &self.arena.assumptions[layer.assumption],
+            )?;
+            waiting = m.or(&waiting, &m.and(&here, &idle)?)?;
+            below = layer.reached.clone();
+        }
+        targets.push(waiting);
+        Ok(targets)
+    }
+
+    /// For every state of the region and every next input, the moves of the first kind that is possible.
+    fn first_feasible_mealy(&self, targets: &[Function]) -> Result<Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.manager);
+        let mut todo = m.and(self.region, &self.environment)?;
+        let mut moves = m.constant(false);
+        for target in targets {
+            if todo.is_false() {
+                break;
+            }
+            let possible = m.and(&m.and(&todo, target)?, &self.system)?;
+            todo = m.and_not(&todo, &m.exists(&possible, &arena.outputs_next)?)?;
+            moves = m.or(&moves, &possible)?;
+        }
+        debug_assert!(todo.is_false(), "a winning state without a winning move");
+        Ok(moves)
+    }
+
+    /// For every state of the region, the next outputs that are right whatever the next inputs are, aiming as high as
+    /// possible. Over (x, y, y′).
+    fn first_feasible_moore(&self, targets: &[Function]) -> Result<Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.manager);
+        let mut todo = self.region.clone();
+        let mut moves = m.constant(false);
+        let mut aim = m.constant(false);
+        for target in targets {
+            if todo.is_false() {
+                break;
+            }
+            aim = m.or(&aim, target)?;
+            let possible = m.and(&arena.for_all_inputs(&aim)?, &self.system)?;
+            let possible = m.and(&todo, &possible)?;
+            todo = m.and_not(&todo, &m.exists(&possible, &arena.outputs_next)?)?;
+            moves = m.or(&moves, &possible)?;
+        }
+        debug_assert!(todo.is_false(), "a winning state without a winning move");
+        Ok(moves)
+    }
+
+    /// Prefers moves that do not depend on current inputs, one input after the other. Only `possible` states, and inputs
+    /// that keep the assumptions, matter.
+    fn forget(&self, moves: &Function, possible: &Function) -> Result<Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.manager);
+        let mut care = possible.clone();
+        if arena.timing == Timing::Mealy {
+            care = m.and(&care, &self.environment)?;
+        }
+        let mut allowed = m.implies(&care, moves)?;
+        for input in self.specification.inputs() {
+            let bits = arena.encoding.bit_set([input], Time::Now);
+            if !bits.iter().any(|b| allowed.depends_on(b)) {
+                continue;
+            }
+            let always = m.forall(&allowed, &bits)?;
+            let offers = m.exists(&always, &arena.outputs_next)?;
+            allowed = m.ite(&offers, &always, &allowed)?;
+        }
+        Ok(allowed)
+    }
+
+    /// Fixes the next outputs: each variable keeps its value where it can, and else takes the smallest possible one.
+    fn choose(&self, moves: &Function) -> Result<Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.manager);
+        let mut moves = moves.clone();
+        for output in self.outputs() {
+            let same = arena.encoding.unchanged(m, output)?;
+            moves = self.prefer(&moves, &same, &arena.outputs_next)?;
+            for bit in arena.encoding.bits(output, Time::Next) {
+                moves = self.prefer(&moves, &m.literal(bit, false), &arena.outputs_next)?;
+            }
+        }
+        Ok(moves)
+    }
+
+    /// The relation, with only the answers that satisfy `wish` wherever there is one.
+    fn prefer(
+        &self,
+        relation: &Function,
+        wish: &Function,
+        answers: &BitSet,
+    ) -> Result<Function, Limit> {
+        let m = &self.arena.manager;
+        let wished = m.and(relation, wish)?;
+        let possible = m.exists(&wished, answers)?;
+        m.or(&wished, &m.and_not(relation, &possible)?)
+    }
+
+    /// Adds the flag: whether the transition reaches goal `j`. With a single goal there is nothing to keep in mind.
+    fn with_flag(&self, moves: &Function, j: usize) -> Result<Function, Limit> {
+        let m = &self.arena.manager;
+        let reached = if self.arena.goals.len() == 1 {
+            m.constant(false)
+        } else {
+            self.arena.goals[j].clone()
+        };
+        let flag = m.iff(&m.literal(self.flag, true), &reached)?;
+        m.and(moves, &flag)
+    }
+
+    /// For every goal, the states in which it may be pursued.
+    fn reachable(&self, moves: &[Function], initial: &Function) -> Result<Vec<Function>, Limit> {
+        let (arena, m) = (self.arena, &self.arena.manager);
+        let goals = moves.len();
+        let mut known = vec![m.constant(false); goals];
+        let mut fresh = known.clone();
+        fresh[0] = initial.clone();
+        let mut relations = Vec::new();
+        for relation in moves {
+            relations.push(m.and(relation, &self.environment)?);
+        }
+        while let Some(j) = (0..goals).find(|j| !fresh[*j].is_false()) {
+            let from = std::mem::replace(&mut fresh[j], m.constant(false));
+            known[j] = m.or(&known[j], &from)?;
+            let steps = m.and(&relations[j], &from)?;
+            let targets = if goals == 1 {
+                vec![(0, steps)]
+            } else {
+                vec![
+                    ((j + 1) % goals, m.and(&steps, &arena.goals[j])?),
+                    (j, m.and_not(&steps, &arena.goals[j])?),
+                ]
+            };
+            let mut gone = self.now.clone();
+            gone.insert(self.flag);
+            for (k, steps) in targets {
+                let successors = m.unprime(&m.exists(&steps, &gone)?)?;
+                fresh[k] = m.and_not(&m.or(&fresh[k], &successors)?, &known[k])?;
+            }
+        }
+        Ok(known)
+    }
+
+    fn outputs(&self) -> impl Iterator<Item = VarId> {
+        let variables = self.specification.variables.iter().enumerate();
+        variables
+            .filter(|(_, v)| v.owner == Owner::System)
+            .map(|(i, _)| VarId(i as u32))
+    }
+}

@@ -1,0 +1,375 @@
+//! The naive solver: all valuations, all pairs of valuations, sets as bits of a word, the fixpoint as the textbook has it.
+
+use linewright::game::{GuaranteeKind, GuaranteeRef};
+use linewright::gr1::{
+    BinaryOp, Domain, Expr, Formula, Owner, Specification, Time, Timing, UnaryOp,
+};
+
+/// A set of valuations.
+pub type Set = u128;
+
+/// One formula, over every pair of valuations: for each current one the set of next ones for which it holds.
+type Relation = Vec<Set>;
+
+/// The formulas of a side by kind.
+struct Relations {
+    initial: Vec<Relation>,
+    invariants: Vec<Relation>,
+    safety: Vec<Relation>,
+    justice: Vec<Relation>,
+}
+
+/// Everything there is to know about a small specification.
+pub struct Board<'a> {
+    pub specification: &'a Specification,
+    pub valuations: Vec<Vec<i64>>,
+    /// The number of each valuation's inputs, and of its outputs.
+    parts: Vec<(usize, usize)>,
+    inputs: usize,
+    outputs: usize,
+    assumed: Relations,
+    guaranteed: Relations,
+}
+
+/// Which guarantees count.
+pub enum Subset<'a> {
+    All,
+    Only(&'a [GuaranteeRef]),
+}
+
+/// What the real `examine_environment` is compared with.
+pub struct Environment {
+    pub cannot_start: bool,
+    pub stuck_at_start: bool,
+    pub dead_end: bool,
+    pub forced: bool,
+}
+
+/// The rules that hold for a play, put together.
+pub struct Rules {
+    pub env_start: Set,
+    pub sys_start: Set,
+    /// Which next valuations have inputs that the environment may give.
+    pub env_step: Relation,
+    pub sys_step: Relation,
+    pub assumptions: Vec<Relation>,
+    pub goals: Vec<Relation>,
+}
+
+impl<'a> Board<'a> {
+    pub fn new(specification: &'a Specification) -> Self {
+        let mut valuations = vec![Vec::new()];
+        for v in &specification.variables {
+            let (low, high) = match &v.domain {
+                Domain::Bool => (0, 1),
+                Domain::Range { low, high } => (*low, *high),
+                Domain::Enum { labels, .. } => (0, labels.len() as i64 - 1),
+            };
+            let mut longer = Vec::new();
+            for valuation in &valuations {
+                for value in low..=high {
+                    let mut next: Vec<i64> = valuation.clone();
+                    next.push(value);
+                    longer.push(next);
+                }
+            }
+            valuations = longer;
+        }
+        assert!(valuations.len() <= 128);
+        let number = |owner: Owner| {
+            let mut seen: Vec<Vec<i64>> = Vec::new();
+            let numbers: Vec<usize> = valuations
+                .iter()
+                .map(|valuation| {
+                    let pairs = specification.variables.iter().zip(valuation);
+                    let part: Vec<i64> = pairs
+                        .filter(|(v, _)| v.owner == owner)
+                        .map(|(_, x)| *x)
+                        .collect();
+                    seen.iter().position(|s| *s == part).unwrap_or_else(|| {
+                        seen.push(part);
+                        seen.len() - 1
+                    })
+                })
+                .collect();
+            (numbers, seen.len())
+        };
+        let (ins, inputs) = number(Owner::Environment);
+        let (outs, outputs) = number(Owner::System);
+        let relation = |f: &Formula| -> Relation {
+            let row = |now: &Vec<i64>| {
+                let next = valuations.iter().enumerate();
+                next.filter(|(_, next)| value(&f.expr, now, next) != 0)
+                    .fold(0, |set, (i, _)| set | 1 << i)
+            };
+            valuations.iter().map(row).collect()
+        };
+        let relations = |side: &linewright::gr1::Side| Relations {
+            initial: side.initial.iter().map(relation).collect(),
+            invariants: side.invariants.iter().map(relation).collect(),
+            safety: side.safety.iter().map(relation).collect(),
+            justice: side.justice.iter().map(relation).collect(),
+        };
+        Self {
+            assumed: relations(&specification.assumptions),
+            guaranteed: relations(&specification.guarantees),
+            parts: ins.into_iter().zip(outs).collect(),
+            inputs,
+            outputs,
+            valuations,
+            specification,
+        }
+    }
+
+    pub fn all(&self) -> Set {
+        if self.valuations.len() == 128 {
+            Set::MAX
+        } else {
+            (1 << self.valuations.len()) - 1
+        }
+    }
+
+    fn with_inputs(&self, x: usize) -> Set {
+        let parts = self.parts.iter().enumerate();
+        parts
+            .filter(|(_, p)| p.0 == x)
+            .fold(0, |s, (i, _)| s | 1 << i)
+    }
+
+    fn with_outputs(&self, y: usize) -> Set {
+        let parts = self.parts.iter().enumerate();
+        parts
+            .filter(|(_, p)| p.1 == y)
+            .fold(0, |s, (i, _)| s | 1 << i)
+    }
+
+    /// The valuations for which formulas without next values hold.
+    fn satisfying(&self, relations: &[Relation]) -> Set {
+        let all = self.all();
+        let here = |r: &Relation| {
+            let rows = r.iter().enumerate();
+            rows.filter(|(_, row)| **row == all)
+                .fold(0, |s, (i, _)| s | 1 << i)
+        };
+        relations.iter().map(here).fold(all, |a: Set, b: Set| a & b)
+    }
+
+    pub fn rules(&self, subset: &Subset<'_>) -> Rules {
+        let chosen = |kind: GuaranteeKind, list: &[Relation]| -> Vec<Relation> {
+            let list = list.iter().enumerate();
+            list.filter(|(index, _)| match subset {
+                Subset::All => true,
+                Subset::Only(refs) => refs.contains(&GuaranteeRef {
+                    kind,
+                    index: *index,
+                }),
+            })
+            .map(|(_, r)| r.clone())
+            .collect()
+        };
+        let invariants = chosen(GuaranteeKind::Invariant, &self.guaranteed.invariants);
+        let initial = chosen(GuaranteeKind::Initial, &self.guaranteed.initial);
+        let safety = chosen(GuaranteeKind::Safety, &self.guaranteed.safety);
+        let goals = chosen(GuaranteeKind::Justice, &self.guaranteed.justice);
+        let env_always = self.satisfying(&self.assumed.invariants);
+        let sys_always = self.satisfying(&invariants);
+        let conjunction = |list: &[Relation], always: Set| -> Relation {
+            let rows = 0..self.valuations.len();
+            rows.map(|i| list.iter().fold(always, |set, r| set & r[i]))
+                .collect()
+        };
+        Rules {
+            env_start: env_always & self.satisfying(&self.assumed.initial),
+            sys_start: sys_always & self.satisfying(&initial),
+            env_step: conjunction(&self.assumed.safety, env_always),
+            sys_step: conjunction(&safety, sys_always),
+            assumptions: self.or_true(self.assumed.justice.clone()),
+            goals: self.or_true(goals),
+        }
+    }
+
+    fn or_true(&self, list: Vec<Relation>) -> Vec<Relation> {
+        if list.is_empty() {
+            vec![vec![self.all(); self.valuations.len()]]
+        } else {
+            list
+        }
+    }
+
+    /// Whether the machine can make every next step lie in `target` of the current valuation.
+    fn controls(&self, groups: &Groups, rules: &Rules, state: usize, target: Set) -> bool {
+        let good = target & rules.sys_step[state];
+        let legal: Vec<Set> = groups
+            .inputs
+            .iter()
+            .copied()
+            .filter(|x| x & rules.env_step[state] != 0)
+            .collect();
+        match self.specification.timing {
+            Timing::Mealy => legal.iter().all(|x| x & good != 0),
+            Timing::Moore => groups
+                .outputs
+                .iter()
+                .any(|y| legal.iter().all(|x| x & y & good != 0)),
+        }
+    }
+
+    fn groups(&self) -> Groups {
+        Groups {
+            inputs: (0..self.inputs).map(|x| self.with_inputs(x)).collect(),
+            outputs: (0..self.outputs).map(|y| self.with_outputs(y)).collect(),
+        }
+    }
+
+    fn winning(&self, rules: &Rules) -> Set {
+        let groups = self.groups();
+        let count = self.valuations.len();
+        let predecessor = |target: &dyn Fn(usize) -> Set| -> Set {
+            let states = 0..count;
+            states
+                .filter(|s| self.controls(&groups, rules, *s, target(*s)))
+                .fold(0, |set, s| set | 1 << s)
+        };
+        let mut z = self.all();
+        loop {
+            let mut all_goals = self.all();
+            for goal in &rules.goals {
+                let mut y = 0;
+                loop {
+                    let mut better = 0;
+                    for assumption in &rules.assumptions {
+                        let mut x = self.all();
+                        loop {
+                            let smaller =
+                                predecessor(&|s| (goal[s] & z) | y | (!assumption[s] & x));
+                            if smaller == x {
+                                break;
+                            }
+                            x = smaller;
+                        }
+                        better |= x;
+                    }
+                    if better == y {
+                        break;
+                    }
+                    y = better;
+                }
+                all_goals &= y;
+            }
+            if all_goals == z {
+                return z;
+            }
+            z = all_goals;
+        }
+    }
+
+    pub fn realizable(&self, subset: &Subset<'_>) -> bool {
+        let rules = self.rules(subset);
+        let good = self.winning(&rules) & rules.sys_start;
+        let groups = self.groups();
+        let starts = |x: &&Set| **x & rules.env_start != 0;
+        match self.specification.timing {
+            Timing::Mealy => groups.inputs.iter().filter(starts).all(|x| x & good != 0),
+            Timing::Moore => groups.outputs.iter().any(|y| {
+                groups
+                    .inputs
+                    .iter()
+                    .filter(starts)
+                    .all(|x| x & y & good != 0)
+            }),
+        }
+    }
+
+    pub fn environment(&self) -> Environment {
+        let mut rules = self.rules(&Subset::All);
+        let start = rules.env_start & rules.sys_start;
+        let groups = self.groups();
+        let mut reachable = start;
+        loop {
+            let mut more = reachable;
+            for s in (0..self.valuations.len()).filter(|s| reachable >> s & 1 == 1) {
+                let legal = rules.env_step[s];
+                let mut good = rules.sys_step[s];
+                if self.specification.timing == Timing::Moore {
+                    // Only outputs that are right for all legal inputs.
+                    let x: Vec<Set> = groups
+                        .inputs
+                        .iter()
+                        .copied()
+                        .filter(|x| x & legal != 0)
+                        .collect();
+                    let y = groups.outputs.iter();
+                    good = y
+                        .filter(|y| x.iter().all(|x| x & *y & good != 0))
+                        .fold(0, |a, b| a | b)
+                        & good;
+                }
+                more |= legal & good;
+            }
+            if more == reachable {
+                break;
+            }
+            reachable = more;
+        }
+        let stuck = (0..self.valuations.len())
+            .filter(|s| rules.env_step[*s] == 0)
+            .fold(0, |set: Set, s| set | 1 << s);
+        rules.goals = vec![vec![0; self.valuations.len()]];
+        let started = rules.env_start != 0;
+        Environment {
+            cannot_start: !started,
+            stuck_at_start: started && stuck & start != 0,
+            dead_end: started && stuck & reachable != 0,
+            forced: started && self.winning(&rules) & reachable != 0,
+        }
+    }
+}
+
+/// The valuations with the same inputs, and with the same outputs.
+struct Groups {
+    inputs: Vec<Set>,
+    outputs: Vec<Set>,
+}
+
+/// An evaluator of its own.
+pub fn value(expr: &Expr, now: &[i64], next: &[i64]) -> i64 {
+    let of = |e: &Expr| value(e, now, next);
+    match expr {
+        Expr::Const(c) => *c,
+        Expr::Var(v, Time::Now) => now[v.0 as usize],
+        Expr::Var(v, Time::Next) => next[v.0 as usize],
+        Expr::Unary(UnaryOp::Not, a) => 1 - of(a),
+        Expr::Unary(UnaryOp::Neg, a) => 0 - of(a),
+        Expr::Unary(UnaryOp::Abs, a) => of(a).max(-of(a)),
+        Expr::If(c, a, b) => of(if of(c) == 1 { a } else { b }),
+        Expr::Binary(op, a, b) => {
+            let (a, b) = (of(a), of(b));
+            let truth = |t: bool| if t { 1 } else { 0 };
+            match op {
+                BinaryOp::And => a * b,
+                BinaryOp::Or => truth(a + b > 0),
+                BinaryOp::Implies => truth(a <= b),
+                BinaryOp::Eq => truth(a == b),
+                BinaryOp::Ne => truth(a != b),
+                BinaryOp::Lt => truth(a < b),
+                BinaryOp::Le => truth(a <= b),
+                BinaryOp::Gt => truth(a > b),
+                BinaryOp::Ge => truth(a >= b),
+                BinaryOp::Add => a + b,
+                BinaryOp::Sub => a - b,
+                BinaryOp::Mul => a * b,
+                // Division towards minus infinity, by what it means.
+                BinaryOp::Div | BinaryOp::Mod => {
+                    let rest = ((a % b) + b) % b;
+                    if *op == BinaryOp::Mod {
+                        rest
+                    } else {
+                        (a - rest) / b
+                    }
+                }
+                BinaryOp::Min => std::cmp::min(a, b),
+                BinaryOp::Max => std::cmp::max(a, b),
+            }
+        }
+    }
+}
