@@ -1,0 +1,91 @@
+//! Station libraries: the emitted C, the toolchain, the loader, against the interpreter.
+
+#[path = "station/differential.rs"]
+mod differential;
+#[path = "station/explicit.rs"]
+mod explicit;
+#[path = "station/fixtures.rs"]
+mod fixtures;
+
+use differential::{Random, assert_same, differential};
+use linewright::station::interpret::Interpreter;
+use linewright::station::load::Library;
+use linewright::station::{Controller, ErrorCode, Package, Toolchain};
+use std::sync::Arc;
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder for temporary files")
+}
+
+#[test]
+fn library_and_interpreter_agree_step_by_step() {
+    let folder = folder();
+    for (machine, controllers) in [fixtures::manipulator(), fixtures::belt()] {
+        let steps = 100_000;
+        let counts = differential(&machine, &controllers, steps, 7, folder.path());
+        println!("{}: {counts:?}", machine.name);
+        assert!(counts.of(ErrorCode::Assumption) >= steps / 10, "{counts:?}");
+        assert!(
+            counts.of(ErrorCode::Domain) > 0 && counts.ok > steps / 3,
+            "{counts:?}"
+        );
+        assert_eq!(
+            counts.of(ErrorCode::Internal) + counts.of(ErrorCode::Guarantee),
+            0
+        );
+    }
+}
+
+#[test]
+fn library_and_interpreter_agree_on_operations() {
+    let folder = folder();
+    for (machine, controllers) in [fixtures::manipulator(), fixtures::jammed()] {
+        let package = Package::emit(&machine, &controllers);
+        let built = Toolchain::host()
+            .build(&package, folder.path(), false)
+            .unwrap();
+        let mut instance = Library::open(&built.path).unwrap().instance().unwrap();
+        let mut interpreter = Interpreter::new(Arc::clone(&machine), Arc::clone(&controllers));
+        let mut random = Random(11);
+        let mut seen = std::collections::BTreeMap::new();
+        let mut values = [0.0, 1.0, 0.3];
+        for call in 0..20_000 {
+            if random.below(3) != 0 {
+                let angle = [
+                    0.0,
+                    90.0,
+                    180.0,
+                    270.0,
+                    90.0 + 1e-12,
+                    45.0,
+                    360.0,
+                    -90.0,
+                    f64::NAN,
+                ];
+                let grip = [1.0, 1.0, 1.0, 0.0, 0.5, 2.0];
+                values[0] = angle[random.below(9) as usize];
+                values[1] = grip[random.below(6) as usize];
+                values[2] = [0.3, 1.7, -5.0, 1e300, f64::INFINITY][random.below(5) as usize];
+            }
+            let operation = random.below(5) as usize / 2;
+            let (mut ours, mut theirs) = (values, values);
+            let expected = interpreter.simulate(operation, &mut ours);
+            let answer = instance.simulate(operation, &mut theirs);
+            let place = format!("{} call {call} {operation} {values:?}", machine.name);
+            assert_same(&expected, &answer, &place);
+            assert_eq!(ours.map(f64::to_bits), theirs.map(f64::to_bits), "{place}");
+            let key = expected
+                .as_ref()
+                .map_or_else(|e| e.message.clone(), |_| "ok".to_owned());
+            *seen.entry(key).or_insert(0) += 1;
+            if let (Ok(a), Ok(b)) = (&expected, &answer) {
+                assert_eq!(a.seconds.to_bits(), b.seconds.to_bits(), "{place}");
+                assert_eq!(a.joules.to_bits(), b.joules.to_bits(), "{place}");
+                assert_eq!(a.steps, b.steps, "{place}");
+                values = ours;
+            }
+        }
+        println!("{}: {seen:#?}", machine.name);
+        assert!(seen["ok"] > 500);
+    }
+}
