@@ -46,19 +46,22 @@ static void lw_give_string(UF_Value *ret, const char *value)
     }
 }
 
+/* The handle of the first argument; 0 where its number cannot be one. */
+static lw_handle lw_handle_of(const UF_Value *arg)
+{
+    int64_t number = (int64_t)arg[0].value.LW_UF_FIELD_INTEGER;
+    return number > 0 && number <= INT32_MAX ? (lw_handle)number : 0;
+}
+
 /* The instance of the first argument, locked; or null and a code. */
 static lw_slot *lw_enter_value(const UF_Value *arg, int32_t *code)
 {
-    lw_slot *slot = NULL;
+    lw_slot *slot;
     if (arg == NULL || arg[0].type != LW_UF_TAG_INTEGER) {
         *code = lw_fail_alone(LW_ERROR_ARGUMENT, "the handle must be an integer");
         return NULL;
     }
-    if (arg[0].value.LW_UF_FIELD_INTEGER > 0 && (int64_t)arg[0].value.LW_UF_FIELD_INTEGER <= INT32_MAX) {
-        slot = lw_enter((lw_handle)arg[0].value.LW_UF_FIELD_INTEGER);
-    } else {
-        lw_fail_alone(LW_ERROR_HANDLE, LW_HANDLE_TEXT);
-    }
+    slot = lw_enter(lw_handle_of(arg));
     *code = slot == NULL ? LW_ERROR_HANDLE : LW_OK;
     return slot;
 }
@@ -75,7 +78,7 @@ LW_EXPORT void deinstantiate(UF_Value *ret, UF_Value *arg)
     lw_slot *slot = lw_enter_value(arg, &code);
     if (slot != NULL) {
         lw_lock_give(&slot->lock);
-        code = lw_destroy((lw_handle)arg[0].value.LW_UF_FIELD_INTEGER);
+        code = lw_destroy(lw_handle_of(arg));
     }
     lw_give_integer(ret, code);
 }
@@ -190,9 +193,8 @@ LW_EXPORT void last_error(UF_Value *ret, UF_Value *arg)
     /* The text shown is a copy, which later errors leave alone: who owns a returned string is not known. */
     static char alone[LW_TEXT_SIZE];
     lw_slot *slot = NULL;
-    if (arg != NULL && arg[0].type == LW_UF_TAG_INTEGER && arg[0].value.LW_UF_FIELD_INTEGER > 0 &&
-        (int64_t)arg[0].value.LW_UF_FIELD_INTEGER <= INT32_MAX) {
-        slot = lw_enter_quietly((lw_handle)arg[0].value.LW_UF_FIELD_INTEGER);
+    if (arg != NULL && arg[0].type == LW_UF_TAG_INTEGER) {
+        slot = lw_enter_quietly(lw_handle_of(arg));
     }
     if (slot != NULL) {
         memcpy(slot->shown, slot->error.text, sizeof slot->shown);

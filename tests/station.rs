@@ -1,9 +1,15 @@
 //! Station libraries: the emitted C, the toolchain, the loader, against the interpreter.
 
+#[path = "station/building.rs"]
+mod building;
+#[path = "station/calls.rs"]
+mod calls;
 #[path = "station/differential.rs"]
 mod differential;
 #[path = "station/explicit.rs"]
 mod explicit;
+#[path = "station/expressions.rs"]
+mod expressions;
 #[path = "station/fixtures.rs"]
 mod fixtures;
 
@@ -87,5 +93,70 @@ fn library_and_interpreter_agree_on_operations() {
         }
         println!("{}: {seen:#?}", machine.name);
         assert!(seen["ok"] > 500);
+    }
+}
+
+/// Not a test of anything: writes the fixtures' C where `STATION_DUMP` says, to be read or measured.
+#[test]
+#[ignore = "by hand"]
+fn dump() {
+    let folder = std::env::var("STATION_DUMP").unwrap();
+    for (machine, controllers) in [fixtures::manipulator(), fixtures::belt()] {
+        let package = Package::emit(&machine, &controllers);
+        package.write_source(std::path::Path::new(&folder)).unwrap();
+    }
+}
+
+/// Compile time, size and step time by level of optimisation: the figures behind the choice in `toolchain.rs`.
+#[test]
+#[ignore = "a measurement"]
+fn measure_levels() {
+    for (machine, controllers) in [fixtures::manipulator(), fixtures::belt()] {
+        let package = Package::emit(&machine, &controllers);
+        for level in ["-O0", "-Og", "-O1", "-O2"] {
+            let folder = folder();
+            let flags = [
+                "-std=c99",
+                level,
+                "-fPIC",
+                "-shared",
+                "-fvisibility=hidden",
+                "-ffp-contract=off",
+            ];
+            let toolchain = Toolchain::host().with_flags(&flags);
+            toolchain.build(&package, folder.path(), true).unwrap();
+            let begin = std::time::Instant::now();
+            let built = toolchain.build(&package, folder.path(), true).unwrap();
+            let compile = begin.elapsed();
+            let size = std::fs::metadata(&built.path).unwrap().len();
+            let mut instance = Library::open(&built.path).unwrap().instance().unwrap();
+            let mut outputs = vec![0; machine.wire_count() - machine.plant.len()];
+            let mut plant: Vec<i64> = machine.plant.iter().map(|_| 0).collect();
+            let begin = std::time::Instant::now();
+            let steps = 1_000_000_u32;
+            for i in 0..steps {
+                *plant.last_mut().unwrap() = i64::from(i % 2);
+                instance.step(&plant, &mut outputs).unwrap();
+            }
+            let step = begin.elapsed() / steps;
+            println!(
+                "{} {level}: {compile:?} to build, {size} bytes, {step:?} a step",
+                machine.name
+            );
+            if !machine.operations.is_empty() {
+                let begin = std::time::Instant::now();
+                let calls = 50_000_u32;
+                let mut sum = 0;
+                for _ in 0..calls {
+                    instance.reset();
+                    sum += instance.simulate(0, &mut [270.0, 1.0, 0.3]).unwrap().steps;
+                }
+                println!(
+                    "    {:?} an operation of {} steps",
+                    begin.elapsed() / calls,
+                    sum / u64::from(calls)
+                );
+            }
+        }
     }
 }

@@ -5,8 +5,9 @@
 //! the runtime, the flags, and what names the compiler. Beside it stands a manifest with its length and SHA-256, without
 //! which it is not loaded.
 //!
-//! Optimisation: `-O1`. A library's compiler run takes about as long without optimisation, and a step about twice as long;
-//! `-O2` takes half as much longer to compile and gains little, since a step is a walk over tables.
+//! Optimisation: none. Measured with gcc 12 on a manipulator of five components (128 kB of C), as CPU time of one run of
+//! the compiler and as time of a step: `-O0` 0.10 s and 285 ns, `-Og` 0.14 s and 164 ns, `-O1` 0.19 s and 125 ns, `-O2`
+//! 0.27 s and 132 ns. A run has to make some hundred thousand steps before the optimiser has paid for itself.
 
 use super::package::{Package, create_folder, write};
 use super::{Error, emit};
@@ -24,7 +25,7 @@ pub(super) const ABI_VERSION: i32 = 1;
 /// Flags of every library.
 const FLAGS: [&str; 6] = [
     "-std=c99",
-    "-O1",
+    "-O0",
     "-fPIC",
     "-shared",
     "-fvisibility=hidden",
@@ -258,7 +259,7 @@ impl Toolchain {
             build
                 .target(&target)
                 .host(&target)
-                .opt_level(1)
+                .opt_level(0)
                 .out_dir(work)
                 .no_default_flags(true)
                 .inherit_rustflags(false)

@@ -3,7 +3,7 @@
 //! For each state (the values of the step before) and each input, the first output in ascending order that keeps the
 //! guarantees is taken. So a contract whose guarantees leave no choice gets its only machine; nothing looks ahead.
 
-use linewright::gr1::{Domain, Formula, Side, Specification, Timing, eval};
+use linewright::gr1::{Domain, Formula, Side, Specification, Time, Timing, eval};
 use linewright::mealy::{Cube, Guard, Machine, Port, Test, Transition};
 use std::collections::BTreeMap;
 
@@ -23,9 +23,21 @@ pub fn controller(specification: &Specification) -> Machine {
     };
     let inputs = ports(specification.inputs().collect());
     let outputs = ports(specification.outputs().collect());
+    // Only what safety formulas look back at is part of a state.
+    let mut remembered = vec![false; specification.variables.len()];
+    for side in [&specification.assumptions, &specification.guarantees] {
+        for formula in &side.safety {
+            formula
+                .expr
+                .for_each_var(&mut |v, t| remembered[v.index()] |= t == Time::Now);
+        }
+    }
     let mut numbers: BTreeMap<Vec<i64>, usize> = BTreeMap::new();
     let mut queue: Vec<Vec<i64>> = Vec::new();
-    let mut number = |values: Vec<i64>, queue: &mut Vec<Vec<i64>>| {
+    let mut number = |mut values: Vec<i64>, queue: &mut Vec<Vec<i64>>| {
+        for (value, remembered) in values.iter_mut().zip(&remembered) {
+            *value *= i64::from(*remembered);
+        }
         *numbers.entry(values.clone()).or_insert_with(|| {
             queue.push(values);
             queue.len() - 1

@@ -339,16 +339,16 @@ impl Emitter<'_> {
         }
         let mut body = String::new();
         for (i, formula) in justice.iter().enumerate() {
-            let earlier = if formula.expr.mentions_next() {
-                "earlier && "
+            let holds = self.formula(formula);
+            let holds = if formula.expr.mentions_next() {
+                format!("earlier && ({holds})")
             } else {
-                ""
+                holds
             };
             let _ = writeln!(
                 body,
-                "    /* {} */\n    if ({earlier}({})) {{\n        held[{i}] = step;\n    }}",
-                cite(formula),
-                self.formula(formula)
+                "    /* {} */\n    if ({holds}) {{\n        held[{i}] = step;\n    }}",
+                cite(formula)
             );
         }
         let unused_earlier = if body.contains("earlier &&") {
