@@ -2,6 +2,25 @@
 //!
 //! Two things implement [`Controller`]: `load::Instance`, a compiled library called through its exports, and
 //! `interpret::Interpreter`, the same machine in this process, against which the library is tested.
+//!
+//! ```text
+//! contract::machine::Machine, mealy::Machine... ─Package::emit→ Package ─Toolchain::build→ Built ─Library::open→ Library
+//!      ─Library::instance→ Instance
+//! ```
+
+pub mod emit;
+pub mod interpret;
+pub mod load;
+mod messages;
+pub mod package;
+pub mod toolchain;
+
+use crate::contract::machine::Machine;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::mealy;
+pub use package::Package;
+use std::path::PathBuf;
+pub use toolchain::Toolchain;
 
 /// The codes that a station library answers with; the same numbers as in `ffi/station.h`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -62,4 +81,128 @@ pub trait Controller {
 
     /// Back to before step 0.
     fn reset(&mut self);
+}
+
+impl ErrorCode {
+    /// The code of a number that a library answered with.
+    pub fn from_number(number: i32) -> Option<Self> {
+        [
+            Self::Handle,
+            Self::Argument,
+            Self::Domain,
+            Self::Operation,
+            Self::Assumption,
+            Self::Guarantee,
+            Self::Limit,
+            Self::Memory,
+            Self::Internal,
+        ]
+        .into_iter()
+        .find(|code| *code as i32 == number)
+    }
+}
+
+/// What can go wrong around station libraries.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// There is no C compiler of that name.
+    #[error("the C compiler `{command}` could not be started: {cause}")]
+    CompilerMissing {
+        /// What was to be started.
+        command: String,
+        /// Why it was not.
+        cause: String,
+    },
+    /// The C compiler gave an error.
+    #[error("the C compiler `{command}` failed on the library of `{machine}`:\n{stderr}")]
+    CompilerFailed {
+        /// What was started.
+        command: String,
+        /// The machine.
+        machine: String,
+        /// What it printed.
+        stderr: String,
+    },
+    /// A library is not what was built.
+    #[error("the station library {} is damaged: {reason}", path.display())]
+    LibraryDamaged {
+        /// The library.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Something could not be written.
+    #[error("{} cannot be written: {cause}", path.display())]
+    Unwritable {
+        /// What.
+        path: PathBuf,
+        /// Why.
+        cause: std::io::Error,
+    },
+    /// A call was answered with an error.
+    #[error(transparent)]
+    Call(#[from] CallError),
+}
+
+impl Error {
+    /// The finding of this error, with the next step.
+    pub fn to_diagnostic(&self) -> Diagnostic {
+        let (code, help) = match self {
+            Self::CompilerMissing { .. } => (
+                codes::COMPILER_MISSING,
+                "install a C compiler (Debian and Ubuntu: `apt install gcc`; macOS: `xcode-select --install`), or name one in the environment variable CC",
+            ),
+            Self::CompilerFailed { .. } => (
+                codes::COMPILER_FAILED,
+                "the emitted C is plain C99: look at what CC and CFLAGS hold; if they are in order, please report this",
+            ),
+            Self::LibraryDamaged { .. } => {
+                (codes::LIBRARY_DAMAGED, "delete it, or run with --rebuild")
+            }
+            Self::Unwritable { .. } => (
+                codes::OUTPUT_UNWRITABLE,
+                "choose another folder with --out, or make this one writable",
+            ),
+            Self::Call(_) => (
+                codes::LIBRARY_CALL,
+                "the message names what was expected; `linewright explain LW505` lists the codes",
+            ),
+        };
+        Diagnostic::error(code, None, self.to_string()).with_help(help)
+    }
+}
+
+/// Panics when the controllers are not those of the machine's components: a fault of this program.
+fn assert_fit(machine: &Machine, controllers: &[mealy::Machine]) {
+    let fit = |c: &crate::contract::machine::Component, m: &mealy::Machine| {
+        let specification = &c.specification;
+        let transitions = || m.initial.iter().chain(m.states.iter().flatten());
+        specification.inputs().count() == m.inputs.len()
+            && c.bindings.len() == m.inputs.len()
+            && specification.outputs().count() == m.outputs.len()
+            && specification.timing == m.timing
+            && transitions().all(|t| {
+                t.output.len() == m.outputs.len()
+                    && t.to < m.states.len()
+                    && t.guard
+                        .0
+                        .iter()
+                        .flat_map(|c| &c.0)
+                        .all(|t| t.input < m.inputs.len())
+            })
+    };
+    assert_eq!(
+        machine.components.len(),
+        controllers.len(),
+        "machine `{}` needs one controller a component; please report this",
+        machine.name
+    );
+    for (component, controller) in machine.components.iter().zip(controllers) {
+        assert!(
+            fit(component, controller),
+            "the controller of `{}.{}` does not fit its contract; please report this",
+            machine.name,
+            component.name
+        );
+    }
 }

@@ -1,0 +1,189 @@
+/* What a generated machine file and the runtime share: the shape of the tables.
+ *
+ * A generated file defines the sizes below, includes this header, fills the tables, and includes `runtime.c` and the
+ * adapter at its end. So a library is one translation unit, compiled by one run of the compiler, and all storage has a
+ * fixed size.
+ *
+ * Values.  Booleans are 0 and 1, labels are numbered from 0, integers are themselves. Each component has its variables in
+ * the order of its contract, from `first_value` on in `lw_state.values`.
+ *
+ * Wires.  The plant's inputs, then the outputs and internal variables of every component in order. */
+#ifndef LW_MACHINE_H
+#define LW_MACHINE_H
+
+/* A strict C99 compiler shows the threads of <pthread.h> only when asked. */
+#if !defined(_WIN32) && !defined(_POSIX_C_SOURCE)
+#define _POSIX_C_SOURCE 200809L
+#endif
+
+#include "station.h"
+
+#include <math.h>
+
+#if !defined(LW_COMPONENTS) || !defined(LW_PLANT) || !defined(LW_WIRES) || !defined(LW_VALUES) || \
+    !defined(LW_PROPERTIES) || !defined(LW_OPERATIONS) || !defined(LW_JUSTICE) || !defined(LW_HANDLE_MARK)
+#error "machine.h is included by a generated machine file, after the machine's sizes"
+#endif
+
+/* One test of a guard: low <= input <= high. `input` counts the component's inputs. */
+typedef struct lw_test {
+    int input;
+    int64_t low;
+    int64_t high;
+} lw_test;
+
+/* A row holds when all its tests do; it gives an answer (a row of the table of outputs) and leads to a state. Places in
+ * `row_of`: 0 is before step 0, s + 1 is state s. */
+typedef struct lw_row {
+    int first_test;
+    int tests;
+    int answer;
+    int to;
+} lw_row;
+
+/* A formula's name, and what is said when it is broken. */
+typedef struct lw_rule {
+    const char *rule;
+    const char *message;
+} lw_rule;
+
+/* Which formula of a list is broken: its index, or -1. `previous` is not looked at in step 0. */
+typedef int lw_check(const int64_t *previous, const int64_t *current);
+
+/* A list of formulas; `check` is null where the list is empty. */
+typedef struct lw_promise {
+    lw_check *check;
+    const lw_rule *rules;
+} lw_promise;
+
+/* One side of a contract, without its justice. */
+typedef struct lw_side {
+    lw_promise initial;
+    lw_promise invariants;
+    lw_promise safety;
+} lw_side;
+
+/* One input of a component: `value` counts the component's variables. */
+typedef struct lw_input {
+    const char *name;
+    const char *domain;
+    int value;
+    int64_t low;
+    int64_t high;
+} lw_input;
+
+/* A number of the plant, over the properties and the wires. */
+typedef double lw_real(const double *properties, const int64_t *wires);
+
+/* How an action's time is charged. */
+enum { LW_TIME_STEP, LW_TIME_EXECUTION };
+
+typedef struct lw_component {
+    const char *name;
+    int moore;
+    int first_value;
+    int first_wire;
+    int inputs;
+    int outputs;
+    const lw_input *input;
+    const int *output; /* the outputs' places among the component's variables */
+    const int *row_of; /* the rows of place p are row_of[p] up to row_of[p + 1] */
+    const lw_row *rows;
+    const lw_test *tests;
+    const int64_t *answers; /* `outputs` values a row */
+    void (*bind)(const int64_t *wires, int64_t *current);
+    lw_side assumptions;
+    lw_side guarantees;
+    /* Justice assumptions: notes in `held` the step in which each one held. Null where there are none. */
+    void (*justice)(const int64_t *previous, const int64_t *current, int earlier, int64_t step, int64_t *held);
+    int first_justice;
+    /* Null for the coordinator. */
+    int (*active)(const int64_t *wires);
+    int time;
+    lw_real *seconds;
+    lw_real *watts;
+} lw_component;
+
+/* Where a plant input's value comes from in `lw_simulate`. */
+enum { LW_FROM_OPERATION, LW_FROM_SCRIPT, LW_FROM_PROPERTY };
+
+typedef struct lw_plant_input {
+    const char *name;
+    const char *domain;
+    int64_t low;
+    int64_t high;
+    int source;
+    const int64_t *script;
+    int script_length;
+    lw_real *abstraction;
+    const char *about; /* how an error of the abstraction begins */
+} lw_plant_input;
+
+typedef struct lw_operation {
+    const char *name;
+    int64_t value;
+} lw_operation;
+
+/* Everything that a step changes. All zero is "before step 0". */
+typedef struct lw_state {
+    int started;
+    int place[LW_COMPONENTS + 1];
+    int64_t values[LW_VALUES + 1];
+    int64_t wires[LW_WIRES + 1];
+} lw_state;
+
+#if defined(__GNUC__)
+#define LW_MAY_BE_UNUSED __attribute__((unused))
+#else
+#define LW_MAY_BE_UNUSED
+#endif
+
+/* The contract language's integer operators that C lacks. No value leaves an int64_t, and no divisor is 0: both were
+ * checked when the contract was read. */
+LW_MAY_BE_UNUSED static int64_t lw_abs(int64_t a)
+{
+    return a < 0 ? -a : a;
+}
+
+LW_MAY_BE_UNUSED static int64_t lw_min(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+LW_MAY_BE_UNUSED static int64_t lw_max(int64_t a, int64_t b)
+{
+    return a > b ? a : b;
+}
+
+/* Division rounded towards minus infinity. */
+LW_MAY_BE_UNUSED static int64_t lw_div(int64_t a, int64_t b)
+{
+    int64_t q = a / b;
+    return (a % b != 0 && (a < 0) != (b < 0)) ? q - 1 : q;
+}
+
+/* The rest of that division. */
+LW_MAY_BE_UNUSED static int64_t lw_mod(int64_t a, int64_t b)
+{
+    return a - b * lw_div(a, b);
+}
+
+/* A truth value as a number. */
+LW_MAY_BE_UNUSED static int64_t lw_int(int truth)
+{
+    return truth ? 1 : 0;
+}
+
+/* A truth value as a real number. */
+LW_MAY_BE_UNUSED static double lw_truth(int truth)
+{
+    return truth ? 1.0 : 0.0;
+}
+
+/* The contract language's `mod` of real numbers. */
+LW_MAY_BE_UNUSED static double lw_real_mod(double a, double b)
+{
+    return a - b * floor(a / b);
+}
+
+#endif

@@ -1,0 +1,300 @@
+//! The C text of a machine: one readable C99 file of tables and small functions, which includes the runtime and the adapter
+//! of `ffi/` at its end.
+//!
+//! The file is one translation unit, so that a library takes one run of the compiler. Everything in it is ordered as the
+//! machine is; nothing depends on time, place or a hash map.
+
+mod component;
+mod describe;
+pub mod expression;
+mod text;
+
+use crate::contract::machine::{Machine, PlantSource, RealExpr};
+use crate::gr1::VarId;
+use crate::mealy;
+use component::Emitter;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use text::{comment, identifier, long_string, string, wrap};
+
+/// What was emitted for a machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Emitted {
+    /// The C file.
+    pub source: String,
+    /// The contract hash that `station_describe` shows: of everything that decides how the machine behaves.
+    pub contract_hash: String,
+    /// The JSON text of `station_describe`.
+    pub description: String,
+}
+
+/// Emits a machine with the controller of each of its components, in order.
+///
+/// # Panics
+/// When they do not belong together.
+pub fn emit(machine: &Machine, controllers: &[mealy::Machine]) -> Emitted {
+    super::assert_fit(machine, controllers);
+    let wires = wire_names(machine);
+    let mut emitters = Vec::new();
+    let (mut first_value, mut first_justice) = (0, 0);
+    for (index, component) in machine.components.iter().enumerate() {
+        emitters.push(Emitter {
+            machine,
+            component,
+            controller: &controllers[index],
+            prefix: format!("c{index}_{}", identifier(&component.name)),
+            variables: component::variable_names(component, index),
+            wires: &wires,
+            first_value,
+            first_wire: machine.first_wire(index),
+            first_justice,
+        });
+        first_value += component.specification.variables.len();
+        first_justice += component.specification.assumptions.justice.len();
+    }
+    let sizes = sizes(machine, first_value, first_justice);
+    let body = body(machine, &emitters, &wires);
+    let hash = hex(&Sha256::digest(format!("{sizes}{body}")));
+    let description = describe::describe(machine, &hash);
+    // 1 to 1023: no handle is 0, and those of two machines hardly ever agree.
+    let mark = u64::from_str_radix(&hash[..8], 16).unwrap_or(0) % 1023 + 1;
+    let name = comment(&machine.name);
+    let doc = comment(&machine.doc);
+    let doc = if doc.trim().is_empty() {
+        String::new()
+    } else {
+        format!(" *\n * {}\n", wrap(doc.trim(), " * "))
+    };
+    let source = format!(
+        "/* The machine {name}, emitted by linewright from its contracts.\n{doc} *\n * Compile this file alone, with the files of ffi/ beside it:\n *\n *     cc -std=c99 -O2 -fPIC -shared -fvisibility=hidden -ffp-contract=off -pthread THIS.c -o THIS.so -lm\n */\n\
+         {sizes}#define LW_HANDLE_MARK {mark}\n\n#include \"machine.h\"\n\n{body}\
+         static const char lw_description[] =\n    {};\n\n#include \"runtime.c\"\n#include \"plant_simulation.c\"\n",
+        long_string(&description, "    ")
+    );
+    Emitted {
+        source,
+        contract_hash: hash,
+        description,
+    }
+}
+
+fn sizes(machine: &Machine, values: usize, justice: usize) -> String {
+    let mut out = String::new();
+    let sizes = [
+        ("LW_COMPONENTS", machine.components.len()),
+        ("LW_PLANT", machine.plant.len()),
+        ("LW_WIRES", machine.wire_count()),
+        ("LW_VALUES", values),
+        ("LW_PROPERTIES", machine.properties.len()),
+        ("LW_OPERATIONS", machine.operations.len()),
+        ("LW_JUSTICE", justice),
+    ];
+    for (name, size) in sizes {
+        let _ = writeln!(out, "#define {name} {size}");
+    }
+    let limit = i64::try_from(machine.step_limit).unwrap_or(i64::MAX);
+    let _ = writeln!(out, "#define LW_STEP_LIMIT {}", expression::literal(limit));
+    let _ = writeln!(
+        out,
+        "#define LW_STEP_SECONDS {}",
+        expression::real_literal(machine.step_seconds)
+    );
+    let _ = writeln!(
+        out,
+        "#define LW_BASE_WATTS {}",
+        expression::real_literal(machine.base_watts)
+    );
+    out
+}
+
+fn body(machine: &Machine, emitters: &[Emitter<'_>], wires: &[String]) -> String {
+    let mut out = String::new();
+    if !wires.is_empty() {
+        out.push_str("/* The wires. */\nenum {\n");
+        for (i, name) in wires.iter().enumerate() {
+            let _ = writeln!(out, "    {name}, /* {} */", comment(&machine.wire_name(i)));
+        }
+        out.push_str("};\n\n");
+    }
+    for emitter in emitters {
+        out.push_str(&emitter.definitions());
+    }
+    let _ = writeln!(out, "/* ---- The machine {} */\n", "-".repeat(88));
+    plant(&mut out, machine);
+    operations(&mut out, machine, wires);
+    let components: Vec<String> = emitters.iter().map(Emitter::descriptor).collect();
+    table(
+        &mut out,
+        "lw_component",
+        "lw_component_table",
+        &components,
+        "{ 0 }",
+    );
+    let justice: Vec<String> = emitters.iter().flat_map(Emitter::justice_rules).collect();
+    table(
+        &mut out,
+        "lw_rule",
+        "lw_justice_table",
+        &justice,
+        "{ NULL, NULL }",
+    );
+    out
+}
+
+fn wire_names(machine: &Machine) -> Vec<String> {
+    let mut names = Names::default();
+    (0..machine.wire_count())
+        .map(|w| names.unique(&format!("w_{}", identifier(&machine.wire_name(w)))))
+        .collect()
+}
+
+/// The plant's inputs and where they come from.
+fn plant(out: &mut String, machine: &Machine) {
+    let mut entries = Vec::new();
+    for (i, input) in machine.plant.iter().enumerate() {
+        let name = identifier(&input.name);
+        let source = match &input.source {
+            PlantSource::Operation => "LW_FROM_OPERATION, NULL, 0, NULL".to_owned(),
+            PlantSource::Signal { script } => {
+                let values: Vec<String> = script
+                    .iter()
+                    .map(|v| format!("    {},\n", expression::literal(*v)))
+                    .collect();
+                table(out, "int64_t", &format!("p{i}_{name}_script"), &values, "0");
+                format!(
+                    "LW_FROM_SCRIPT, p{i}_{name}_script, {}, NULL",
+                    script.len().max(1)
+                )
+            }
+            PlantSource::Property(expr) => {
+                let _ = writeln!(
+                    out,
+                    "/* The property abstraction of {}. */",
+                    comment(&input.name)
+                );
+                real_function(out, &format!("p{i}_{name}"), expr);
+                format!("LW_FROM_PROPERTY, NULL, 0, p{i}_{name}")
+            }
+        };
+        entries.push(format!(
+            "    {{ {}, {}, {}, {}, {source},\n        {} }},\n",
+            string(&input.name),
+            string(&input.domain.describe()),
+            expression::literal(input.domain.low()),
+            expression::literal(input.domain.high()),
+            string(&super::messages::about_abstraction(machine, input))
+        ));
+    }
+    table(out, "lw_plant_input", "lw_plant_table", &entries, "{ 0 }");
+}
+
+/// Operations, properties, the end of an operation and what it leaves.
+fn operations(out: &mut String, machine: &Machine, wires: &[String]) {
+    let operations: Vec<String> = machine
+        .operations
+        .iter()
+        .map(|o| {
+            format!(
+                "    {{ {}, {} }},\n",
+                string(&o.name),
+                expression::literal(o.value)
+            )
+        })
+        .collect();
+    table(
+        out,
+        "lw_operation",
+        "lw_operation_table",
+        &operations,
+        "{ NULL, 0 }",
+    );
+    let properties: Vec<String> = machine
+        .properties
+        .iter()
+        .map(|p| format!("    {}, /* {} */\n", string(&p.name), comment(&p.unit)))
+        .collect();
+    table(out, "char *const", "lw_property_names", &properties, "NULL");
+    let done = machine.done.as_ref().map_or_else(
+        || "0".to_owned(),
+        |d| expression::truth(d, &|v: VarId, _| format!("wires[{}]", wires[v.index()])),
+    );
+    let unused = if done.contains("wires[") {
+        ""
+    } else {
+        "    (void)wires;\n"
+    };
+    let _ = writeln!(
+        out,
+        "/* Whether the operation has ended. */\nstatic int machine_done(const int64_t *wires)\n{{\n{unused}    return {};\n}}\n",
+        wrap(&done, "        ")
+    );
+    let mut writes = String::new();
+    for (property, expr) in &machine.writes {
+        let value = expression::real(expr);
+        let line = format!("after[{property}] = {value};");
+        let _ = writeln!(
+            writes,
+            "    /* {} */\n    {}",
+            comment(&machine.properties[*property].name),
+            wrap(&line, "        ")
+        );
+    }
+    let _ = writeln!(
+        out,
+        "/* What an operation leaves in the part. */\nstatic void machine_write(const double *properties, const int64_t *wires, double *after)\n{{\n{}{writes}}}\n",
+        unused_parameters(&writes, &["properties", "wires", "after"])
+    );
+}
+
+/// A function of type `lw_real`.
+fn real_function(out: &mut String, name: &str, expr: &RealExpr) {
+    let value = expression::real(expr);
+    let _ = writeln!(
+        out,
+        "static double {name}(const double *properties, const int64_t *wires)\n{{\n{}    return {};\n}}\n",
+        unused_parameters(&value, &["properties", "wires"]),
+        wrap(&value, "        ")
+    );
+}
+
+fn unused_parameters(body: &str, names: &[&str]) -> String {
+    names
+        .iter()
+        .filter(|name| !body.contains(&format!("{name}[")))
+        .fold(String::new(), |s, name| s + &format!("    (void){name};\n"))
+}
+
+/// A constant table. C has no empty arrays: one without rows holds `empty`.
+fn table(out: &mut String, of: &str, name: &str, rows: &[String], empty: &str) {
+    let rows = if rows.is_empty() {
+        format!("    {empty}\n")
+    } else {
+        rows.concat()
+    };
+    let _ = writeln!(out, "static const {of} {name}[] = {{\n{rows}}};\n");
+}
+
+/// Hands out names, each once.
+#[derive(Default)]
+struct Names(BTreeSet<String>);
+
+impl Names {
+    fn unique(&mut self, wish: &str) -> String {
+        let mut name = wish.to_owned();
+        let mut number = 2;
+        while !self.0.insert(name.clone()) {
+            name = format!("{wish}_{number}");
+            number += 1;
+        }
+        name
+    }
+}
+
+/// Bytes in hexadecimal.
+pub(super) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut s, b| {
+        let _ = write!(s, "{b:02x}");
+        s
+    })
+}

@@ -1,0 +1,114 @@
+//! Pieces of C text: comments, strings, names, lines of a bearable width.
+
+/// Lines are broken after so many characters, where there is a place for it.
+const WIDTH: usize = 110;
+
+/// Text that can stand in a C comment: it neither ends it nor opens another, and holds no characters that change the
+/// direction of reading or steer a terminal.
+pub fn comment(text: &str) -> String {
+    let visible = |c: char| {
+        let bidirectional = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');
+        match c {
+            '\n' | '\t' => ' ',
+            c if c.is_control() || bidirectional => '?',
+            c => c,
+        }
+    };
+    let text: String = text.chars().map(visible).collect();
+    // `/*/` holds both, overlapping; so does `*/*`.
+    let text = text.replace("*/", "* /").replace("/*", "/ *");
+    text.strip_suffix('*')
+        .map_or(text.clone(), |rest| format!("{rest}* "))
+        .replace("??", "? ?")
+}
+
+/// A C string literal with these bytes.
+pub fn string(text: &str) -> String {
+    let mut out = String::from("\"");
+    for &byte in text.as_bytes() {
+        match byte {
+            b'"' => out.push_str("\\\""),
+            b'\\' => out.push_str("\\\\"),
+            // A `?` could begin a trigraph.
+            b'?' => out.push_str("\\?"),
+            b'\n' => out.push_str("\\n"),
+            0x20..=0x7e => out.push(byte as char),
+            _ => {
+                out.push('\\');
+                for shift in [6, 3, 0] {
+                    out.push((b'0' + (byte >> shift & 7)) as char);
+                }
+            }
+        }
+    }
+    out.push('"');
+    out
+}
+
+/// A long string as literals that the compiler joins, one a line.
+pub fn long_string(text: &str, indent: &str) -> String {
+    let mut pieces = vec![String::new()];
+    for c in text.chars() {
+        if pieces.last().is_some_and(|p| p.len() >= WIDTH - 20) && c == ' ' {
+            pieces.push(String::new());
+        }
+        if let Some(last) = pieces.last_mut() {
+            last.push(c);
+        }
+    }
+    let literals: Vec<String> = pieces.iter().map(|p| string(p)).collect();
+    literals.join(&format!("\n{indent}"))
+}
+
+/// What of a name can be part of a C identifier.
+pub fn identifier(name: &str) -> String {
+    let mut out = String::new();
+    for c in name.chars() {
+        match c {
+            c if c.is_ascii_alphanumeric() => out.push(c),
+            ']' | ')' => {}
+            _ => out.push('_'),
+        }
+    }
+    out
+}
+
+/// Breaks a long C expression at its spaces; `indent` begins the further lines.
+pub fn wrap(text: &str, indent: &str) -> String {
+    let mut out = String::new();
+    let mut column = indent.len();
+    for (i, word) in text.split(' ').enumerate() {
+        if i > 0 && column + 1 + word.len() > WIDTH {
+            out.push('\n');
+            out.push_str(indent);
+            column = indent.len();
+        } else if i > 0 {
+            out.push(' ');
+            column += 1;
+        }
+        out.push_str(word);
+        column += word.len();
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_comment_ends_early() {
+        for text in ["a */ b", "*/*", "/*/", "x*", "**/", "/**/", "*/*/*/"] {
+            let comment = format!("/* {}*/", comment(text));
+            let inner = &comment[2..comment.len() - 2];
+            assert!(!inner.contains("*/") && !inner.contains("/*"), "{comment}");
+            assert_eq!(comment.find("*/"), Some(comment.len() - 2), "{comment}");
+        }
+    }
+
+    #[test]
+    fn strings_are_plain_ascii() {
+        assert_eq!(string("a\"b\\c?"), r#""a\"b\\c\?""#);
+        assert_eq!(string("°1"), "\"\\302\\2601\"");
+    }
+}

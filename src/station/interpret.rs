@@ -1,0 +1,390 @@
+//! A machine run in this process: the meaning of a station library, written for clarity.
+//!
+//! The emitted C does the same with tables (`ffi/runtime.c`), and is tested against this. Both check in the same order, so
+//! that they answer with the same error where several could be given:
+//!
+//! 1. the domains of the plant's wires, in order;
+//! 2. Moore components put their outputs on their wires;
+//! 3. the Mealy components in order, each one: inputs bound, their domains, assumptions (initial ones in step 0, safety in a
+//!    later one, then invariants), the transition, outputs, guarantees likewise;
+//! 4. the Moore components in order, the coordinator among them, likewise.
+//!
+//! Only when all have answered does the machine advance, so that an error changes nothing.
+
+use super::messages::Party;
+use super::{CallError, Controller, Service};
+use crate::contract::machine::{ActionTime, Component, Machine, PlantSource};
+use crate::gr1::{Formula, Side, Timing, eval};
+use crate::mealy;
+use std::sync::Arc;
+
+/// A property must be so near an integer to be one.
+const INTEGER_TOLERANCE: f64 = 1e-9;
+
+/// A machine run in this process.
+#[derive(Debug, Clone)]
+pub struct Interpreter {
+    machine: Arc<Machine>,
+    controllers: Arc<Vec<mealy::Machine>>,
+    state: State,
+}
+
+/// Everything that a step changes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct State {
+    /// Whether step 0 has been made.
+    started: bool,
+    /// Each component's state; `None` before step 0.
+    places: Vec<Option<usize>>,
+    /// Each component's variables in the last step, in the order of its specification.
+    values: Vec<Vec<i64>>,
+    /// The wires in the last step; zeros before step 0.
+    wires: Vec<i64>,
+}
+
+/// The value of an expression without next values.
+fn now(expr: &crate::gr1::Expr, values: &[i64]) -> i64 {
+    eval::eval(expr, values, &[])
+}
+
+impl Interpreter {
+    /// A machine with the controller of each of its components, in order.
+    ///
+    /// # Panics
+    /// When they do not belong together.
+    pub fn new(machine: Arc<Machine>, controllers: Arc<Vec<mealy::Machine>>) -> Self {
+        super::assert_fit(&machine, &controllers);
+        let state = State::new(&machine);
+        Self {
+            machine,
+            controllers,
+            state,
+        }
+    }
+
+    /// What the step with these plant wires would put on all wires, or its error. Changes nothing.
+    pub fn peek(&self, plant: &[i64]) -> Result<Vec<i64>, CallError> {
+        self.advance(&self.state, plant).map(|next| next.wires)
+    }
+
+    fn advance(&self, before: &State, plant: &[i64]) -> Result<State, CallError> {
+        let machine = &*self.machine;
+        if plant.len() != machine.plant.len() {
+            return Err(CallError::plant_count());
+        }
+        let mut after = State::new(machine);
+        after.started = true;
+        for (input, &value) in machine.plant.iter().zip(plant) {
+            if !input.domain.contains(value) {
+                return Err(CallError::plant_domain(&input.name, value, &input.domain));
+            }
+        }
+        after.wires[..plant.len()].copy_from_slice(plant);
+        let timing = |c: usize| machine.components[c].specification.timing;
+        let all = 0..machine.components.len();
+        for c in all.clone().filter(|&c| timing(c) == Timing::Moore) {
+            let first = self.controllers[c]
+                .transitions(before.places[c])
+                .first()
+                .ok_or_else(|| CallError::no_transition_at_all(&machine.components[c].name))?;
+            self.put(c, &first.output, &mut after);
+        }
+        for c in all.clone().filter(|&c| timing(c) == Timing::Mealy) {
+            self.answer(c, before, &mut after)?;
+        }
+        for c in all.filter(|&c| timing(c) == Timing::Moore) {
+            self.answer(c, before, &mut after)?;
+        }
+        Ok(after)
+    }
+
+    /// One component: its inputs, its assumptions, its answer, its guarantees.
+    fn answer(&self, c: usize, before: &State, after: &mut State) -> Result<(), CallError> {
+        let component = &self.machine.components[c];
+        let specification = &*component.specification;
+        let mut inputs = Vec::with_capacity(component.bindings.len());
+        for (id, binding) in specification.inputs().zip(&component.bindings) {
+            let value = now(binding, &after.wires);
+            after.values[c][id.index()] = value;
+            inputs.push(value);
+        }
+        for (id, &value) in specification.inputs().zip(&inputs) {
+            let variable = specification.variable(id);
+            if !variable.domain.contains(value) {
+                return Err(CallError::input_domain(
+                    &component.name,
+                    &variable.name,
+                    value,
+                    &variable.domain,
+                ));
+            }
+        }
+        let check = |side: &Side, party: Party, after: &State| {
+            let broken = first_broken(side, before.started, &before.values[c], &after.values[c]);
+            broken.map_or(Ok(()), |f| Err(CallError::formula(component, f, party)))
+        };
+        check(&specification.assumptions, Party::Plant, after)?;
+        let transition = self.controllers[c]
+            .step(before.places[c], &inputs)
+            .ok_or_else(|| CallError::no_transition(&component.name))?;
+        self.put(c, &transition.output, after);
+        check(&specification.guarantees, Party::Machine, after)?;
+        after.places[c] = Some(transition.to);
+        Ok(())
+    }
+
+    /// Puts a component's outputs on its wires and among its values.
+    fn put(&self, c: usize, output: &[i64], state: &mut State) {
+        let first = self.machine.first_wire(c);
+        let specification = &self.machine.components[c].specification;
+        for (i, (id, &value)) in specification.outputs().zip(output).enumerate() {
+            state.wires[first + i] = value;
+            state.values[c][id.index()] = value;
+        }
+    }
+
+    /// The plant's wires of every step of an operation; those of signals are put in later.
+    fn abstract_properties(&self, operation: usize, values: &[f64]) -> Result<Vec<i64>, CallError> {
+        let machine = &*self.machine;
+        for (property, value) in machine.properties.iter().zip(values) {
+            if !value.is_finite() {
+                return Err(CallError::property_not_finite(&property.name));
+            }
+        }
+        let mut plant = Vec::with_capacity(machine.plant.len());
+        for input in &machine.plant {
+            plant.push(match &input.source {
+                PlantSource::Operation => machine.operations[operation].value,
+                PlantSource::Signal { script } => script[0],
+                PlantSource::Property(expr) => {
+                    let value = expr.eval(values, &self.state.wires);
+                    let nearest = value.round();
+                    let domain = input.domain.low() as f64..=input.domain.high() as f64;
+                    if (value - nearest).abs() <= INTEGER_TOLERANCE && domain.contains(&nearest) {
+                        nearest as i64
+                    } else {
+                        return Err(CallError::abstraction(machine, input, value));
+                    }
+                }
+            });
+        }
+        Ok(plant)
+    }
+
+    /// Runs an operation from a copy of the state; gives the state at its end and what it took.
+    fn perform(
+        &self,
+        operation: usize,
+        values: &[f64],
+    ) -> Result<(State, Vec<f64>, Service), CallError> {
+        let machine = &*self.machine;
+        let Some(job) = machine.operations.get(operation) else {
+            return Err(CallError::operation(operation));
+        };
+        if values.len() != machine.properties.len() {
+            return Err(CallError::value_count());
+        }
+        let mut plant = self.abstract_properties(operation, values)?;
+        let mut meter = Meter::new(machine, values, &self.state.wires);
+        let mut state = self.state.clone();
+        for step in 0..machine.step_limit {
+            for (wire, input) in plant.iter_mut().zip(&machine.plant) {
+                if let PlantSource::Signal { script } = &input.source {
+                    *wire = script[(step % script.len() as u64) as usize];
+                }
+            }
+            let next = self.advance(&state, &plant)?;
+            meter.charge(&state, &next)?;
+            state = next;
+            if machine
+                .done
+                .as_ref()
+                .is_some_and(|d| now(d, &state.wires) != 0)
+            {
+                let after = self.write(values, &state.wires)?;
+                return Ok((state, after, meter.service));
+            }
+        }
+        Err(CallError::limit(
+            &job.name,
+            machine.step_limit,
+            meter.longest_silence(),
+        ))
+    }
+
+    /// The properties after an operation.
+    fn write(&self, values: &[f64], wires: &[i64]) -> Result<Vec<f64>, CallError> {
+        let mut after = values.to_vec();
+        for (property, expr) in &self.machine.writes {
+            after[*property] = expr.eval(values, wires);
+        }
+        match after.iter().position(|v| !v.is_finite()) {
+            Some(i) => Err(CallError::write(&self.machine.properties[i].name)),
+            None => Ok(after),
+        }
+    }
+}
+
+impl Controller for Interpreter {
+    fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Result<Service, CallError> {
+        match self.perform(operation, values) {
+            Ok((state, after, service)) => {
+                self.state = state;
+                values.copy_from_slice(&after);
+                Ok(service)
+            }
+            Err(error) => {
+                if error.code == super::ErrorCode::Limit {
+                    self.reset();
+                }
+                Err(error)
+            }
+        }
+    }
+
+    fn step(&mut self, plant: &[i64], outputs: &mut [i64]) -> Result<(), CallError> {
+        if plant.len() != self.machine.plant.len() {
+            return Err(CallError::plant_count());
+        }
+        if outputs.len() != self.machine.wire_count() - plant.len() {
+            return Err(CallError::output_count());
+        }
+        self.state = self.advance(&self.state, plant)?;
+        outputs.copy_from_slice(&self.state.wires[plant.len()..]);
+        Ok(())
+    }
+
+    fn reset(&mut self) {
+        self.state = State::new(&self.machine);
+    }
+}
+
+impl State {
+    fn new(machine: &Machine) -> Self {
+        Self {
+            started: false,
+            places: vec![None; machine.components.len()],
+            values: machine
+                .components
+                .iter()
+                .map(|c| vec![0; c.specification.variables.len()])
+                .collect(),
+            wires: vec![0; machine.wire_count()],
+        }
+    }
+}
+
+/// The first formula of one side that does not hold in this step.
+fn first_broken<'a>(
+    side: &'a Side,
+    started: bool,
+    previous: &[i64],
+    current: &[i64],
+) -> Option<&'a Formula> {
+    let over_time = if started {
+        side.safety
+            .iter()
+            .find(|f| !eval::holds(&f.expr, previous, current))
+    } else {
+        side.initial
+            .iter()
+            .find(|f| !eval::holds(&f.expr, current, &[]))
+    };
+    over_time.or_else(|| {
+        side.invariants
+            .iter()
+            .find(|f| !eval::holds(&f.expr, current, &[]))
+    })
+}
+
+/// Sums up time, energy and the silence of justice assumptions while an operation runs.
+struct Meter<'a> {
+    machine: &'a Machine,
+    properties: &'a [f64],
+    wires_at_start: &'a [i64],
+    service: Service,
+    /// Which components were active in the step before.
+    running: Vec<bool>,
+    /// Every justice assumption with the step, from 1, in which it last held; 0 is "not in this operation".
+    justice: Vec<(usize, &'a Formula, u64)>,
+}
+
+impl<'a> Meter<'a> {
+    fn new(machine: &'a Machine, properties: &'a [f64], wires_at_start: &'a [i64]) -> Self {
+        let justice = machine.components.iter().enumerate().flat_map(|(c, k)| {
+            let justice = &k.specification.assumptions.justice;
+            justice.iter().map(move |f| (c, f, 0))
+        });
+        Self {
+            machine,
+            properties,
+            wires_at_start,
+            service: Service::default(),
+            running: vec![false; machine.components.len()],
+            justice: justice.collect(),
+        }
+    }
+
+    /// Takes account of one step. All actions work at the same time, so the step takes as long as the slowest.
+    fn charge(&mut self, before: &State, after: &State) -> Result<(), CallError> {
+        self.service.steps += 1;
+        for (c, formula, held) in &mut self.justice {
+            let holds = if formula.expr.mentions_next() {
+                before.started && eval::holds(&formula.expr, &before.values[*c], &after.values[*c])
+            } else {
+                eval::holds(&formula.expr, &after.values[*c], &[])
+            };
+            if holds {
+                *held = self.service.steps;
+            }
+        }
+        let mut longest: Option<f64> = None;
+        let mut watts = self.machine.base_watts;
+        for (c, component) in self.machine.components.iter().enumerate() {
+            let active = component.active.as_ref();
+            let active = active.is_some_and(|a| now(a, &after.wires) != 0);
+            if active {
+                watts += self.watts(component)?;
+                let seconds = self.seconds(component, !self.running[c])?;
+                longest = Some(longest.unwrap_or(0.0).max(seconds));
+            }
+            self.running[c] = active;
+        }
+        let seconds = longest.unwrap_or(self.machine.step_seconds);
+        self.service.seconds += seconds;
+        self.service.joules += seconds * watts;
+        Ok(())
+    }
+
+    fn watts(&self, component: &Component) -> Result<f64, CallError> {
+        let watts = component.watts.eval(self.properties, self.wires_at_start);
+        if watts.is_finite() {
+            Ok(watts)
+        } else {
+            Err(CallError::power(&component.name))
+        }
+    }
+
+    /// What an active step takes; `first` says whether it begins an execution. An action without a time of its own takes
+    /// the machine's time a step.
+    fn seconds(&self, component: &Component, first: bool) -> Result<f64, CallError> {
+        let expr = match &component.time {
+            None => return Ok(self.machine.step_seconds),
+            Some(ActionTime::PerExecution(_)) if !first => return Ok(0.0),
+            Some(ActionTime::PerStep(expr) | ActionTime::PerExecution(expr)) => expr,
+        };
+        let seconds = expr.eval(self.properties, self.wires_at_start);
+        if seconds.is_finite() && seconds >= 0.0 {
+            Ok(seconds)
+        } else {
+            Err(CallError::time(&component.name))
+        }
+    }
+
+    /// The justice assumption that has not held for longest, the first among equals, and for how many steps.
+    fn longest_silence(&self) -> Option<(&'a Component, &'a Formula, u64)> {
+        let (c, formula, held) = self.justice.iter().min_by_key(|(_, _, held)| *held)?;
+        let component = &self.machine.components[*c];
+        Some((component, formula, self.service.steps - held))
+    }
+}

@@ -1,0 +1,162 @@
+//! Station libraries: the emitted C, the toolchain, the loader, against the interpreter.
+
+#[path = "station/building.rs"]
+mod building;
+#[path = "station/calls.rs"]
+mod calls;
+#[path = "station/differential.rs"]
+mod differential;
+#[path = "station/explicit.rs"]
+mod explicit;
+#[path = "station/expressions.rs"]
+mod expressions;
+#[path = "station/fixtures.rs"]
+mod fixtures;
+
+use differential::{Random, assert_same, differential};
+use linewright::station::interpret::Interpreter;
+use linewright::station::load::Library;
+use linewright::station::{Controller, ErrorCode, Package, Toolchain};
+use std::sync::Arc;
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder for temporary files")
+}
+
+#[test]
+fn library_and_interpreter_agree_step_by_step() {
+    let folder = folder();
+    for (machine, controllers) in [fixtures::manipulator(), fixtures::belt()] {
+        let steps = 100_000;
+        let counts = differential(&machine, &controllers, steps, 7, folder.path());
+        println!("{}: {counts:?}", machine.name);
+        assert!(counts.of(ErrorCode::Assumption) >= steps / 10, "{counts:?}");
+        assert!(
+            counts.of(ErrorCode::Domain) > 0 && counts.ok > steps / 3,
+            "{counts:?}"
+        );
+        assert_eq!(
+            counts.of(ErrorCode::Internal) + counts.of(ErrorCode::Guarantee),
+            0
+        );
+    }
+}
+
+#[test]
+fn library_and_interpreter_agree_on_operations() {
+    let folder = folder();
+    for (machine, controllers) in [fixtures::manipulator(), fixtures::jammed()] {
+        let package = Package::emit(&machine, &controllers);
+        let built = Toolchain::host()
+            .build(&package, folder.path(), false)
+            .unwrap();
+        let mut instance = Library::open(&built.path).unwrap().instance().unwrap();
+        let mut interpreter = Interpreter::new(Arc::clone(&machine), Arc::clone(&controllers));
+        let mut random = Random(11);
+        let mut seen = std::collections::BTreeMap::new();
+        let mut values = [0.0, 1.0, 0.3];
+        for call in 0..20_000 {
+            if random.below(3) != 0 {
+                let angle = [
+                    0.0,
+                    90.0,
+                    180.0,
+                    270.0,
+                    90.0 + 1e-12,
+                    45.0,
+                    360.0,
+                    -90.0,
+                    f64::NAN,
+                ];
+                let grip = [1.0, 1.0, 1.0, 0.0, 0.5, 2.0];
+                values[0] = angle[random.below(9) as usize];
+                values[1] = grip[random.below(6) as usize];
+                values[2] = [0.3, 1.7, -5.0, 1e300, f64::INFINITY][random.below(5) as usize];
+            }
+            let operation = random.below(5) as usize / 2;
+            let (mut ours, mut theirs) = (values, values);
+            let expected = interpreter.simulate(operation, &mut ours);
+            let answer = instance.simulate(operation, &mut theirs);
+            let place = format!("{} call {call} {operation} {values:?}", machine.name);
+            assert_same(&expected, &answer, &place);
+            assert_eq!(ours.map(f64::to_bits), theirs.map(f64::to_bits), "{place}");
+            let key = expected
+                .as_ref()
+                .map_or_else(|e| e.message.clone(), |_| "ok".to_owned());
+            *seen.entry(key).or_insert(0) += 1;
+            if let (Ok(a), Ok(b)) = (&expected, &answer) {
+                assert_eq!(a.seconds.to_bits(), b.seconds.to_bits(), "{place}");
+                assert_eq!(a.joules.to_bits(), b.joules.to_bits(), "{place}");
+                assert_eq!(a.steps, b.steps, "{place}");
+                values = ours;
+            }
+        }
+        println!("{}: {seen:#?}", machine.name);
+        assert!(seen["ok"] > 500);
+    }
+}
+
+/// Not a test of anything: writes the fixtures' C where `STATION_DUMP` says, to be read or measured.
+#[test]
+#[ignore = "by hand"]
+fn dump() {
+    let folder = std::env::var("STATION_DUMP").unwrap();
+    for (machine, controllers) in [fixtures::manipulator(), fixtures::belt()] {
+        let package = Package::emit(&machine, &controllers);
+        package.write_source(std::path::Path::new(&folder)).unwrap();
+    }
+}
+
+/// Compile time, size and step time by level of optimisation: the figures behind the choice in `toolchain.rs`.
+#[test]
+#[ignore = "a measurement"]
+fn measure_levels() {
+    for (machine, controllers) in [fixtures::manipulator(), fixtures::belt()] {
+        let package = Package::emit(&machine, &controllers);
+        for level in ["-O0", "-Og", "-O1", "-O2"] {
+            let folder = folder();
+            let flags = [
+                "-std=c99",
+                level,
+                "-fPIC",
+                "-shared",
+                "-fvisibility=hidden",
+                "-ffp-contract=off",
+            ];
+            let toolchain = Toolchain::host().with_flags(&flags);
+            toolchain.build(&package, folder.path(), true).unwrap();
+            let begin = std::time::Instant::now();
+            let built = toolchain.build(&package, folder.path(), true).unwrap();
+            let compile = begin.elapsed();
+            let size = std::fs::metadata(&built.path).unwrap().len();
+            let mut instance = Library::open(&built.path).unwrap().instance().unwrap();
+            let mut outputs = vec![0; machine.wire_count() - machine.plant.len()];
+            let mut plant: Vec<i64> = machine.plant.iter().map(|_| 0).collect();
+            let begin = std::time::Instant::now();
+            let steps = 1_000_000_u32;
+            for i in 0..steps {
+                *plant.last_mut().unwrap() = i64::from(i % 2);
+                instance.step(&plant, &mut outputs).unwrap();
+            }
+            let step = begin.elapsed() / steps;
+            println!(
+                "{} {level}: {compile:?} to build, {size} bytes, {step:?} a step",
+                machine.name
+            );
+            if !machine.operations.is_empty() {
+                let begin = std::time::Instant::now();
+                let calls = 50_000_u32;
+                let mut sum = 0;
+                for _ in 0..calls {
+                    instance.reset();
+                    sum += instance.simulate(0, &mut [270.0, 1.0, 0.3]).unwrap().steps;
+                }
+                println!(
+                    "    {:?} an operation of {} steps",
+                    begin.elapsed() / calls,
+                    sum / u64::from(calls)
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! The exports themselves, called with what a host can get wrong, and from several threads.
+#![expect(unsafe_code, reason = "calls exports as a foreign host does")]
+
+use crate::fixtures;
+use linewright::contract::machine::Machine;
+use linewright::mealy;
+use linewright::station::load::Library;
+use linewright::station::{Controller, ErrorCode, Package, Toolchain};
+use std::ffi::{CStr, c_char, c_int};
+use std::sync::Arc;
+
+/// `UF_Value` of the default profile.
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct Value {
+    tag: c_int,
+    bits: u64,
+}
+
+fn integer(i: i32) -> Value {
+    Value {
+        tag: 1,
+        bits: u64::from(i as u32),
+    }
+}
+fn real(x: f64) -> Value {
+    Value {
+        tag: 2,
+        bits: x.to_bits(),
+    }
+}
+fn string(s: &CStr) -> Value {
+    Value {
+        tag: 3,
+        bits: s.as_ptr() as u64,
+    }
+}
+fn as_integer(v: Value) -> i32 {
+    assert_eq!(v.tag, 1, "an integer");
+    v.bits as u32 as i32
+}
+fn as_real(v: Value) -> f64 {
+    assert_eq!(v.tag, 2, "a real number");
+    f64::from_bits(v.bits)
+}
+
+struct Host(libloading::Library);
+
+impl Host {
+    fn new(fixture: &(Arc<Machine>, Arc<Vec<mealy::Machine>>), folder: &std::path::Path) -> Self {
+        let package = Package::emit(&fixture.0, &fixture.1);
+        let built = Toolchain::host().build(&package, folder, false).unwrap();
+        // SAFETY: our own C.
+        Self(unsafe { libloading::Library::new(built.path) }.unwrap())
+    }
+    fn call(&self, name: &str, arguments: &mut [Value]) -> Value {
+        let mut answer = Value { tag: 0, bits: 0 };
+        // SAFETY: the signature is that of every export of the adapter.
+        unsafe {
+            let export: libloading::Symbol<'_, unsafe extern "C" fn(*mut Value, *mut Value)> =
+                self.0.get(name).unwrap();
+            export(&raw mut answer, arguments.as_mut_ptr());
+        }
+        answer
+    }
+    fn instantiate(&self) -> i32 {
+        as_integer(self.call("instantiate", &mut []))
+    }
+    fn last_error(&self, handle: i32) -> String {
+        let answer = self.call("last_error", &mut [integer(handle)]);
+        assert_eq!(answer.tag, 3);
+        // SAFETY: a text of the library, which stays until the next call.
+        unsafe { CStr::from_ptr(answer.bits as *const c_char) }
+            .to_string_lossy()
+            .into_owned()
+    }
+    fn simulate(&self, handle: Value, operation: Value, values: [Value; 3]) -> f64 {
+        as_real(self.call(
+            "simulate",
+            &mut [handle, operation, values[0], values[1], values[2]],
+        ))
+    }
+}
+
+const GOOD: [f64; 3] = [90.0, 1.0, 0.3];
+
+#[test]
+fn handles_are_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let host = Host::new(&fixtures::manipulator(), folder.path());
+    let other = Host::new(&fixtures::belt(), folder.path());
+    let mut handle = host.instantiate();
+    assert!(handle > 0);
+    let foreign = other.instantiate();
+    assert!(foreign > 0);
+    let good = GOOD.map(real);
+    for bad in [
+        0,
+        -1,
+        1,
+        i32::MAX,
+        i32::MIN,
+        foreign,
+        handle ^ 1,
+        handle ^ (1 << 10),
+        handle ^ (1 << 21),
+    ] {
+        assert!(
+            host.simulate(integer(bad), integer(0), good) == -1.0,
+            "{bad}"
+        );
+        assert_eq!(as_integer(host.call("reset", &mut [integer(bad)])), -1);
+        assert_eq!(
+            as_integer(host.call("deinstantiate", &mut [integer(bad)])),
+            -1
+        );
+        assert_eq!(
+            as_integer(host.call("get_real", &mut [integer(bad), string(c"seconds")])),
+            -1
+        );
+        assert!(host.last_error(bad).contains("never given"));
+    }
+    // A handle must be an integer, and there must be one.
+    for value in [
+        real(f64::from(handle)),
+        string(c"1"),
+        Value {
+            tag: 77,
+            bits: handle as u64,
+        },
+    ] {
+        assert!(host.simulate(value, integer(0), good) == -2.0);
+        assert_eq!(as_integer(host.call("deinstantiate", &mut [value])), -2);
+    }
+    // Destroyed handles stay dead, even when their place is used again.
+    let mut dead = Vec::new();
+    for _ in 0..3000 {
+        assert_eq!(
+            as_integer(host.call("deinstantiate", &mut [integer(handle)])),
+            0
+        );
+        dead.push(handle);
+        handle = host.instantiate();
+        assert!(handle > 0);
+    }
+    for dead in dead {
+        assert_eq!(as_integer(host.call("reset", &mut [integer(dead)])), -1);
+    }
+    assert!(host.simulate(integer(handle), integer(0), good) > 0.0);
+}
+
+#[test]
+fn instances_are_limited() {
+    let folder = tempfile::tempdir().unwrap();
+    let host = Host::new(&fixtures::belt(), folder.path());
+    let handles: Vec<i32> = (0..1024).map(|_| host.instantiate()).collect();
+    assert!(handles.iter().all(|h| *h > 0));
+    assert_eq!(host.instantiate(), ErrorCode::Memory as i32);
+    assert!(host.last_error(0).contains("no free place"));
+    assert_eq!(
+        as_integer(host.call("deinstantiate", &mut [integer(handles[500])])),
+        0
+    );
+    assert!(host.instantiate() > 0);
+}
+
+#[test]
+fn arguments_are_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let host = Host::new(&fixtures::manipulator(), folder.path());
+    let handle = host.instantiate();
+    let good = GOOD.map(real);
+    let simulate =
+        |operation: Value, values: [Value; 3]| host.simulate(integer(handle), operation, values);
+    assert_eq!(
+        as_integer(host.call("get_real", &mut [integer(handle), string(c"seconds")])),
+        -2
+    );
+    for operation in [
+        integer(2),
+        integer(-1),
+        integer(i32::MAX),
+        string(c"nothing"),
+    ] {
+        assert!(simulate(operation, good) == -4.0);
+        assert!(host.last_error(handle).contains("there is no operation"));
+    }
+    for operation in [
+        real(0.0),
+        Value { tag: 3, bits: 0 },
+        Value { tag: 0, bits: 0 },
+    ] {
+        assert!(simulate(operation, good) == -2.0);
+    }
+    assert!(simulate(integer(0), [real(90.0), string(c"yes"), real(0.3)]) == -2.0);
+    assert!(
+        host.last_error(handle)
+            .contains("property `grip` must be a real number")
+    );
+    assert!(simulate(integer(0), [real(91.0), real(1.0), real(0.3)]) == -3.0);
+    assert!(simulate(integer(0), [real(90.0), real(0.0), real(0.3)]) == -5.0);
+    assert!(host.last_error(handle).contains("(R-12)"));
+    // An operation by its name, and integers where numbers are wanted.
+    let by_name = simulate(string(c"turning"), [integer(90), integer(1), real(0.3)]);
+    assert!(by_name > 0.0);
+    let get = |name: &CStr| host.call("get_real", &mut [integer(handle), string(name)]);
+    assert!(as_real(get(c"seconds")) == by_name);
+    assert!(as_real(get(c"joules")) > 0.0);
+    assert!(as_real(get(c"angle")) == 90.0 && as_real(get(c"property.angle")) == 90.0);
+    // A property's name that is also a result's.
+    assert!(as_real(get(c"steps")) >= 1.0);
+    assert!(as_real(get(c"property.steps")) == 0.3);
+    assert_eq!(as_integer(get(c"weight")), -2);
+    assert_eq!(
+        as_integer(host.call("get_real", &mut [integer(handle), integer(1)])),
+        -2
+    );
+    // After an error the results of the last operation are still there, and the state is as it was.
+    assert!(simulate(integer(0), [real(90.0), real(0.0), real(0.3)]) == -5.0);
+    assert!(as_real(get(c"seconds")) == by_name);
+    let description = host.call("station_describe", &mut []);
+    // SAFETY: a static text.
+    let text = unsafe { CStr::from_ptr(description.bits as *const c_char) }
+        .to_str()
+        .unwrap();
+    let json: serde_json::Value = serde_json::from_str(text).unwrap();
+    assert_eq!(json["schema"], "linewright/station/1");
+    assert_eq!(json["exports"]["simulate"], 5);
+    assert_eq!(json["plant"][0]["labels"][2], "pick");
+}
+
+#[test]
+fn plain_steps_check_their_counts() {
+    let folder = tempfile::tempdir().unwrap();
+    let host = Host::new(&fixtures::belt(), folder.path());
+    let handle = host.instantiate();
+    let (plant, mut outputs) = ([0_i64, 0], [-1_i64; 4]);
+    // SAFETY: the signature of `lw_step`, with pointers to as many values as are promised, or to none.
+    unsafe {
+        let step: libloading::Symbol<
+            '_,
+            unsafe extern "C" fn(i32, *const i64, usize, *mut i64, usize) -> i32,
+        > = host.0.get("lw_step").unwrap();
+        let out = outputs.as_mut_ptr();
+        assert_eq!(step(handle, plant.as_ptr(), 1, out, 4), -2);
+        assert_eq!(step(handle, std::ptr::null(), 2, out, 4), -2);
+        assert_eq!(step(handle, plant.as_ptr(), 2, out, 3), -2);
+        assert_eq!(step(handle, plant.as_ptr(), 2, std::ptr::null_mut(), 4), -2);
+        assert_eq!(step(0, plant.as_ptr(), 2, out, 4), -1);
+        assert_eq!(*out, -1, "left alone on an error");
+        assert_eq!(step(handle, plant.as_ptr(), 2, std::ptr::null_mut(), 0), 0);
+        assert_eq!(step(handle, plant.as_ptr(), 2, out, 4), 0);
+    }
+    assert_eq!(outputs, [0, 0, 0, 1]);
+}
+
+#[test]
+fn threads_share_libraries_and_instances() {
+    let folder = tempfile::tempdir().unwrap();
+    let (machine, controllers) = fixtures::manipulator();
+    let package = Package::emit(&machine, &controllers);
+    let built = Toolchain::host()
+        .build(&package, folder.path(), false)
+        .unwrap();
+    let library = Library::open(&built.path).unwrap();
+    let alone = library
+        .instance()
+        .unwrap()
+        .simulate(0, &mut GOOD.clone())
+        .unwrap();
+    // Many instances, one a thread: as if each were alone.
+    std::thread::scope(|scope| {
+        for _ in 0..8 {
+            scope.spawn(|| {
+                for _ in 0..200 {
+                    let mut instance = library.instance().unwrap();
+                    assert_eq!(instance.simulate(0, &mut GOOD.clone()).unwrap(), alone);
+                    assert!(instance.simulate(0, &mut [1.0, 1.0, 0.0]).is_err());
+                }
+            });
+        }
+    });
+    // One instance in several threads, some of which end it: every answer is one that a single thread could get.
+    let host = Host::new(&(machine, controllers), folder.path());
+    for _ in 0..50 {
+        let handle = host.instantiate();
+        std::thread::scope(|scope| {
+            for thread in 0..4 {
+                let host = &host;
+                scope.spawn(move || {
+                    for call in 0..40 {
+                        if thread == 3 && call == 20 {
+                            host.call("deinstantiate", &mut [integer(handle)]);
+                        }
+                        let code = host.simulate(integer(handle), integer(0), GOOD.map(real));
+                        assert!(code > 0.0 || code == -1.0, "{code}");
+                        let _ = host.call("reset", &mut [integer(handle)]);
+                    }
+                });
+            }
+        });
+        assert_eq!(as_integer(host.call("reset", &mut [integer(handle)])), -1);
+    }
+}
