@@ -39,11 +39,9 @@ impl Stream {
     /// The stream of a run's seed, a purpose and a name.
     pub fn new(seed: u64, purpose: Purpose, name: &str) -> Self {
         // FNV-1a over the name; SplitMix64 then mixes it with seed and purpose.
-        let hash = name
-            .bytes()
-            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-                (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-            });
+        let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        });
         let mut mixed = seed;
         mixed = split_mix(&mut mixed) ^ hash;
         mixed = split_mix(&mut mixed) ^ (purpose as u64 + 1);

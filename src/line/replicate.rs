@@ -62,9 +62,8 @@ impl Plant {
 impl Replications {
     /// The figures of these runs.
     pub fn of(traces: &[Trace]) -> Self {
-        let estimate = |value: fn(&Trace) -> f64| {
-            Estimate::of(&traces.iter().map(value).collect::<Vec<_>>())
-        };
+        let estimate =
+            |value: fn(&Trace) -> f64| Estimate::of(&traces.iter().map(value).collect::<Vec<_>>());
         Self {
             seeds: traces.iter().map(|trace| trace.seed).collect(),
             throughput_per_hour: estimate(|trace| trace.throughput_per_hour),

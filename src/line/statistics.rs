@@ -99,10 +99,7 @@ impl LeadTimes {
         self.max = self.max.max(seconds);
         if self.sample.len() < SAMPLE {
             self.sample.push(seconds);
-        } else if let Some(kept) = self
-            .sample
-            .get_mut(self.stream.below(self.count) as usize)
-        {
+        } else if let Some(kept) = self.sample.get_mut(self.stream.below(self.count) as usize) {
             *kept = seconds;
         }
     }

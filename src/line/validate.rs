@@ -174,7 +174,9 @@ impl Check<'_> {
                         format!("{name} has no controller")
                     });
                     self.require(belt_fits(belt, *places), node.span, || {
-                        format!("the wires of {name} do not fit its machine and its {places} places")
+                        format!(
+                            "the wires of {name} do not fit its machine and its {places} places"
+                        )
                     });
                 }
             }
@@ -240,7 +242,7 @@ impl Check<'_> {
             if let NodeKind::Station { tasks, .. } = &to.kind {
                 let taken = tasks.iter().any(|task| {
                     let bill = line.parts.get(task.part).map_or(&[][..], |p| &p.bill);
-                    (bill.is_empty() && task.part == route.part)
+                    task.part == route.part
                         || bill.iter().any(|&(component, _)| component == route.part)
                 });
                 self.require(taken, route.span, || {
@@ -259,9 +261,7 @@ fn fits(expression: &RealExpr, properties: usize) -> bool {
         RealExpr::Wire(_) => false,
         RealExpr::Unary(_, a) => fits(a, properties),
         RealExpr::Binary(_, a, b) => fits(a, properties) && fits(b, properties),
-        RealExpr::If(c, a, b) => {
-            fits(c, properties) && fits(a, properties) && fits(b, properties)
-        }
+        RealExpr::If(c, a, b) => fits(c, properties) && fits(a, properties) && fits(b, properties),
     }
 }
 

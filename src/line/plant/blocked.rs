@@ -172,10 +172,9 @@ impl Run<'_> {
                 text: format!("{name} does not move the parts that are on it"),
                 next: None,
             }),
-            (None, Place::Station(station)) => station
-                .missing()
-                .first()
-                .map(|&kind| self.lack(node, kind)),
+            (None, Place::Station(station)) => {
+                station.missing().first().map(|&kind| self.lack(node, kind))
+            }
             _ => None,
         }
     }
@@ -199,10 +198,8 @@ impl Run<'_> {
                 next: Some(holder),
             };
         }
-        let maker = others().find(|&other| match &self.line.nodes[other].kind {
-            NodeKind::Station { tasks, .. } => tasks
-                .iter()
-                .any(|task| task.part == kind && !self.line.parts[kind].bill.is_empty()),
+        let maker = others().find(|&other| match &self.places[other] {
+            Place::Station(station) => station.joins(kind),
             _ => false,
         });
         if let Some(maker) = maker {
@@ -280,7 +277,10 @@ impl Run<'_> {
         }
         if texts.is_empty() {
             return match wanted {
-                Some(kind) => format!("no source makes {} and no store has it", self.type_name(kind)),
+                Some(kind) => format!(
+                    "no source makes {} and no store has it",
+                    self.type_name(kind)
+                ),
                 None => "there is neither a source nor a stock".to_owned(),
             };
         }

@@ -82,7 +82,9 @@ impl Run<'_> {
             .moving_until
             .max(now + (places - ahead.min(places)) as f64 * period);
         conveyor.opens = now + period;
-        conveyor.parts.push_back((part, now + places as f64 * period));
+        conveyor
+            .parts
+            .push_back((part, now + places as f64 * period));
         if ahead == 0 {
             self.look_at(node);
         }

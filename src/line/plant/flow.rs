@@ -185,11 +185,15 @@ impl Run<'_> {
     pub(super) fn way(&mut self, node: usize, part: PartIndex) -> Option<usize> {
         let Self { setup, parts, .. } = self;
         let part = &parts[part];
-        let way = setup.ways.from(node, part.kind).iter().find(|(_, condition)| {
-            condition
-                .as_ref()
-                .is_none_or(|condition| condition.eval(&part.properties, &[]) != 0.0)
-        });
+        let way = setup
+            .ways
+            .from(node, part.kind)
+            .iter()
+            .find(|(_, condition)| {
+                condition
+                    .as_ref()
+                    .is_none_or(|condition| condition.eval(&part.properties, &[]) != 0.0)
+            });
         if let Some((to, _)) = way {
             return Some(*to);
         }
@@ -203,9 +207,10 @@ impl Run<'_> {
                 self.moment()
             );
             self.findings.push(
-                Diagnostic::error(codes::LINE_ROUTE, self.line.nodes[node].span, message).with_help(
-                    format!("Add a route for {name} without a condition, after those that have one."),
-                ),
+                Diagnostic::error(codes::LINE_ROUTE, self.line.nodes[node].span, message)
+                    .with_help(format!(
+                        "Add a route for {name} without a condition, after those that have one."
+                    )),
             );
         }
         None

@@ -78,9 +78,10 @@ enum Event {
     Shift,
 }
 
-/// The shift changes first, then what stations, sources and conveyors do, then the belts, which see all of it.
-const SHIFT: u8 = 0;
-const WORK: u8 = 1;
+/// What stations, sources and conveyors do comes first, then the shift (a service that ends with it has ended), then the belts,
+/// which see all of it.
+const WORK: u8 = 0;
+const SHIFT: u8 = 1;
 const BELT: u8 = 2;
 
 /// What a node holds.
@@ -171,7 +172,10 @@ impl Plant {
                 Diagnostic::error(
                     codes::LINE_LIMIT,
                     line.span,
-                    format!("the time after which a run of {} ends is no time", line.name),
+                    format!(
+                        "the time after which a run of {} ends is no time",
+                        line.name
+                    ),
                 )
                 .with_help("Give a time such as 3600, 90m or 8h."),
             );
@@ -390,9 +394,6 @@ impl<'a> Run<'a> {
                 self.station_shift(node);
             }
         }
-        if self.on_shift && self.line.shift.is_some_and(|s| s.from <= 0.0) && self.now <= 0.0 {
-            return;
-        }
         self.schedule_shift();
     }
 
@@ -484,8 +485,12 @@ impl<'a> Run<'a> {
                 _ => codes::LIBRARY_CALL,
             };
             let rule = match (&error.rule, error.code) {
-                (Some(rule), ErrorCode::Assumption) => format!("the assumption \"{rule}\" was broken"),
-                (Some(rule), ErrorCode::Guarantee) => format!("the guarantee \"{rule}\" was broken"),
+                (Some(rule), ErrorCode::Assumption) => {
+                    format!("the assumption \"{rule}\" was broken")
+                }
+                (Some(rule), ErrorCode::Guarantee) => {
+                    format!("the guarantee \"{rule}\" was broken")
+                }
                 (Some(rule), _) => format!("\"{rule}\" was broken"),
                 (None, _) => "the controller refused a call".to_owned(),
             };
@@ -498,8 +503,7 @@ impl<'a> Run<'a> {
                 self.moment(),
                 error.message
             );
-            self.violation_kinds
-                .insert(kind, (self.findings.len(), 1));
+            self.violation_kinds.insert(kind, (self.findings.len(), 1));
             self.findings.push(
                 Diagnostic::error(code, self.line.nodes[node].span, message).with_help(
                     "Compare what the rule asks for with the part's properties and the machine's bindings.",

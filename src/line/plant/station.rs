@@ -12,10 +12,12 @@ use crate::station::{CallError, ErrorCode};
 /// A station at work.
 #[derive(Debug)]
 pub(super) struct Station {
-    /// What is waited for, by task; empty for tasks without a bill.
+    /// What is waited for, by task; empty for tasks that join nothing.
     pub bills: Vec<Bill>,
     /// The part type of each task.
     kinds: Vec<usize>,
+    /// By task: it takes parts of its type as they are.
+    plain: Vec<bool>,
     pub phase: Phase,
     /// The part at work, or the one that is done and waits.
     pub part: Option<PartIndex>,
@@ -79,6 +81,15 @@ impl Station {
         let until_failure = failures
             .as_mut()
             .map_or(f64::INFINITY, |(f, stream)| stream.exponential(f.mtbf));
+        let comes = |kind| {
+            line.routes
+                .iter()
+                .any(|route| route.to == node && route.part == kind)
+        };
+        let joins = |task: &Task| {
+            let bill = &line.parts[task.part].bill;
+            bill.iter().any(|&(kind, _)| comes(kind)) || !comes(task.part)
+        };
         Self {
             bills: tasks
                 .iter()
@@ -86,10 +97,15 @@ impl Station {
                     lines: line.parts[task.part]
                         .bill
                         .iter()
+                        .filter(|_| joins(task))
                         .map(|&(kind, count)| (kind, count as usize, Vec::new()))
                         .collect(),
                     complete: None,
                 })
+                .collect(),
+            plain: tasks
+                .iter()
+                .map(|task| line.parts[task.part].bill.is_empty() || comes(task.part))
                 .collect(),
             kinds: tasks.iter().map(|task| task.part).collect(),
             phase: Phase::Free,
@@ -137,8 +153,15 @@ impl Station {
 
     /// The first task that works on this type without joining.
     fn plain_task(&self, kind: usize) -> Option<usize> {
-        (0..self.kinds.len())
-            .find(|&task| self.kinds[task] == kind && self.bills[task].lines.is_empty())
+        (0..self.kinds.len()).find(|&task| self.kinds[task] == kind && self.plain[task])
+    }
+
+    /// Whether it makes parts of this type from others.
+    pub(super) fn joins(&self, kind: usize) -> bool {
+        self.kinds
+            .iter()
+            .zip(&self.bills)
+            .any(|(made, bill)| *made == kind && !bill.lines.is_empty())
     }
 
     /// The part types that incomplete joining tasks wait for; those that some part has come for already are named first.
@@ -370,7 +393,9 @@ impl Run<'_> {
                 .properties
                 .iter()
                 .zip(&task.properties)
-                .map(|(property, source)| source.map_or(property.default, |source| carried[source])),
+                .map(|(property, source)| {
+                    source.map_or(property.default, |source| carried[source])
+                }),
         );
         let (mut seconds, mut joules) = (0.0, 0.0);
         for (operation, parameters) in &task.operations {
