@@ -87,5 +87,5 @@ fn a_lost_part_is_found() {
     let trace = builder.run(100);
     assert_eq!(trace.end, End::PartLost);
     assert_eq!(trace.findings[0].code.id, "LW407");
-    insta::assert_snapshot!(trace.findings[0].message, @"");
+    insta::assert_snapshot!(trace.findings[0].message, @r#"belt lost a part at 0:00:05: its controller says that 0 of its places are occupied, but 2 parts are on it"#);
 }

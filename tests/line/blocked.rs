@@ -37,7 +37,10 @@ fn a_circle_of_full_places() {
         .route("Raw", &["camera", "sink"]);
     let trace = builder.run(3);
     assert_eq!(trace.end, End::Blocked);
-    insta::assert_snapshot!(text(&trace), @"");
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line can no longer advance at 0:00:10, with 0 of 3 products made: belt_in waits for cell, cell waits for room on belt_out, belt_out waits for camera, camera waits for room on belt_in
+      Keep the circle from filling up: more room in belt_in, fewer parts let in at a time, or a way out by another route.
+    "#);
 }
 
 #[test]
@@ -56,7 +59,10 @@ fn a_circle_is_found_behind_contracted_belts_too() {
     let trace = builder.run_until(1e6);
     assert_eq!(trace.end, End::Blocked);
     assert!(trace.seconds < 100.0);
-    insta::assert_snapshot!(text(&trace), @"");
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line can no longer advance at 0:00:14: cell waits for room on belt_out, belt_out waits for cell
+      Keep the circle from filling up: more room in belt_out, fewer parts let in at a time, or a way out by another route.
+    "#);
 }
 
 #[test]
@@ -73,7 +79,10 @@ fn a_component_that_never_comes() {
         .route("Product", &["cell", "sink"]);
     let trace = builder.run(5);
     assert_eq!(trace.end, End::Blocked);
-    insta::assert_snapshot!(text(&trace), @"");
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line can no longer advance at 0:00:11, with 3 of 5 products made: warehouse waits for cell, cell waits for a part of type Printed, but printer has made all 3 of its limit
+      See that what is missing is made or stocked in sufficient number, that rejected parts are ordered again, or ask for fewer products.
+    "#);
 }
 
 #[test]
@@ -91,7 +100,10 @@ fn a_component_behind_what_is_not_wanted() {
         .route("Product", &["cell", "sink"]);
     let trace = builder.run(5);
     assert_eq!(trace.end, End::Blocked);
-    insta::assert_snapshot!(text(&trace), @"");
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line can no longer advance at 0:02:00, with 1 of 5 products made: belt waits for cell, cell waits for a part of type Printed, which is at printer, printer waits for room on belt
+      Keep the circle from filling up: more room in belt, fewer parts let in at a time, or a way out by another route.
+    "#);
 }
 
 #[test]
@@ -104,7 +116,12 @@ fn rejected_parts_that_nobody_orders_again() {
         .route("Part", &["printer", "cell", "sink"]);
     let trace = builder.run(5);
     assert_eq!((trace.end, trace.products), (End::Blocked, 4));
-    insta::assert_snapshot!(text(&trace), @"");
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW405: cell: the assumption "turn: gripped" was broken at 0:00:01, at work on Part 2: turn: the assumption gripped does not hold in step 3
+      Compare what the rule asks for with the part's properties and the machine's bindings.
+    LW403: the line can no longer advance at 0:00:04, with 4 of 5 products made: nothing is left to do: printer has made all 5 that were ordered, and 1 part was rejected and not ordered again
+      Let a source make more (a rejecting sink can order from it again), or ask for fewer products.
+    "#);
 }
 
 #[test]
@@ -119,7 +136,12 @@ fn a_part_without_a_way() {
         .route_if("Part", "cell", "sink", Some(RealExpr::Property(0)));
     let trace = builder.run(5);
     assert_eq!(trace.end, End::Blocked);
-    insta::assert_snapshot!(text(&trace), @"");
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW402: Part 1 has no way onward from cell at 0:00:01
+      Add a route for Part without a condition, after those that have one.
+    LW403: the line can no longer advance at 0:00:01, with 0 of 5 products made: source waits for cell, cell keeps Part 1, which has no way onward
+      Give every part a way onward from every node it can come to.
+    "#);
 }
 
 #[test]
@@ -133,7 +155,10 @@ fn a_circle_without_time_ends() {
         .route("Part", &["source", "a", "b", "a"]);
     let trace = builder.run(1);
     assert_eq!(trace.end, End::Blocked);
-    insta::assert_snapshot!(text(&trace), @"");
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line makes no progress: at 0:00:00 parts move on and on, and no time passes
+      Look for a source without a time, a circle of routes without a station, or a station whose every part breaks a rule and is ordered again.
+    "#);
 }
 
 #[test]

@@ -91,7 +91,7 @@ fn requirements_are_checked() {
     assert_eq!(holds, [false, true, true, true]);
     assert_eq!(trace.findings.len(), 1);
     assert_eq!(trace.findings[0].code.id, "LW406");
-    insta::assert_snapshot!(trace.findings[0].message, @"");
+    insta::assert_snapshot!(trace.findings[0].message, @r#"the requirement fast does not hold: the throughput in products an hour is 360, and should be at least 400"#);
 }
 
 #[test]

@@ -42,8 +42,13 @@ impl Run<'_> {
         let (why, help) = match &chain {
             Some(chain) => (chain.texts.join(", "), self.advice(chain)),
             None => (
-                format!("nothing is left to do: {}", self.supplies(None)),
-                "Let a source make more, or ask for fewer products.".to_owned(),
+                format!(
+                    "nothing is left to do: {}{}",
+                    self.supplies(None),
+                    self.not_replaced()
+                ),
+                "Let a source make more (a rejecting sink can order from it again), or ask for fewer products."
+                    .to_owned(),
             ),
         };
         let mut finding = Diagnostic::error(
@@ -63,6 +68,21 @@ impl Run<'_> {
         End::Blocked
     }
 
+    /// How many rejected parts were not ordered again, if any.
+    fn not_replaced(&self) -> String {
+        match self
+            .rejects
+            .iter()
+            .filter(|(_, ordered)| *ordered == 0)
+            .map(|(count, _)| count)
+            .sum()
+        {
+            0_u64 => String::new(),
+            1 => ", and 1 part was rejected and not ordered again".to_owned(),
+            count => format!(", and {count} parts were rejected and not ordered again"),
+        }
+    }
+
     fn advice(&self, chain: &Chain) -> String {
         let roomy = chain.nodes.iter().copied().find(|&node| {
             matches!(
@@ -70,6 +90,9 @@ impl Run<'_> {
                 NodeKind::Conveyor { .. } | NodeKind::Buffer { .. }
             )
         });
+        if !chain.circle && !self.wayless.is_empty() {
+            return "Give every part a way onward from every node it can come to.".to_owned();
+        }
         match (chain.circle, roomy) {
             (true, Some(node)) => format!(
                 "Keep the circle from filling up: more room in {}, fewer parts let in at a time, or a way out by another \

@@ -314,6 +314,7 @@ impl<'a> Run<'a> {
             self.look_at(node);
         }
         self.settle();
+        self.guard();
         loop {
             if let Some(end) = self.end {
                 return end;
