@@ -13,6 +13,8 @@ mod ends;
 #[path = "line/flow.rs"]
 mod flow;
 
+#[path = "line/reports.rs"]
+mod reports;
 #[path = "line/serial.rs"]
 mod serial;
 #[path = "line/stations.rs"]
