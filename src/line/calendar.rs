@@ -51,7 +51,7 @@ impl<E> Calendar<E> {
     }
 
     /// Takes the next event out, with its time.
-    pub fn next(&mut self) -> Option<(f64, E)> {
+    pub fn take(&mut self) -> Option<(f64, E)> {
         self.heap
             .pop()
             .map(|entry| (time_of(entry.key), entry.event))
@@ -118,7 +118,7 @@ mod tests {
         calendar.schedule(1.0, 0, "b");
         calendar.schedule(f64::NAN, 0, "f");
         calendar.schedule(-0.0, 0, "first");
-        let order: Vec<_> = std::iter::from_fn(|| calendar.next()).collect();
+        let order: Vec<_> = std::iter::from_fn(|| calendar.take()).collect();
         assert_eq!(
             order.iter().map(|(_, e)| *e).collect::<Vec<_>>(),
             ["first", "a", "b", "c", "d", "e", "f"]

@@ -4,6 +4,7 @@ use super::JOULES_PER_KWH;
 use crate::contract::line::{Comparison, Line, Metric};
 use crate::line::trace::{End, clock};
 use crate::line::{Replications, Trace};
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 /// The whole text, with a line break at its end.
@@ -136,16 +137,16 @@ fn stations(out: &mut String, trace: &Trace) {
             kwh(station.joules),
         ]
         .into_iter()
-        .chain(shares.map(|share| format!("{:.1}", share * 100.0)))
+        .chain(shares.map(|share| format!("{:.1} %", share * 100.0)))
         .collect()
     });
     columns(
         out,
         &[
-            "station", "machine", "parts", "time", "kWh", "busy%", "starved%", "blocked%",
-            "failed%", "idle%", "setup%",
+            "station", "machine", "parts", "time", "kWh", "busy", "starved", "blocked", "failed",
+            "idle", "setup",
         ],
-        rows.collect(),
+        &rows.collect::<Vec<_>>(),
     );
 }
 
@@ -162,7 +163,7 @@ fn conveyors(out: &mut String, trace: &Trace) {
     columns(
         out,
         &["conveyor", "machine", "parts", "moving", "kWh"],
-        rows.collect(),
+        &rows.collect::<Vec<_>>(),
     );
 }
 
@@ -174,7 +175,11 @@ fn machines(out: &mut String, trace: &Trace) {
             kwh(machine.joules),
         ]
     });
-    columns(out, &["by machine", "time", "kWh"], rows.collect());
+    columns(
+        out,
+        &["by machine", "time", "kWh"],
+        &rows.collect::<Vec<_>>(),
+    );
 }
 
 fn requirements(out: &mut String, line: &Line, trace: &Trace) {
@@ -201,7 +206,7 @@ fn requirements(out: &mut String, line: &Line, trace: &Trace) {
     columns(
         out,
         &["requirement", "verdict", "asked for", "measured"],
-        rows.collect(),
+        &rows.collect::<Vec<_>>(),
     );
 }
 
@@ -234,7 +239,7 @@ fn replicated(out: &mut String, replications: &Replications) {
     ];
     let count = replications.seeds.len();
     let title = format!("{count} seeds, 95 %");
-    columns(out, &[&title, "mean", "from", "to"], rows);
+    columns(out, &[&title, "mean", "from", "to"], &rows);
 }
 
 fn kwh(joules: f64) -> String {
@@ -267,66 +272,62 @@ fn sign(comparison: Comparison) -> &'static str {
     }
 }
 
-/// Longest text in a cell; longer names are cut, so that the rows stay within the terminal.
-const WIDEST: usize = 14;
+/// Columns of a terminal.
+const TERMINAL: usize = 100;
+/// The headings of columns of text; all others but the first hold numbers, and go to the right.
+const TEXTS: [&str; 3] = ["machine", "verdict", "asked for"];
 
-/// A table with a blank line above; nothing without rows. Columns of numbers go to the right, others to the left.
-fn columns(out: &mut String, heads: &[&str], rows: Vec<Vec<String>>) {
+/// A table with a blank line above; nothing without rows. Long names are cut only where the rows would not fit otherwise.
+fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
     if rows.is_empty() {
         return;
     }
-    // Only the wide table has to save room.
-    let widest = if heads.len() > 6 { WIDEST } else { 40 };
-    let rows: Vec<Vec<String>> = rows
-        .into_iter()
-        .map(|row| row.into_iter().map(|cell| cut(cell, widest)).collect())
-        .collect();
-    let width = |column: usize| {
-        rows.iter()
-            .filter_map(|row| row.get(column))
-            .map(|cell| cell.chars().count())
-            .chain([heads[column].chars().count()])
-            .max()
-            .unwrap_or(0)
-    };
-    let numeric = |column: usize| {
-        rows.iter().all(|row| {
-            row.get(column).is_some_and(|cell| {
-                cell == "-"
-                    || cell
-                        .chars()
-                        .all(|c| c.is_ascii_digit() || ".:-".contains(c))
+    let widths = |widest: usize| -> Vec<usize> {
+        (0..heads.len())
+            .map(|column| {
+                rows.iter()
+                    .filter_map(|row| row.get(column))
+                    .map(|cell| cell.chars().count().min(widest))
+                    .chain([heads[column].chars().count()])
+                    .max()
+                    .unwrap_or(0)
             })
-        }) && column > 0
-            && !matches!(heads[column], "machine" | "verdict" | "asked for")
+            .collect()
     };
+    let widest = (8..=60)
+        .rev()
+        .find(|&widest| widths(widest).iter().map(|w| w + 1).sum::<usize>() < TERMINAL)
+        .unwrap_or(8);
+    let widths = widths(widest);
     let mut write = |cells: &[&str]| {
         let mut text = String::from(" ");
         for (column, cell) in cells.iter().enumerate() {
-            let pad = width(column).saturating_sub(cell.chars().count());
+            let cell = cut(cell, widest);
+            let pad = " ".repeat(widths[column].saturating_sub(cell.chars().count()));
             text.push(' ');
-            if numeric(column) {
-                text.extend(std::iter::repeat_n(' ', pad));
-                text.push_str(cell);
+            if column > 0 && !TEXTS.contains(&heads[column]) {
+                text.push_str(&pad);
+                text.push_str(&cell);
             } else {
-                text.push_str(cell);
-                text.extend(std::iter::repeat_n(' ', pad));
+                text.push_str(&cell);
+                text.push_str(&pad);
             }
         }
         let _ = writeln!(out, "{}", text.trim_end());
     };
     write(&[]);
     write(heads);
-    for row in &rows {
+    for row in rows {
         write(&row.iter().map(String::as_str).collect::<Vec<_>>());
     }
 }
 
-fn cut(cell: String, widest: usize) -> String {
-    if cell.chars().count() <= widest {
-        return cell;
+/// A text of at most so many characters.
+fn cut(text: &str, widest: usize) -> Cow<'_, str> {
+    if text.chars().count() <= widest {
+        return text.into();
     }
-    let mut text: String = cell.chars().take(widest - 1).collect();
-    text.push('…');
-    text
+    let mut short: String = text.chars().take(widest - 1).collect();
+    short.push('…');
+    short.into()
 }

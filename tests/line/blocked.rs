@@ -3,21 +3,16 @@
 use crate::support::{Builder, Shift1, constant, every, refusing};
 use linewright::contract::line::{InitialValue, Supply};
 use linewright::contract::machine::RealExpr;
+use linewright::diagnostics::Diagnostic;
 use linewright::line::{End, Trace};
 
 fn text(trace: &Trace) -> String {
-    trace
-        .findings
-        .iter()
-        .map(|f| {
-            format!(
-                "{}: {}\n  {}\n",
-                f.code.id,
-                f.message,
-                f.help.as_deref().unwrap_or("")
-            )
-        })
-        .collect()
+    let line = |f: &Diagnostic| {
+        let help = f.help.as_deref().unwrap_or("");
+        format!("{}: {}\n  {help}", f.code.id, f.message)
+    };
+    let lines: Vec<_> = trace.findings.iter().map(line).collect();
+    lines.join("\n")
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn line(seed: u64) -> Builder {
             &[parts],
             Work(
                 move |call: u64, _: &mut [f64]| {
-                    if refuses && call % 7 == 0 {
+                    if refuses && call.is_multiple_of(7) {
                         return Err(CallError {
                             code: ErrorCode::Guarantee,
                             rule: Some("pick: held".to_owned()),

@@ -6,6 +6,7 @@ use linewright::contract::machine::{RealBinary, RealExpr};
 use linewright::line::End;
 use linewright::line::trace::{PartCounts, Reject, What};
 
+#[expect(clippy::unnecessary_wraps, reason = "what a route has")]
 fn is(property: usize, value: f64) -> Option<RealExpr> {
     Some(RealExpr::Binary(
         RealBinary::Eq,

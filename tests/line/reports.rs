@@ -72,10 +72,10 @@ fn as_text() {
     violations   1
                  0:02:26 assembly_cell_1, Product 23: turn: gripped
     
-    station        machine        parts    time   kWh busy% starved% blocked% failed% idle% setup%
-    camera         camera_machine     8 0:02:40 0.001  77.7     22.3      0.0     0.0   0.0    0.0
-    assembly_cell… assembly_cell…     6 0:03:00 0.001  87.4     12.6      0.0     0.0   0.0    0.0
-    milling        milling_machi…     0 0:00:00 0.000   0.0      0.0      0.0     0.0 100.0    0.0
+    station         machine            parts    time   kWh   busy starved blocked failed    idle setup
+    camera          camera_machine         8 0:02:40 0.001 77.7 %  22.3 %   0.0 %  0.0 %   0.0 % 0.0 %
+    assembly_cell_1 assembly_cell_1_m…     6 0:03:00 0.001 87.4 %  12.6 %   0.0 %  0.0 %   0.0 % 0.0 %
+    milling         milling_machine        0 0:00:00 0.000  0.0 %   0.0 %   0.0 %  0.0 % 100.0 % 0.0 %
     
     conveyor machine parts  moving   kWh
     belt     -           7 0:00:42 0.001

@@ -127,12 +127,14 @@ impl Run<'_> {
     fn count_repeated_violations(&mut self) {
         for &(finding, count) in self.violation_kinds.values() {
             if count > 1 {
-                self.findings[finding]
-                    .message
-                    .push_str(&format!(" ({count} times in all; this was the first)"));
+                self.findings[finding].message += &times(count);
             }
         }
     }
+}
+
+fn times(count: u64) -> String {
+    format!(" ({count} times in all; this was the first)")
 }
 
 /// The figures of stations and contracted belts, machine by machine.

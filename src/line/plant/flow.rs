@@ -40,7 +40,7 @@ pub(super) struct Request {
 pub(super) struct Ways {
     types: usize,
     index: Vec<Range<u32>>,
-    ways: Vec<(usize, Option<RealExpr>)>,
+    all: Vec<(usize, Option<RealExpr>)>,
 }
 
 impl Ways {
@@ -60,13 +60,17 @@ impl Ways {
                 index.push(first..ways.len() as u32);
             }
         }
-        Self { types, index, ways }
+        Self {
+            types,
+            index,
+            all: ways,
+        }
     }
 
     /// The routes of a part type from a node, in order.
     pub(super) fn from(&self, node: usize, part: usize) -> &[(usize, Option<RealExpr>)] {
         let range = &self.index[node * self.types + part];
-        &self.ways[range.start as usize..range.end as usize]
+        &self.all[range.start as usize..range.end as usize]
     }
 }
 

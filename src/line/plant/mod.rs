@@ -332,7 +332,7 @@ impl<'a> Run<'a> {
                 self.now = horizon;
                 return End::Time;
             }
-            if let Some((time, event)) = self.calendar.next() {
+            if let Some((time, event)) = self.calendar.take() {
                 self.now = time;
                 self.events += 1;
                 self.happen(event);
