@@ -1,0 +1,186 @@
+//! Where parts come from and where they go: sources, stores and sinks.
+
+use super::{Event, Place, Run, WORK, stream};
+use crate::contract::line::{NodeKind, Supply};
+use crate::line::plant::part::PartIndex;
+use crate::line::random::{Purpose, Stream};
+use crate::line::trace::What;
+use std::collections::VecDeque;
+
+/// A source; the part that it keeps is at its outlet.
+#[derive(Debug)]
+pub(super) struct Source {
+    /// How many it has made.
+    made: u64,
+    /// How many it may still make; `None` is without end.
+    left_to_make: Option<u64>,
+    /// Seconds between two parts, and the stream they are drawn from where they are random; `None` where it makes parts
+    /// whenever there is room.
+    interval: Option<(f64, Option<Stream>)>,
+    /// The next part is due.
+    due: bool,
+}
+
+impl Source {
+    /// `orders` is for sources on order.
+    pub(super) fn new(name: &str, supply: &Supply, seed: u64, orders: Option<u64>) -> Self {
+        let (left_to_make, interval) = match *supply {
+            Supply::OnOrder => (orders, None),
+            Supply::Every {
+                seconds,
+                random,
+                limit,
+            } => {
+                let draws = || stream(seed, Purpose::Arrivals, name);
+                (
+                    limit,
+                    (seconds > 0.0).then(|| (seconds, random.then(draws))),
+                )
+            }
+        };
+        Self {
+            made: 0,
+            left_to_make,
+            interval,
+            due: true,
+        }
+    }
+
+    /// More parts are wanted.
+    pub(super) fn order(&mut self, count: u64) {
+        // A source by time makes parts by its clock; orders change nothing there.
+        if let (Some(left), None) = (&mut self.left_to_make, &self.interval) {
+            *left = left.saturating_add(count);
+        }
+    }
+
+    /// Whether it will never make another part by itself.
+    pub(super) fn exhausted(&self) -> bool {
+        self.left_to_make == Some(0)
+    }
+
+    /// How many it has made.
+    pub(super) fn made(&self) -> u64 {
+        self.made
+    }
+}
+
+/// A store: stock that was there at the start, and parts that came in and will leave again.
+#[derive(Debug)]
+pub(super) struct Store {
+    stock: Vec<u64>,
+    parts: Vec<VecDeque<PartIndex>>,
+    /// By type: the part at the outlet was taken from the stock.
+    from_stock: Vec<bool>,
+}
+
+impl Store {
+    pub(super) fn new(stock: &[(usize, u64)], types: usize) -> Self {
+        let mut counts = vec![0_u64; types];
+        for &(part, count) in stock {
+            counts[part] = counts[part].saturating_add(count);
+        }
+        Self {
+            stock: counts,
+            parts: vec![VecDeque::new(); types],
+            from_stock: vec![false; types],
+        }
+    }
+
+    /// The part of this type at its outlet has left.
+    pub(super) fn left(&mut self, kind: usize) {
+        if !std::mem::take(&mut self.from_stock[kind]) {
+            self.parts[kind].pop_front();
+        }
+    }
+
+    /// How many of this type are in stock and not at the outlet.
+    pub(super) fn stock(&self, kind: usize) -> u64 {
+        self.stock[kind]
+    }
+
+    /// The parts that came in and will leave again.
+    pub(super) fn parts(&self) -> impl Iterator<Item = PartIndex> {
+        self.parts.iter().flatten().copied()
+    }
+}
+
+impl Run<'_> {
+    /// A source makes its next part, if it is due.
+    pub(super) fn make(&mut self, node: usize) -> Option<PartIndex> {
+        let NodeKind::Source { part, .. } = self.line.nodes[node].kind else {
+            return None;
+        };
+        let Place::Source(source) = &mut self.places[node] else {
+            return None;
+        };
+        if !source.due || source.exhausted() {
+            return None;
+        }
+        source.made += 1;
+        if let Some(left) = &mut source.left_to_make {
+            *left -= 1;
+        }
+        let more = !source.exhausted();
+        let mut next = None;
+        if let Some((seconds, random)) = &mut source.interval {
+            source.due = false;
+            let seconds = *seconds;
+            next = more.then(|| {
+                random
+                    .as_mut()
+                    .map_or(seconds, |stream| stream.exponential(seconds))
+            });
+        }
+        if let Some(seconds) = next {
+            self.schedule(self.now + seconds, WORK, Event::Due(node as u32));
+        }
+        Some(self.parts.create(self.line, part, |_| None))
+    }
+
+    /// A source's next part is due.
+    pub(super) fn due(&mut self, node: usize) {
+        if let Place::Source(source) = &mut self.places[node] {
+            source.due = true;
+        }
+        self.look_at(node);
+    }
+
+    /// The next part that a store would give out: its stock first, then what came in, in that order.
+    pub(super) fn give_out(&mut self, node: usize, outlet: usize) -> Option<PartIndex> {
+        let kind = self.outlets[outlet].kind?;
+        let Place::Store(store) = &mut self.places[node] else {
+            return None;
+        };
+        if store.stock[kind] > 0 {
+            store.stock[kind] -= 1;
+            store.from_stock[kind] = true;
+            return Some(self.parts.create(self.line, kind, |_| None));
+        }
+        store.parts[kind].front().copied()
+    }
+
+    /// A part comes into a store: to its end, or to wait there.
+    pub(super) fn store(&mut self, node: usize, part: PartIndex) {
+        self.record(node, Some(part), What::Arrived);
+        let kind = self.parts[part].kind;
+        if self.setup.ways.from(node, kind).is_empty() {
+            self.complete(node, part);
+        } else if let Place::Store(store) = &mut self.places[node] {
+            store.parts[kind].push_back(part);
+            self.look_at(node);
+        }
+    }
+
+    /// A part comes into a sink.
+    pub(super) fn sink(&mut self, node: usize, part: PartIndex) {
+        self.record(node, Some(part), What::Arrived);
+        match self.line.nodes[node].kind {
+            NodeKind::Sink {
+                reject: true,
+                reorder,
+            } => self.reject(node, part, reorder),
+            _ => self.complete(node, part),
+        }
+    }
+}

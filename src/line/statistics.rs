@@ -1,0 +1,192 @@
+//! Counting while a line runs: where the time went, lead times, and confidence intervals.
+
+use super::random::{Purpose, Stream};
+use super::trace::{LeadTime, Shares};
+
+/// What a station is doing, as its time is booked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Activity {
+    Busy,
+    Starved,
+    Blocked,
+    Failed,
+    Idle,
+    Setup,
+}
+
+/// Books time by activity.
+#[derive(Debug, Clone)]
+pub(super) struct Clock {
+    activity: Activity,
+    since: f64,
+    seconds: [f64; 6],
+}
+
+impl Clock {
+    pub(super) fn new(activity: Activity) -> Self {
+        Self {
+            activity,
+            since: 0.0,
+            seconds: [0.0; 6],
+        }
+    }
+
+    /// From `now` on it is this activity.
+    pub(super) fn switch(&mut self, now: f64, activity: Activity) {
+        self.seconds[self.activity as usize] += now - self.since;
+        self.since = now;
+        self.activity = activity;
+    }
+
+    /// The seconds booked up to the last switch.
+    pub(super) fn seconds(&self, activity: Activity) -> f64 {
+        self.seconds[activity as usize]
+    }
+
+    /// The shares of all the time booked; `visited` says whether anything ever came. Without any time it was all idle.
+    pub(super) fn shares(&self, visited: bool) -> Shares {
+        let total: f64 = self.seconds.iter().sum();
+        if total <= 0.0 {
+            return Shares {
+                idle: 1.0,
+                ..Shares::default()
+            };
+        }
+        let share = |activity| self.seconds(activity) / total;
+        let mut shares = Shares {
+            busy: share(Activity::Busy),
+            starved: share(Activity::Starved),
+            blocked: share(Activity::Blocked),
+            failed: share(Activity::Failed),
+            idle: share(Activity::Idle),
+            setup: share(Activity::Setup),
+        };
+        if !visited {
+            shares.idle += shares.starved;
+            shares.starved = 0.0;
+        }
+        shares
+    }
+}
+
+/// So many lead times are kept for the percentiles; beyond, each is as likely as any other to be among the kept ones.
+const SAMPLE: usize = 1 << 17;
+
+/// Lead times: mean and greatest of all, percentiles of a bounded sample (Vitter's reservoir, algorithm R).
+#[derive(Debug)]
+pub(super) struct LeadTimes {
+    count: u64,
+    sum: f64,
+    max: f64,
+    sample: Vec<f64>,
+    stream: Stream,
+}
+
+impl LeadTimes {
+    pub(super) fn new(seed: u64) -> Self {
+        Self {
+            count: 0,
+            sum: 0.0,
+            max: 0.0,
+            sample: Vec::new(),
+            stream: Stream::new(seed, Purpose::Sample, ""),
+        }
+    }
+
+    pub(super) fn add(&mut self, seconds: f64) {
+        self.count += 1;
+        self.sum += seconds;
+        self.max = self.max.max(seconds);
+        if self.sample.len() < SAMPLE {
+            self.sample.push(seconds);
+        } else if let Some(kept) = self.sample.get_mut(self.stream.below(self.count) as usize) {
+            *kept = seconds;
+        }
+    }
+
+    pub(super) fn summary(mut self) -> LeadTime {
+        if self.count == 0 {
+            return LeadTime::default();
+        }
+        self.sample.sort_unstable_by(f64::total_cmp);
+        LeadTime {
+            mean: self.sum / self.count as f64,
+            p50: nearest_rank(&self.sample, 0.50),
+            p95: nearest_rank(&self.sample, 0.95),
+            max: self.max,
+        }
+    }
+}
+
+/// The smallest value that at least this share of the sorted values does not exceed.
+fn nearest_rank(sorted: &[f64], share: f64) -> f64 {
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted
+        .get(rank.clamp(1, sorted.len().max(1)) - 1)
+        .copied()
+        .unwrap_or(0.0)
+}
+
+/// The 97.5 % point of Student's t distribution: half of a 95 % interval in standard errors.
+pub(super) fn student_t(degrees: u64) -> f64 {
+    const TABLE: [f64; 30] = [
+        12.706_205, 4.302_653, 3.182_446, 2.776_445, 2.570_582, 2.446_912, 2.364_624, 2.306_004,
+        2.262_157, 2.228_139, 2.200_985, 2.178_813, 2.160_369, 2.144_787, 2.131_450, 2.119_905,
+        2.109_816, 2.100_922, 2.093_024, 2.085_963, 2.079_614, 2.073_873, 2.068_658, 2.063_899,
+        2.059_539, 2.055_529, 2.051_831, 2.048_407, 2.045_230, 2.042_272,
+    ];
+    match degrees {
+        0 => f64::INFINITY,
+        1..=30 => TABLE[degrees as usize - 1],
+        _ => {
+            // The Cornish-Fisher expansion around the normal point (Abramowitz and Stegun 26.7.5); at 31 degrees it is
+            // off by less than 2e-6.
+            let z: f64 = 1.959_963_985;
+            let n = degrees as f64;
+            let first = (z.powi(3) + z) / 4.0;
+            let second = (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0;
+            let third = (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0;
+            z + first / n + second / (n * n) + third / (n * n * n)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_nearest_ranks() {
+        let mut times = LeadTimes::new(1);
+        for x in (1..=20).rev() {
+            times.add(f64::from(x));
+        }
+        let summary = times.summary();
+        assert_eq!(
+            (summary.mean, summary.p50, summary.p95, summary.max),
+            (10.5, 10.0, 19.0, 20.0)
+        );
+    }
+
+    #[test]
+    fn a_large_sample_stays_representative() {
+        let mut times = LeadTimes::new(1);
+        for x in 0..1_000_000_u32 {
+            times.add(f64::from(x));
+        }
+        assert_eq!(times.sample.len(), SAMPLE);
+        let summary = times.summary();
+        assert!((summary.p50 / 500_000.0 - 1.0).abs() < 0.01);
+        assert!((summary.p95 / 950_000.0 - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn student_t_meets_the_tables() {
+        // Printed values for 40, 60 and 120 degrees of freedom, and the step from the table to the expansion.
+        for (degrees, expected) in [(40, 2.021_08), (60, 2.000_30), (120, 1.979_93)] {
+            assert!((student_t(degrees) - expected).abs() < 1e-5);
+        }
+        assert!((student_t(31) - 2.039_513).abs() < 5e-6);
+        assert!((student_t(1_000_000) - 1.959_966).abs() < 1e-5);
+    }
+}

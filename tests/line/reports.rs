@@ -1,0 +1,254 @@
+//! A run as text and as JSON.
+
+use crate::support::{Builder, constant, refusing, span, verdict};
+use linewright::contract::line::{Comparison, InitialValue, Metric, Requirement, Supply};
+use linewright::contract::machine::RealExpr;
+use linewright::line::{Options, Plant};
+use linewright::report;
+
+fn plant() -> Plant {
+    let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
+    builder
+        .property("Printed", "ok", InitialValue::Number(0.0))
+        .bill("Product", &[("Brick", 2), ("Printed", 1)])
+        .store("warehouse", &[("Brick", 100)])
+        .source("feeder", "Printed", Supply::OnOrder)
+        .station(
+            "camera",
+            &["Printed"],
+            verdict(20.0, |call| f64::from(call != 3)),
+        )
+        .machine_properties("camera", &["ok"])
+        .machine_watts("camera", 50.0)
+        .conveyor("belt", 3, 2.0)
+        .station(
+            "assembly_cell_1",
+            &["Product"],
+            refusing(30.0, |call| call == 5),
+        )
+        .station("milling", &["Brick"], constant(5.0))
+        .scrap("scrap", Some("feeder"))
+        .route("Brick", &["warehouse", "assembly_cell_1"])
+        .route("Printed", &["feeder", "camera"])
+        .route_if("Printed", "camera", "belt", Some(RealExpr::Property(0)))
+        .route("Printed", &["camera", "scrap"])
+        .route("Printed", &["belt", "assembly_cell_1"])
+        .route("Product", &["assembly_cell_1", "warehouse"])
+        .require(Requirement {
+            name: "pace".to_owned(),
+            metric: Metric::ThroughputPerHour,
+            comparison: Comparison::Ge,
+            bound: 100.0,
+            span: span(),
+        })
+        .require(Requirement {
+            name: "calm".to_owned(),
+            metric: Metric::Busy(5),
+            comparison: Comparison::Lt,
+            bound: 0.5,
+            span: span(),
+        });
+    builder.plant(Options {
+        parts: Some(6),
+        ..Options::default()
+    })
+}
+
+#[test]
+fn as_text() {
+    let mut plant = plant();
+    let trace = plant.run();
+    let text = report::table(plant.line(), &trace, None);
+    assert!(text.lines().all(|l| l.chars().count() <= 100), "{text}");
+    insta::assert_snapshot!(text, @r#"
+    products     6 Product finished
+    makespan     0:03:26
+    throughput   104.85 an hour
+    lead time    mean 0:01:01, half within 0:01:00, 95 % within 0:01:06, longest 0:01:06
+    bottleneck   assembly_cell_1 (busy, set up or failed 87.4 % of the time)
+    energy       0.003 kWh
+    parts        31 entered: 6 finished, 2 rejected, 21 joined into others, 2 still in the line
+    rejected     1 Printed (1 ordered again), 1 Product (1 ordered again)
+    violations   1
+                 0:02:26 assembly_cell_1, Product 23: turn: gripped
+    
+    station         machine            parts    time   kWh   busy starved blocked failed    idle setup
+    camera          camera_machine         8 0:02:40 0.001 77.7 %  22.3 %   0.0 %  0.0 %   0.0 % 0.0 %
+    assembly_cell_1 assembly_cell_1_m…     6 0:03:00 0.001 87.4 %  12.6 %   0.0 %  0.0 %   0.0 % 0.0 %
+    milling         milling_machine        0 0:00:00 0.000  0.0 %   0.0 %   0.0 %  0.0 % 100.0 % 0.0 %
+    
+    conveyor machine parts  moving   kWh
+    belt     -           7 0:00:42 0.001
+    
+    by machine                 time   kWh
+    camera_machine          0:02:40 0.001
+    assembly_cell_1_machine 0:03:00 0.001
+    milling_machine         0:00:00 0.000
+    
+    requirement verdict asked for                   measured
+    pace        holds   throughput per hour >= 100   104.854
+    calm        holds   busy share of milling < 0.5    0.000
+    "#);
+}
+
+#[test]
+fn as_json() {
+    let mut plant = plant();
+    let trace = plant.run();
+    let document = report::json(plant.line(), &trace, None, None);
+    assert!(document.get("wall_seconds").is_none());
+    insta::assert_snapshot!(serde_json::to_string_pretty(&document).unwrap(), @r#"
+    {
+      "bottleneck": "assembly_cell_1",
+      "conveyors": [
+        {
+          "carried": 7,
+          "energy_kwh": 0.001166667,
+          "machine": null,
+          "moving_seconds": 42.0,
+          "name": "belt"
+        }
+      ],
+      "end": "products",
+      "energy_kwh": 0.00275,
+      "events": 21,
+      "lead_time": {
+        "max": 66.0,
+        "mean": 60.666667,
+        "p50": 60.0,
+        "p95": 66.0
+      },
+      "line": "test",
+      "machines": [
+        {
+          "busy_seconds": 160.0,
+          "energy_kwh": 0.001083333,
+          "name": "camera_machine"
+        },
+        {
+          "busy_seconds": 180.0,
+          "energy_kwh": 0.0005,
+          "name": "assembly_cell_1_machine"
+        },
+        {
+          "busy_seconds": 0.0,
+          "energy_kwh": 0.0,
+          "name": "milling_machine"
+        }
+      ],
+      "makespan_seconds": 206.0,
+      "parts": {
+        "consumed": 21,
+        "entered": 31,
+        "finished": 6,
+        "in_progress": 2,
+        "rejected": 2
+      },
+      "product": "Product",
+      "products": 6,
+      "rejects": [
+        {
+          "count": 1,
+          "part": "Printed",
+          "reordered": 1
+        },
+        {
+          "count": 1,
+          "part": "Product",
+          "reordered": 1
+        }
+      ],
+      "requirements": [
+        {
+          "holds": true,
+          "name": "pace",
+          "value": 104.854368932
+        },
+        {
+          "holds": true,
+          "name": "calm",
+          "value": 0.0
+        }
+      ],
+      "schema": "linewright/run/1",
+      "seed": 1,
+      "simulated_seconds": 206.0,
+      "stations": [
+        {
+          "blocked": 0.0,
+          "busy": 0.776699,
+          "busy_seconds": 160.0,
+          "energy_kwh": 0.001083333,
+          "failed": 0.0,
+          "idle": 0.0,
+          "machine": "camera_machine",
+          "name": "camera",
+          "processed": 8,
+          "setup": 0.0,
+          "starved": 0.223301
+        },
+        {
+          "blocked": 0.0,
+          "busy": 0.873786,
+          "busy_seconds": 180.0,
+          "energy_kwh": 0.0005,
+          "failed": 0.0,
+          "idle": 0.0,
+          "machine": "assembly_cell_1_machine",
+          "name": "assembly_cell_1",
+          "processed": 6,
+          "setup": 0.0,
+          "starved": 0.126214
+        },
+        {
+          "blocked": 0.0,
+          "busy": 0.0,
+          "busy_seconds": 0.0,
+          "energy_kwh": 0.0,
+          "failed": 0.0,
+          "idle": 1.0,
+          "machine": "milling_machine",
+          "name": "milling",
+          "processed": 0,
+          "setup": 0.0,
+          "starved": 0.0
+        }
+      ],
+      "throughput_per_hour": 104.854369,
+      "violation_count": 1,
+      "violations": [
+        {
+          "code": -5,
+          "message": "turn: the assumption gripped does not hold in step 3",
+          "part": "Product",
+          "part_number": 23,
+          "rule": "turn: gripped",
+          "station": "assembly_cell_1",
+          "time": 146.0
+        }
+      ]
+    }
+    "#);
+    let timed = report::json(plant.line(), &trace, None, Some(0.25));
+    assert_eq!(timed["wall_seconds"], 0.25);
+    for station in document["stations"].as_array().unwrap() {
+        let shares = ["busy", "starved", "blocked", "failed", "idle", "setup"];
+        let sum: f64 = shares.iter().map(|s| station[s].as_f64().unwrap()).sum();
+        assert!((sum - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn replications_in_both() {
+    let mut plant = plant();
+    let (traces, figures) = plant.replicate(4);
+    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    assert_eq!(document["replications"]["count"], 4);
+    let throughput = &document["replications"]["throughput_per_hour"];
+    assert_eq!(
+        throughput["low"], throughput["high"],
+        "nothing is random here"
+    );
+    let text = report::table(plant.line(), &traces[0], Some(&figures));
+    assert!(text.contains("4 seeds, 95 %"));
+}

@@ -1,0 +1,153 @@
+//! Setup, breakdowns, shifts, energy, and how time is booked.
+
+use crate::support::{Builder, constant, every};
+use linewright::contract::machine::Failures;
+use linewright::line::trace::What;
+
+fn near(a: f64, b: f64, tolerance: f64) {
+    assert!((a - b).abs() <= tolerance, "{a} is not near {b}");
+}
+
+#[test]
+fn setup_passes_when_the_type_changes() {
+    let mut builder = Builder::new(&["A", "B"]);
+    builder
+        .source("a", "A", every(0.0, Some(2)))
+        .source("b", "B", every(0.0, Some(2)))
+        .buffer("mixed", 4)
+        .station("cell", &["A", "B"], constant(10.0))
+        .with_station("cell", |_, _, setup, _| *setup = 3.0)
+        .sink("sink")
+        .route("A", &["a", "mixed", "cell", "sink"])
+        .route("B", &["b", "mixed", "cell", "sink"]);
+    let trace = builder.run(2);
+    // A A B B: one change.
+    assert_eq!(trace.seconds, 43.0);
+    let shares = trace.stations[0].shares;
+    near(shares.setup, 3.0 / 43.0, 1e-12);
+    near(shares.busy, 40.0 / 43.0, 1e-12);
+}
+
+#[test]
+fn availability_follows_from_mtbf_and_mttr() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(7.0))
+        .with_station("cell", |_, _, _, failures| {
+            *failures = Some(Failures {
+                mtbf: 90.0,
+                mttr: 10.0,
+            });
+        })
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"]);
+    let trace = builder.run_until(2_000_000.0);
+    let shares = trace.stations[0].shares;
+    near(shares.busy, 0.9, 0.005);
+    near(shares.busy + shares.failed, 1.0, 1e-9);
+    // No service time is lost or gained.
+    near(
+        trace.stations[0].busy_seconds / 7.0,
+        trace.products as f64,
+        1.0,
+    );
+}
+
+#[test]
+fn the_failure_clock_runs_only_at_work() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("source", "Part", every(40.0, None))
+        .station("cell", &["Part"], constant(10.0))
+        .with_station("cell", |_, _, _, failures| {
+            *failures = Some(Failures {
+                mtbf: 50.0,
+                mttr: 5.0,
+            });
+        })
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"]);
+    let trace = builder.run_until(1_000_000.0);
+    let failures = trace.log.iter().filter(|e| e.what == What::Failed).count() as f64;
+    near(trace.stations[0].busy_seconds / failures, 50.0, 2.0);
+    near(
+        trace.stations[0].shares.failed / trace.stations[0].shares.busy,
+        0.1,
+        0.01,
+    );
+}
+
+#[test]
+fn off_shift_the_station_stands_still() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(3600.0))
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"])
+        .shift(6.0 * 3600.0, 14.5 * 3600.0);
+    let trace = builder.run_until(2.0 * 86_400.0);
+    // Eight and a half hours a day; the ninth part is finished in the first half hour of the second day.
+    assert_eq!(trace.products, 17);
+    near(trace.stations[0].shares.busy, 17.0 / 48.0, 1e-12);
+    near(trace.stations[0].shares.idle, 31.0 / 48.0, 1e-12);
+    let ends: Vec<f64> = trace
+        .log
+        .iter()
+        .filter(|e| e.what == What::Finished)
+        .map(|e| e.time / 3600.0)
+        .collect();
+    assert_eq!(
+        ends[..9],
+        [7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 30.5]
+    );
+}
+
+#[test]
+fn a_shift_from_midnight_and_one_to_midnight() {
+    for (from, to, hours) in [
+        (0.0, 43_200.0, 36.0),
+        (43_200.0, 86_400.0, 24.0),
+        (0.0, 86_400.0, 60.0),
+    ] {
+        let mut builder = Builder::new(&["Part"]);
+        builder
+            .endless("source", "Part")
+            .station("cell", &["Part"], constant(3600.0))
+            .sink("sink")
+            .route("Part", &["source", "cell", "sink"])
+            .shift(from, to);
+        let trace = builder.run_until(2.5 * 86_400.0);
+        assert_eq!(trace.products as f64, hours, "from {from} to {to}");
+    }
+}
+
+#[test]
+fn energy_of_work_and_of_waiting() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("source", "Part", every(10.0, Some(3)))
+        .station("cell", &["Part"], constant(4.0))
+        .machine_watts("cell", 2.0)
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"]);
+    // Services from 0, 10 and 20; at 22 half of the last one is done.
+    let trace = builder.run_until(22.0);
+    near(trace.joules, (4.0 + 4.0 + 2.0) * 10.0 + 12.0 * 2.0, 1e-9);
+    assert_eq!(trace.machines[0].busy_seconds, 10.0);
+}
+
+#[test]
+fn an_unvisited_station_is_idle() {
+    let mut builder = Builder::new(&["Other", "Part"]);
+    builder
+        .endless("source", "Part")
+        .station("used", &["Part"], constant(4.0))
+        .station("unused", &["Other"], constant(4.0))
+        .sink("sink")
+        .route("Part", &["source", "used", "sink"]);
+    let trace = builder.run(3);
+    assert_eq!(trace.stations[1].shares.idle, 1.0);
+    assert_eq!(trace.bottleneck, Some(0));
+}
