@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                     },
                     files: files.iter().map(|f| f.display().to_string()).collect(),
                 }),
-                Err(finding) => findings.push(finding),
+                Err(finding) => findings.push(*finding),
             }
         }
     }

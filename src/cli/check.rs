@@ -136,7 +136,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     .document();
     let (document, findings) = report;
     print(
-        &console,
+        console,
         &loaded.library.sources,
         &document,
         &findings,
@@ -156,7 +156,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
 }
 
 fn print(
-    console: &Console,
+    console: Console,
     sources: &SourceMap,
     document: &Document,
     findings: &[Diagnostic],

@@ -38,7 +38,7 @@ pub fn write(
     emit: Emit,
     specification: &Specification,
     machine: &mealy::Machine,
-) -> Result<String, Diagnostic> {
+) -> Result<String, Box<Diagnostic>> {
     let _ = (emit, specification, machine);
     todo!("mealy::json, mealy::gr1c, mealy::dot, mealy::svg")
 }
@@ -66,7 +66,7 @@ pub fn build(
     controlled: &Controlled<'_>,
     target: Target,
     folder: &Path,
-) -> Result<Vec<PathBuf>, Diagnostic> {
+) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
     let _ = (controlled, target, folder);
     todo!("station: package, compile")
 }

@@ -81,7 +81,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             };
             if is_json(options) {
                 let mut entries = Vec::new();
-                roots.iter().for_each(|r| below(taxonomy, r, &mut entries));
+                for root in roots {
+                    below(taxonomy, root, &mut entries);
+                }
                 console.document(&Entries::new(entries))?;
             } else {
                 let mut text = String::new();

@@ -93,7 +93,7 @@ mod tests {
         let warning = Diagnostic::warning(codes::SYNTAX, None, "");
         let of = |findings: &[Diagnostic]| ExitCode::of(findings, false);
         assert_eq!(of(&[]), ExitCode::Success);
-        assert_eq!(of(&[warning.clone()]), ExitCode::Success);
+        assert_eq!(of(std::slice::from_ref(&warning)), ExitCode::Success);
         assert_eq!(ExitCode::of(&[warning], true), ExitCode::Findings);
         assert_eq!(of(&[error(codes::UNREALIZABLE)]), ExitCode::Findings);
         assert_eq!(

@@ -183,7 +183,8 @@ fn library_path(name: &str) -> Option<String> {
                 .chars()
                 .all(|c| c.is_alphanumeric() || "_-".contains(c))
     });
-    (plain && !inner.ends_with(".lw")).then(|| format!("{}.lw", inner.replace('.', "/")))
+    let ending = inner.rsplit('.').next() == Some("lw");
+    (plain && !ending).then(|| format!("{}.lw", inner.replace('.', "/")))
 }
 
 /// Every `.lw` file below a folder, in alphabetic order. Folders whose name begins with a dot are left out, and symbolic links

@@ -1,7 +1,8 @@
 //! Which declaration a place in a file belongs to, from the text alone.
 //!
 //! A contract that does not parse is not in the library, yet `check` has to list it, and its findings under it. So this
-//! looks for nothing but `contract NAME`, `machine NAME`, `line NAME` outside all braces, and for the brace that closes each.
+//! looks for nothing but `contract NAME`, `machine NAME`, `line NAME`, and for the brace that closes each. The three are
+//! reserved words: one that begins a line begins a declaration, also where a brace before it is missing.
 
 use crate::source::{FileId, SourceMap, Span};
 
@@ -45,6 +46,17 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
     let mut keyword: Option<(Kind, usize)> = None;
     for (start, token) in tokens(text) {
         match token {
+            "contract" | "machine" | "line" if depth == 0 || begins_line(text, start) => {
+                depth = 0;
+                keyword = Some((
+                    match token {
+                        "contract" => Kind::Contract,
+                        "machine" => Kind::Machine,
+                        _ => Kind::Line,
+                    },
+                    start,
+                ));
+            }
             "{" | "(" | "[" => depth += 1,
             "}" | ")" | "]" => {
                 depth = depth.saturating_sub(1);
@@ -67,18 +79,17 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
                         extent: Span::new(file, from, text.len()),
                     });
                     open = true;
-                } else {
-                    keyword = match word {
-                        "contract" => Some((Kind::Contract, start)),
-                        "machine" => Some((Kind::Machine, start)),
-                        "line" => Some((Kind::Line, start)),
-                        _ => None,
-                    };
                 }
             }
         }
     }
     found
+}
+
+/// Whether nothing but `moore` stands before this place in its line.
+fn begins_line(text: &str, at: usize) -> bool {
+    let line = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    matches!(text[line..at].trim(), "" | "moore")
 }
 
 /// A declaration that was still open ends where the next one begins.
@@ -101,7 +112,9 @@ fn tokens(text: &str) -> Vec<(usize, &str)> {
         let length = if rest.starts_with("//") {
             rest.find('\n').unwrap_or(rest.len())
         } else if rest.starts_with("/*") {
-            rest[2..].find("*/").map_or(rest.len(), |end| end + 4)
+            rest.get(2..)
+                .and_then(|inner| inner.find("*/"))
+                .map_or(rest.len(), |end| end + 4)
         } else if c == '"' {
             let line = rest.find('\n').unwrap_or(rest.len());
             rest[1..line].find('"').map_or(line, |end| end + 2)
@@ -146,10 +159,12 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_brace_reaches_to_the_end() {
-        let found = outline("contract A { guarantee x: (\ncontract B {}\n");
-        assert_eq!(found.len(), 1);
-        assert!(found[0].2.ends_with("{}\n"));
+    fn a_missing_brace_reaches_to_the_next_declaration() {
+        let found = outline("contract A { guarantee x: (\nmoore contract B {}\nline C { x");
+        assert_eq!(found.len(), 3);
+        assert!(found[0].2.ends_with("moore "));
+        assert_eq!(found[1].2, "contract B {}");
+        assert_eq!(found[2].2, "line C { x");
     }
 
     #[test]

@@ -5,14 +5,13 @@ use std::io::{self, Write as _};
 use std::path::Path;
 
 /// Writes a file, and makes its folder where that is missing.
-pub fn write(path: &Path, text: &str) -> Result<(), Diagnostic> {
+pub fn write(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
     replace(path, text.as_bytes()).map_err(|e| {
-        Diagnostic::error(
-            codes::OUTPUT_UNWRITABLE,
-            None,
-            format!("{} cannot be written: {e}", path.display()),
+        let message = format!("{} cannot be written: {e}", path.display());
+        Box::new(
+            Diagnostic::error(codes::OUTPUT_UNWRITABLE, None, message)
+                .with_help("choose a folder that may be written with --out DIR"),
         )
-        .with_help("choose a folder that may be written with --out DIR")
     })
 }
 

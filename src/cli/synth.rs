@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         for emit in &arguments.emit {
             match connect::write(*emit, &contract.specification, machine) {
                 Ok(text) => written.push((format!("{}.{}", contract.name, emit.ending()), text)),
-                Err(finding) => findings.push(finding),
+                Err(finding) => findings.push(*finding),
             }
         }
     }
@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             let path = folder.join(name);
             match output::write(&path, text) {
                 Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
-                Err(finding) => findings.push(finding),
+                Err(finding) => findings.push(*finding),
             }
         }
     } else if let [(_, text)] = written.as_slice() {

@@ -7,6 +7,7 @@ use super::json::Place;
 use super::{Diagnostic, Severity, render};
 use crate::source::{SourceMap, Span};
 use serde_json::{Value, json};
+use std::fmt::Write as _;
 
 /// The whole SARIF document, findings sorted by file and place.
 pub fn document(sources: &SourceMap, findings: &[Diagnostic]) -> Value {
@@ -95,7 +96,9 @@ fn uri(name: &str) -> String {
             b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
                 uri.push(byte as char);
             }
-            _ => uri.push_str(&format!("%{byte:02X}")),
+            _ => {
+                let _ = write!(uri, "%{byte:02X}");
+            }
         }
     }
     uri

@@ -58,7 +58,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     for l in &document.lines {
         let mut cells = vec![String::new(); 7];
         cells[0] = format!("line {}", l.name);
-        cells[3] = l.verdict.to_owned();
+        l.verdict.clone_into(&mut cells[3]);
         cells[6] = file(&l.file);
         rows.push(Row {
             verdict: l.verdict,
