@@ -23,7 +23,9 @@ pub fn skip(what: &str, why: &str) {
         "{what} is required, but {why}"
     );
     // Not `eprintln!`: the test runner would keep that to itself.
-    let _ = writeln!(std::io::stderr(), "\nskipped: {what}: {why}");
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or("a test");
+    let _ = writeln!(std::io::stderr(), "\nskipped: {test}: {what}: {why}");
 }
 
 /// Runs the program in a folder, without colours.
