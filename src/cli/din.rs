@@ -6,7 +6,7 @@ use super::files::{self, StandardLibrary};
 use super::options::{Format, GlobalOptions};
 use crate::contract::Library;
 use crate::diagnostics::has_errors;
-use crate::taxonomy::{Entry, Standard, Taxonomy, taxonomy};
+use crate::taxonomy::{self, Entry, Standard, Taxonomy, taxonomy};
 use clap::{Args, Subcommand};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let console = options.console();
     match &arguments.command {
         Command::Show { code } => {
-            let entry = find(taxonomy, code)?;
+            let entry = find(code)?;
             if is_json(options) {
                 console.document(&Entries::new([entry]))?;
             } else {
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
         Command::Tree { code } => {
             let roots = match code {
-                Some(code) => vec![find(taxonomy, code)?],
+                Some(code) => vec![find(code)?],
                 None => taxonomy.roots().collect(),
             };
             if is_json(options) {
@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             } else {
                 let mut text = String::new();
                 for root in roots {
-                    let _ = writeln!(text, "{}", label(root));
+                    let _ = writeln!(text, "{}", root.describe());
                     branches(taxonomy, root, "", &mut text);
                 }
                 console.result(&text)?;
@@ -103,20 +103,9 @@ fn is_json(options: &GlobalOptions) -> bool {
     options.format == Format::Json
 }
 
-fn find<'a>(taxonomy: &'a Taxonomy, code: &str) -> anyhow::Result<&'a Entry> {
-    taxonomy.find(code).ok_or_else(|| {
-        let near: Vec<String> = taxonomy.suggestions(code).into_iter().map(label).collect();
-        let hint = match near.as_slice() {
-            [] => "`linewright din search WORD` finds codes by their terms".to_owned(),
-            near => format!("did you mean {}?", near.join(", or ")),
-        };
-        anyhow::anyhow!("`{code}` is no code of DIN 8580 or VDI 2860: {hint}")
-    })
-}
-
-/// `din:4.3.1  Schrauben, Screwing`
-fn label(entry: &Entry) -> String {
-    format!("{} {} ({})", entry.full_code(), entry.german, entry.english)
+fn find(code: &str) -> anyhow::Result<&'static Entry> {
+    taxonomy::lookup(code)
+        .map_err(|help| anyhow::anyhow!("`{code}` is no code of DIN 8580 or VDI 2860: {help}"))
 }
 
 fn show(taxonomy: &Taxonomy, entry: &Entry) -> String {
@@ -126,12 +115,12 @@ fn show(taxonomy: &Taxonomy, entry: &Entry) -> String {
         .iter()
         .map(|e| e.english.as_str())
         .collect();
-    let children: Vec<String> = taxonomy.children(entry).map(label).collect();
+    let children: Vec<String> = taxonomy.children(entry).map(Entry::describe).collect();
     let standard = match entry.edition.as_str() {
         "" => entry.standard.title().to_owned(),
         edition => format!("{}, edition {edition}", entry.standard.title()),
     };
-    let _ = writeln!(text, "{}", label(entry));
+    let _ = writeln!(text, "{}", entry.describe());
     for (name, value) in [
         ("standard", standard),
         ("within", above.join(" > ")),
@@ -166,7 +155,7 @@ fn branches(taxonomy: &Taxonomy, entry: &Entry, indent: &str, text: &mut String)
         } else {
             ("├── ", "│   ")
         };
-        let _ = writeln!(text, "{indent}{branch}{}", label(child));
+        let _ = writeln!(text, "{indent}{branch}{}", child.describe());
         branches(taxonomy, child, &format!("{indent}{space}"), text);
     }
 }

@@ -65,6 +65,11 @@ impl Entry {
     pub fn full_code(&self) -> String {
         format!("{}:{}", self.standard.prefix(), self.code)
     }
+
+    /// Code and terms: `din:4.3.1 Schrauben (Screwing)`.
+    pub fn describe(&self) -> String {
+        format!("{} {} ({})", self.full_code(), self.german, self.english)
+    }
 }
 
 /// A table that cannot be read.
@@ -100,9 +105,16 @@ pub fn find(code: &str) -> Option<&'static Entry> {
     taxonomy().find(code)
 }
 
-/// Known codes near one that is not, nearest first, in the embedded taxonomy.
-pub fn suggestions(code: &str) -> Vec<&'static Entry> {
-    taxonomy().suggestions(code)
+/// The entry of a full code in the embedded taxonomy, or the next step for somebody who wrote one that is not there.
+pub fn lookup(code: &str) -> Result<&'static Entry, String> {
+    taxonomy().find(code).ok_or_else(|| {
+        let near = taxonomy().suggestions(code);
+        let near: Vec<String> = near.into_iter().map(Entry::describe).collect();
+        match near.as_slice() {
+            [] => "find it by its term: `linewright din search WORD`".to_owned(),
+            near => format!("did you mean {}?", near.join(", or ")),
+        }
+    })
 }
 
 impl Taxonomy {
@@ -399,14 +411,32 @@ mod tests {
 
     #[test]
     fn suggestions_are_near() {
-        let first = |code: &str| codes(&suggestions(code)).first().cloned();
+        let first = |code: &str| codes(&taxonomy().suggestions(code)).first().cloned();
         assert_eq!(first("4.3.1").as_deref(), Some("din:4.3.1"));
         assert_eq!(first("vdi:4.3.1").as_deref(), Some("din:4.3.1"));
         assert_eq!(first("din:4.3.1.7").as_deref(), Some("din:4.3.1"));
         assert_eq!(first("vdi:Dreehn").as_deref(), Some("vdi:Drehen"));
         assert_eq!(first("vdi:Rotating").as_deref(), Some("vdi:Drehen"));
-        assert!(suggestions("din:xxxxxxxxxxxx").is_empty());
-        assert!(suggestions("").is_empty());
+        assert!(taxonomy().suggestions("din:xxxxxxxxxxxx").is_empty());
+        assert!(taxonomy().suggestions("").is_empty());
+    }
+
+    #[test]
+    fn lookup_gives_a_next_step() {
+        assert_eq!(
+            lookup("din:4.3.1").unwrap().english,
+            find("din:4.3.1").unwrap().english
+        );
+        assert!(
+            lookup("vdi:Dreehn")
+                .unwrap_err()
+                .contains("vdi:Drehen Drehen (Rotating)")
+        );
+        assert!(
+            lookup("din:xxxxxxxxxxxx")
+                .unwrap_err()
+                .contains("din search")
+        );
     }
 
     #[test]
