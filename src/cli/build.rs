@@ -30,6 +30,9 @@ pub struct Arguments {
     /// The folder to write to [default: .linewright beside the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Compile again what is there already
+    #[arg(long)]
+    pub rebuild: bool,
 }
 
 #[derive(Serialize)]
@@ -69,7 +72,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut libraries = Vec::new();
     for plan in planned.iter().filter_map(|p| p.controlled(&checked)) {
         for target in &arguments.target {
-            match connect::build(&plan, *target, folder) {
+            match connect::build(&plan, *target, folder, arguments.rebuild) {
                 Ok(files) => libraries.push(Built {
                     machine: plan.machine.name.clone(),
                     target: match target {

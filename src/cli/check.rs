@@ -22,8 +22,9 @@ mod table;
     linewright check contracts/
     linewright check --format short contracts/handling/turn.lw
 
-A contract is realizable when a controller exists that keeps its guarantees for as long as the plant keeps the
-assumptions (safety first, strictly). Each such controller is synthesized and verified, but not written.")]
+A contract is realizable when a controller exists that keeps its guarantees for as long as the plant \
+keeps the assumptions (safety first, strictly). Each such controller is synthesized and verified, but \
+not written.")]
 pub struct Arguments {
     /// Files, or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]
@@ -108,7 +109,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     );
     let files = FileView::all(&loaded);
 
-    let mut jobs = Jobs::default();
+    let mut jobs = Jobs::examining();
     let library = &loaded.library;
     let contracts: Vec<(&Contract, usize)> = library
         .contracts

@@ -5,32 +5,37 @@ use super::synth::Emit;
 use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::diagnostics::Diagnostic;
-use crate::game::{Lost, Won};
+use crate::game::{Limits, Lost, Won};
 use crate::gr1::Specification;
 use crate::mealy;
+use crate::source::Span;
 use std::path::{Path, PathBuf};
 
-/// What a game tells beside its verdict.
+/// What is known of a game that was lost.
 #[derive(Debug, Default)]
 pub struct Insight {
-    /// Findings: LW205, LW206, LW208 and the like.
-    pub findings: Vec<Diagnostic>,
-    /// Names of the formulas of an unrealizable core.
+    /// Names of the formulas of a core.
     pub core: Vec<String>,
     /// The largest number of nodes.
     pub peak_nodes: Option<u64>,
 }
 
-/// What is known of a game that was won.
-pub fn won(specification: &Specification, won: &Won) -> Insight {
-    let _ = (specification, won);
-    Insight::default()
+/// The largest number of nodes of a game that was won.
+pub fn won(won: &Won) -> Option<u64> {
+    let _ = won;
+    None
 }
 
 /// What is known of a game that was lost.
 pub fn lost(specification: &Specification, lost: &Lost) -> Insight {
     let _ = (specification, lost);
     Insight::default()
+}
+
+/// What makes a realizable contract mean less than it seems to: LW205 and LW206.
+pub fn examine(specification: &Specification, span: Span, limits: &Limits) -> Vec<Diagnostic> {
+    let _ = (specification, span, limits);
+    Vec::new()
 }
 
 /// A controller in one of its written forms. A finding (LW204) where that form would be too large.
@@ -66,8 +71,9 @@ pub fn build(
     controlled: &Controlled<'_>,
     target: Target,
     folder: &Path,
+    rebuild: bool,
 ) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
-    let _ = (controlled, target, folder);
+    let _ = (controlled, target, folder, rebuild);
     todo!("station: package, compile")
 }
 
@@ -82,6 +88,8 @@ pub struct RunOptions {
     pub seed: u64,
     /// How many runs, with seeds `seed`, `seed + 1`, ...
     pub replications: u32,
+    /// Compile the libraries even where they are there already.
+    pub rebuild: bool,
     /// Whether measured times belong into the result.
     pub timing: bool,
 }

@@ -70,7 +70,7 @@ pub struct GlobalOptions {
     /// Read `import std...` from this folder instead of the bundled library
     #[arg(long, global = true, value_name = "DIR")]
     pub library: Option<PathBuf>,
-    /// Say more
+    /// Say more: `check` also names the file of each contract
     #[arg(long, short, global = true)]
     pub verbose: bool,
 }

@@ -93,36 +93,48 @@ pub struct Job {
 
 /// Jobs without repetition: equal contracts are synthesized once, however many machines use them.
 #[derive(Debug, Default)]
-pub struct Jobs(Vec<Job>);
+pub struct Jobs {
+    jobs: Vec<Job>,
+    examine: bool,
+}
 
 impl Jobs {
+    /// No jobs yet; those that come also look for what makes a realizable contract mean less than it seems to (LW205,
+    /// LW206). `build` and `run` do without: it changes no controller.
+    pub fn examining() -> Self {
+        Self {
+            jobs: Vec::new(),
+            examine: true,
+        }
+    }
+
     /// Adds a job, or finds an equal one, and gives its index.
     pub fn add(&mut self, specification: &Arc<Specification>, span: Span) -> usize {
         let equal = |job: &Job| {
             Arc::ptr_eq(&job.specification, specification) || job.specification == *specification
         };
-        self.0.iter().position(equal).unwrap_or_else(|| {
-            self.0.push(Job {
+        self.jobs.iter().position(equal).unwrap_or_else(|| {
+            self.jobs.push(Job {
                 specification: Arc::clone(specification),
                 span,
             });
-            self.0.len() - 1
+            self.jobs.len() - 1
         })
     }
 
     /// The job of an index.
     pub fn get(&self, index: usize) -> &Job {
-        &self.0[index]
+        &self.jobs[index]
     }
 
     /// How many there are.
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.jobs.len()
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.jobs.is_empty()
     }
 
     /// Does them all, in parallel; the results are in the order of the jobs.
@@ -132,10 +144,10 @@ impl Jobs {
         progress: &ProgressBar,
     ) -> Result<Vec<CheckedContract>, InternalError> {
         let results = self
-            .0
+            .jobs
             .par_iter()
             .map(|job| {
-                let result = check(&job.specification, job.span, limits);
+                let result = check(&job.specification, job.span, self.examine, limits);
                 progress.set_message(job.specification.name.clone());
                 progress.inc(1);
                 result
@@ -146,10 +158,12 @@ impl Jobs {
     }
 }
 
-/// Solves one specification, extracts its controller, and verifies that.
+/// Solves one specification, extracts its controller, and verifies that. With `examine`, also looks for what makes a
+/// realizable contract mean less than it seems to.
 pub fn check(
     specification: &Specification,
     span: Span,
+    examine: bool,
     limits: &Limits,
 ) -> Result<CheckedContract, InternalError> {
     let start = Instant::now();
@@ -173,18 +187,14 @@ pub fn check(
         Outcome::Unrealizable(lost) => {
             let insight = connect::lost(specification, &lost);
             checked.verdict = Verdict::Unrealizable;
-            checked
-                .findings
-                .push(unrealizable(specification, span, &insight.core));
-            checked.findings.extend(insight.findings);
+            let finding = unrealizable(specification, span, &insight.core);
+            checked.findings.push(finding);
             checked.core = insight.core;
             checked.peak_nodes = insight.peak_nodes;
         }
         Outcome::Realizable(won) => {
-            let insight = connect::won(specification, &won);
             checked.verdict = Verdict::Realizable;
-            checked.findings = insight.findings;
-            checked.peak_nodes = insight.peak_nodes;
+            checked.peak_nodes = connect::won(&won);
             let machine = mealy::extract::extract(specification, &won, limits)
                 .and_then(|m| mealy::verify::verify(specification, &m, limits).map(|v| (m, v)));
             match machine {
@@ -200,6 +210,10 @@ pub fn check(
                     .push(no_machine(specification, span, limit)),
             }
         }
+    }
+    if examine && checked.verdict == Verdict::Realizable {
+        let findings = connect::examine(specification, span, limits);
+        checked.findings.extend(findings);
     }
     checked.seconds = start.elapsed().as_secs_f64();
     Ok(checked)

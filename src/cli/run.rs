@@ -38,6 +38,9 @@ pub struct Arguments {
     /// The folder for the station libraries [default: .linewright beside the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Compile again what is there already
+    #[arg(long)]
+    pub rebuild: bool,
 }
 
 /// Runs the command.
@@ -95,6 +98,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         until: arguments.until,
         seed: arguments.seed,
         replications: arguments.replications,
+        rebuild: arguments.rebuild,
         timing: !options.no_timing,
     };
     let folder = arguments.out.as_deref().unwrap_or(&default);

@@ -72,7 +72,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         anyhow::bail!("there are {results} results: name a folder for them with --out DIR");
     }
 
-    let mut jobs = Jobs::default();
+    let mut jobs = Jobs::examining();
     let indices: Vec<usize> = contracts
         .iter()
         .map(|c| jobs.add(&c.specification, c.span))

@@ -236,7 +236,8 @@ impl Taxonomy {
         if local.is_empty() {
             return Vec::new();
         }
-        let mut near: Vec<(usize, usize)> = Vec::new();
+        let prefix = wanted.split_once(':').map(|(p, _)| p);
+        let mut near: Vec<(usize, bool, usize)> = Vec::new();
         for (i, entry) in self.entries.iter().enumerate() {
             let own = fold(&entry.code);
             let terms = [&entry.german, &entry.english];
@@ -263,12 +264,13 @@ impl Taxonomy {
                     _ => continue,
                 }
             };
-            near.push((distance, i));
+            let other = prefix.is_some_and(|p| p != entry.standard.prefix());
+            near.push((distance, other, i));
         }
         near.sort_unstable();
         near.into_iter()
             .take(3)
-            .map(|(_, i)| &self.entries[i])
+            .map(|(_, _, i)| &self.entries[i])
             .collect()
     }
 }
