@@ -1,5 +1,5 @@
 //! The `linewright` program: arguments in, exit code out.
 
 fn main() -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+    linewright::cli::main(std::env::args_os()).into()
 }

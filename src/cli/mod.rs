@@ -1,1 +1,155 @@
-//! cli
+//! The command line: one file a subcommand, and what they share.
+//!
+//! Results go to standard output, everything else to standard error; what the exit codes mean is said in [`exit`]. A command
+//! gives an [`exit::ExitCode`] for everything the user can cause, and an `anyhow` error, printed and answered with 2, for what
+//! keeps it from running at all.
+
+pub mod build;
+pub mod check;
+pub mod completions;
+pub mod connect;
+pub mod console;
+pub mod din;
+pub mod exit;
+pub mod explain;
+pub mod files;
+pub mod machines;
+pub mod options;
+pub mod outline;
+pub mod output;
+pub mod pipeline;
+pub mod run;
+pub mod select;
+pub mod synth;
+pub mod time;
+
+use clap::{CommandFactory as _, Parser, Subcommand};
+use exit::ExitCode;
+use options::GlobalOptions;
+use std::ffi::OsString;
+
+/// Formulas nest as deep as their author likes, and so does what walks over them.
+const STACK_BYTES: usize = 256 << 20;
+
+/// From assume-guarantee contracts to a running virtual production line.
+#[derive(Debug, Parser)]
+#[command(name = "linewright", version, arg_required_else_help = true)]
+#[command(
+    after_help = "Exit codes: 0 all is well; 1 findings; 2 it could not run; 3 it gave up at a limit."
+)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// How to do it.
+    #[command(flatten)]
+    pub options: GlobalOptions,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Check every contract, machine and line found
+    Check(check::Arguments),
+    /// Synthesize a controller from a contract
+    Synth(synth::Arguments),
+    /// Build the station library of a machine
+    Build(build::Arguments),
+    /// Run a line in the bundled runner
+    Run(run::Arguments),
+    /// Say what a finding means, with a minimal contract that shows it
+    Explain(explain::Arguments),
+    /// Look things up in DIN 8580 and VDI 2860
+    Din(din::Arguments),
+    /// Print a script that completes commands and options in a shell
+    Completions(completions::Arguments),
+}
+
+/// The program: arguments in, exit code out. Prints why it failed, if it did.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Also help and version come this way; a closed pipe is no failure.
+            let _ = error.print();
+            return if error.use_stderr() {
+                ExitCode::CannotRun
+            } else {
+                ExitCode::Success
+            };
+        }
+    };
+    report_panics();
+    let console = arguments.options.console();
+    let result = on_large_stack(|| dispatch(&arguments));
+    result.unwrap_or_else(|error| {
+        let _ = console.remark(&format!("\u{1b}[1m\u{1b}[91merror\u{1b}[0m: {error:#}\n"));
+        ExitCode::CannotRun
+    })
+}
+
+fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    let options = &arguments.options;
+    match &arguments.command {
+        Command::Check(a) => check::run(a, options),
+        Command::Synth(a) => synth::run(a, options),
+        Command::Build(a) => build::run(a, options),
+        Command::Run(a) => run::run(a, options),
+        Command::Explain(a) => explain::run(a, options),
+        Command::Din(a) => din::run(a, options),
+        Command::Completions(a) => completions::run(a, options, Arguments::command()),
+    }
+}
+
+/// Runs `work` on a thread with a large stack, and gives rayon's threads one too.
+fn on_large_stack(
+    work: impl FnOnce() -> anyhow::Result<ExitCode> + Send,
+) -> anyhow::Result<ExitCode> {
+    // Fails only when the pool exists already (in tests, where it does not matter).
+    let _ = rayon::ThreadPoolBuilder::new()
+        .stack_size(STACK_BYTES)
+        .build_global();
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new()
+            .stack_size(STACK_BYTES)
+            .spawn_scoped(scope, work)?;
+        thread
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+/// A broken inner rule panics; the user is asked to report it.
+fn report_panics() {
+    let default = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        default(info);
+        eprintln!(
+            "\nThis is a fault of linewright {}: please report it, with the command and the files that lead to it.",
+            env!("CARGO_PKG_VERSION")
+        );
+    }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_shows_an_example() {
+        fn visit(command: &clap::Command) {
+            if command.get_subcommands().next().is_none() {
+                let help = command.get_after_help().map(ToString::to_string);
+                let example = help.is_some_and(|h| h.contains("    linewright "));
+                assert!(example, "{} has no example", command.get_name());
+            }
+            command.get_subcommands().for_each(visit);
+        }
+        visit(&Arguments::command());
+    }
+}

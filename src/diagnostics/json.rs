@@ -1,1 +1,98 @@
-//! JSON
+//! Findings as the objects that every JSON document of this program holds.
+
+use super::{Diagnostic, render};
+use crate::source::{SourceMap, Span};
+use serde::Serialize;
+
+/// A finding in JSON. Positions count from 1, columns count characters, and the end is one past the last character.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// `LW101`
+    pub code: &'static str,
+    /// `error`, `warning` or `note`
+    pub severity: &'static str,
+    /// One sentence.
+    pub message: String,
+    /// Where; left out for what has no place in a file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub span: Option<Place>,
+    /// Further places.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub labels: Vec<Label>,
+    /// The next step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub help: Option<String>,
+}
+
+/// A range of a file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Place {
+    /// The file's name.
+    pub file: String,
+    /// First line.
+    pub line: usize,
+    /// First column.
+    pub column: usize,
+    /// Last line.
+    pub end_line: usize,
+    /// One past the last column.
+    pub end_column: usize,
+}
+
+/// A further place of a finding.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Label {
+    /// Where.
+    pub span: Place,
+    /// A few words.
+    pub text: String,
+}
+
+impl Place {
+    /// The place of a span.
+    pub fn of(sources: &SourceMap, span: Span) -> Self {
+        let (start, end) = (sources.start(span), sources.end(span));
+        Self {
+            file: sources.file(span.file).name.clone(),
+            line: start.line,
+            column: start.column,
+            end_line: end.line,
+            end_column: end.column,
+        }
+    }
+}
+
+/// The findings as objects, sorted by file and place.
+pub fn findings(sources: &SourceMap, findings: &[Diagnostic]) -> Vec<Finding> {
+    render::sorted(sources, findings)
+        .into_iter()
+        .map(|d| Finding {
+            code: d.code.id,
+            severity: d.severity.word(),
+            message: d.message.clone(),
+            span: d.span.map(|s| Place::of(sources, s)),
+            labels: d
+                .labels
+                .iter()
+                .map(|(span, text)| Label {
+                    span: Place::of(sources, *span),
+                    text: text.clone(),
+                })
+                .collect(),
+            help: d.help.clone(),
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    #[test]
+    fn objects_have_the_fields_of_the_interface() {
+        let (sources, diagnostics) = sample::findings();
+        let text = serde_json::to_string_pretty(&findings(&sources, &diagnostics)).unwrap();
+        insta::assert_snapshot!(sample::with_sources(&sources, &text));
+    }
+}

@@ -1,11 +1,15 @@
 //! Findings as plain values.
 //!
-//! A stage collects [`Diagnostic`]s and never prints; [`render`](mod@render) and [`json`] turn them into text. Codes are listed
-//! in [`codes`], each with a page that `linewright explain` shows.
+//! A stage collects [`Diagnostic`]s and never prints; [`render`](mod@render), [`json`] and [`sarif`] turn them into text. Codes
+//! are listed in [`codes`], each with a page in [`explanations`] that `linewright explain` shows.
 
 pub mod codes;
+pub mod explanations;
 pub mod json;
 pub mod render;
+#[cfg(test)]
+mod sample;
+pub mod sarif;
 
 use crate::source::Span;
 pub use codes::Code;

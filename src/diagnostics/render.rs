@@ -1,1 +1,186 @@
-//! Text
+//! Findings as text for a person: with the source lines ([`human`]) or one line each ([`short`]).
+//!
+//! The layout of `human` is that of rustc, by annotate-snippets: readers know it, and editors recognise its places. It
+//! is always coloured; whoever prints it strips the colours where they are not wanted (anstream). `short` is what a build
+//! log or an editor's problem matcher parses: `file:line:column: severity[code]: message`.
+
+use super::{Diagnostic, Severity};
+use crate::source::{FileId, SourceMap, Span};
+use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Renderer, Snippet};
+use std::fmt::Write as _;
+use std::ops::Range;
+
+/// Wide enough for the contracts of the library; longer lines are cut around what is marked.
+const WIDTH: usize = 120;
+
+/// The findings by file name and place; those without a place come last, in the order they were found.
+pub fn sorted<'a>(sources: &SourceMap, findings: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
+    let mut sorted: Vec<&Diagnostic> = findings.iter().collect();
+    sorted.sort_by_cached_key(|d| {
+        let place = d
+            .span
+            .map(|s| (sources.file(s.file).name.clone(), s.start, s.end));
+        (place.is_none(), place, d.span.map(|_| d.code))
+    });
+    sorted
+}
+
+/// The findings with their source lines, labels and next steps, in colours, each followed by an empty line.
+pub fn human(sources: &SourceMap, findings: &[Diagnostic]) -> String {
+    let renderer = Renderer::styled().term_width(WIDTH);
+    let mut text = String::new();
+    for finding in sorted(sources, findings) {
+        let report = [group(sources, finding)];
+        text.push_str(&renderer.render(&report));
+        text.push_str("\n\n");
+    }
+    text
+}
+
+/// The findings, one line each: `file:line:column: error[LW101]: message`.
+pub fn short(sources: &SourceMap, findings: &[Diagnostic]) -> String {
+    let mut text = String::new();
+    for finding in sorted(sources, findings) {
+        if let Some(span) = finding.span {
+            let start = sources.start(span);
+            let name = &sources.file(span.file).name;
+            let _ = write!(text, "{name}:{}:{}: ", start.line, start.column);
+        }
+        let _ = writeln!(
+            text,
+            "{}[{}]: {}",
+            finding.severity.word(),
+            finding.code,
+            one_line(&finding.message)
+        );
+    }
+    text
+}
+
+/// One finding: title, one snippet a file, help.
+fn group<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Group<'a> {
+    let level = match finding.severity {
+        Severity::Error => Level::ERROR,
+        Severity::Warning => Level::WARNING,
+        Severity::Note => Level::NOTE,
+    };
+    let mut group = level
+        .primary_title(finding.message.as_str())
+        .id(finding.code.id)
+        .elements(snippets(sources, finding));
+    if let Some(help) = &finding.help {
+        group = group.element(Level::HELP.message(help.as_str()));
+    }
+    group
+}
+
+/// One snippet a file: that of the finding's own place first, those of its labels in the order they come.
+fn snippets<'a>(
+    sources: &'a SourceMap,
+    finding: &'a Diagnostic,
+) -> Vec<Snippet<'a, Annotation<'a>>> {
+    let mut files: Vec<FileId> = Vec::new();
+    let places = finding
+        .span
+        .iter()
+        .chain(finding.labels.iter().map(|l| &l.0));
+    for span in places {
+        if !files.contains(&span.file) {
+            files.push(span.file);
+        }
+    }
+    files
+        .into_iter()
+        .map(|id| {
+            let file = sources.file(id);
+            let own = finding
+                .span
+                .filter(|s| s.file == id)
+                .map(|s| AnnotationKind::Primary.span(range(&file.text, s)));
+            let labels = finding.labels.iter().filter(|l| l.0.file == id).map(|l| {
+                AnnotationKind::Context
+                    .span(range(&file.text, l.0))
+                    .label(l.1.as_str())
+            });
+            Snippet::source(&*file.text)
+                .path(file.name.as_str())
+                .annotations(own.into_iter().chain(labels))
+        })
+        .collect()
+}
+
+/// A span as a range that lies within the text, on character boundaries: the renderer panics on any other. White space at
+/// its end (a rule of the grammar may take it along) is not marked.
+fn range(text: &str, span: Span) -> Range<usize> {
+    let boundary = |mut at: usize| {
+        at = at.min(text.len());
+        while !text.is_char_boundary(at) {
+            at -= 1;
+        }
+        at
+    };
+    let start = boundary(span.start as usize);
+    let end = boundary(span.end as usize).max(start);
+    start..start + text[start..end].trim_end().len()
+}
+
+/// A message in one line, for the formats that have a line a finding.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{codes, sample};
+    use super::*;
+
+    /// What `human` gives where there are no colours.
+    fn plain(sources: &SourceMap, findings: &[Diagnostic]) -> String {
+        anstream::adapter::strip_str(&human(sources, findings)).to_string()
+    }
+
+    #[test]
+    fn human_shows_source_labels_and_next_step() {
+        let (sources, findings) = sample::findings();
+        insta::assert_snapshot!(sample::with_sources(&sources, &plain(&sources, &findings)));
+    }
+
+    #[test]
+    fn short_has_one_line_a_finding() {
+        let (sources, findings) = sample::findings();
+        insta::assert_snapshot!(sample::with_sources(&sources, &short(&sources, &findings)));
+    }
+
+    #[test]
+    fn colours_are_there_to_be_stripped() {
+        let (sources, findings) = sample::findings();
+        assert!(human(&sources, &findings).contains('\u{1b}'));
+        assert!(!plain(&sources, &findings).contains('\u{1b}'));
+    }
+
+    #[test]
+    fn any_span_can_be_shown() {
+        let mut sources = SourceMap::new();
+        let empty = sources.add("empty.lw", "");
+        let signs = sources.add("signs.lw", "□ x\n\n◇");
+        for file in [empty, signs] {
+            for start in 0..12 {
+                for end in start..14 {
+                    let finding =
+                        Diagnostic::error(codes::SYNTAX, Span::new(file, start, end), "message")
+                            .with_label(Span::new(file, end, end + 1), "label");
+                    assert!(plain(&sources, &[finding]).contains("message"));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_message_of_several_lines_stays_one_line_in_short() {
+        let finding = Diagnostic::error(codes::COMPILER_FAILED, None, "cc said\n  no such file");
+        assert_eq!(
+            short(&SourceMap::new(), &[finding]),
+            "error[LW502]: cc said no such file\n"
+        );
+    }
+}

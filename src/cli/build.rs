@@ -1,0 +1,120 @@
+//! `linewright build`: the station library of a machine.
+
+use super::connect::{self, Target};
+use super::console::schema;
+use super::exit::ExitCode;
+use super::machines::{self, Planned};
+use super::options::{Format, GlobalOptions};
+use super::pipeline::Jobs;
+use super::select::Selection;
+use crate::diagnostics::{has_errors, json};
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// The arguments of `build`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright build examples/ice-lab/machines.lw
+    linewright build examples/ice-lab/machines.lw::QualityCheck --target source --out station
+
+A C compiler is needed for `linux`, none for `source`.")]
+pub struct Arguments {
+    /// A file with machines, and the name of one of them; without a name, all that the file declares
+    #[arg(value_name = "FILE[::NAME]")]
+    pub selection: Selection,
+    /// What to build; can be given several times
+    #[arg(long, value_enum, default_value = "linux")]
+    pub target: Vec<Target>,
+    /// The folder to write to [default: .linewright beside the file]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Compile again what is there already
+    #[arg(long)]
+    pub rebuild: bool,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: String,
+    libraries: Vec<Built>,
+    findings: Vec<json::Finding>,
+}
+
+#[derive(Serialize)]
+struct Built {
+    machine: String,
+    target: &'static str,
+    files: Vec<String>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let console = options.console();
+    let limits = options.limits();
+    let loaded = match arguments.selection.load("build", options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let library = &loaded.library;
+    let picked = arguments
+        .selection
+        .pick(&loaded, "machine", &library.machines, |m| (&m.name, m.span))?;
+    let mut jobs = Jobs::default();
+    let planned: Vec<Planned<'_>> = picked.iter().map(|m| Planned::new(m, &mut jobs)).collect();
+    let checked = jobs.run(&limits, &console.progress(jobs.len(), "synthesizing"))?;
+    let mut findings = loaded.findings.clone();
+    findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
+
+    let default = default_folder(&arguments.selection.path);
+    let folder = arguments.out.as_deref().unwrap_or(&default);
+    let mut libraries = Vec::new();
+    for plan in planned.iter().filter_map(|p| p.controlled(&checked)) {
+        for target in &arguments.target {
+            match connect::build(&plan, *target, folder, arguments.rebuild) {
+                Ok(files) => libraries.push(Built {
+                    machine: plan.machine.name.clone(),
+                    target: match target {
+                        Target::Linux => "linux",
+                        Target::Source => "source",
+                    },
+                    files: files.iter().map(|f| f.display().to_string()).collect(),
+                }),
+                Err(finding) => findings.push(*finding),
+            }
+        }
+    }
+    let sources = &library.sources;
+    match options.format {
+        Format::Json => console.document(&Document {
+            schema: schema("build"),
+            libraries,
+            findings: json::findings(sources, &findings),
+        })?,
+        Format::Sarif => console.failed("build", sources, &findings)?,
+        Format::Human | Format::Short => {
+            console.findings(sources, &findings)?;
+            let mut text = String::new();
+            for file in libraries.iter().flat_map(|l| &l.files) {
+                let _ = writeln!(text, "{file}");
+            }
+            console.result(&text)?;
+        }
+    }
+    debug_assert!(
+        has_errors(&findings) || planned.iter().all(|p| p.controlled(&checked).is_some())
+    );
+    Ok(options.exit_code(&findings))
+}
+
+/// `.linewright` beside a file; in the current folder for the bundled library.
+pub fn default_folder(path: &str) -> PathBuf {
+    let place = Path::new(path);
+    let beside = if place.is_dir() {
+        place
+    } else {
+        place.parent().unwrap_or(Path::new(""))
+    };
+    beside.join(".linewright")
+}

@@ -1,0 +1,437 @@
+//! `linewright check`: the consistency of every contract, machine and line found.
+
+use super::console::{Console, schema};
+use super::exit::ExitCode;
+use super::files::{self, Loaded, StandardLibrary};
+use super::machines::Planned;
+use super::options::{Format, GlobalOptions};
+use super::outline::{self, Declaration, Kind};
+use super::pipeline::{CheckedContract, Jobs, Verdict};
+use crate::contract::{Contract, TaxonomyCode};
+use crate::diagnostics::{Diagnostic, codes, has_errors, json, sarif};
+use crate::gr1::{Specification, VarId};
+use crate::source::{FileId, SourceMap};
+use clap::Args;
+use serde::Serialize;
+
+mod table;
+
+/// The arguments of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright check contracts/
+    linewright check --format short contracts/handling/turn.lw
+
+A contract is realizable when a controller exists that keeps its guarantees for as long as the plant \
+keeps the assumptions (safety first, strictly). Each such controller is synthesized and verified, but \
+not written.")]
+pub struct Arguments {
+    /// Files, or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
+    #[arg(value_name = "PATH")]
+    pub paths: Vec<String>,
+}
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document {
+    schema: String,
+    semantics: &'static str,
+    contracts: Vec<ContractEntry>,
+    machines: Vec<MachineEntry>,
+    lines: Vec<LineEntry>,
+    /// Findings that belong to no declaration.
+    findings: Vec<json::Finding>,
+    summary: Summary,
+}
+
+#[derive(Debug, Serialize)]
+struct ContractEntry {
+    name: String,
+    file: String,
+    codes: Vec<String>,
+    verdict: &'static str,
+    findings: Vec<json::Finding>,
+    core: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    input_bits: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output_bits: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    states: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seconds: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    peak_nodes: Option<u64>,
+}
+
+#[derive(Debug, Serialize)]
+struct MachineEntry {
+    name: String,
+    file: String,
+    codes: Vec<String>,
+    verdict: &'static str,
+    components: Vec<ComponentEntry>,
+    findings: Vec<json::Finding>,
+}
+
+#[derive(Debug, Serialize)]
+struct ComponentEntry {
+    name: String,
+    contract: String,
+    verdict: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct LineEntry {
+    name: String,
+    file: String,
+    /// `valid` or `invalid`.
+    verdict: &'static str,
+    findings: Vec<json::Finding>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Summary {
+    realizable: usize,
+    unrealizable: usize,
+    gave_up: usize,
+    invalid: usize,
+    findings: usize,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let console = options.console();
+    let limits = options.limits();
+    let loaded = files::load(
+        &arguments.paths,
+        &StandardLibrary::new(options.library.clone()),
+    );
+    let files = FileView::all(&loaded);
+
+    let mut jobs = Jobs::examining();
+    let library = &loaded.library;
+    let contracts: Vec<(&Contract, usize)> = library
+        .contracts
+        .iter()
+        .filter(|c| view(&files, c.span.file).is_some_and(|f| f.is_sound(c.span)))
+        .map(|c| (c, jobs.add(&c.specification, c.span)))
+        .collect();
+    let machines: Vec<Planned<'_>> = library
+        .machines
+        .iter()
+        .filter(|m| view(&files, m.span.file).is_some_and(|f| f.is_sound(m.span)))
+        .map(|m| Planned::new(m, &mut jobs))
+        .collect();
+    let checked = jobs.run(&limits, &console.progress(jobs.len(), "checking"))?;
+
+    let report = Assembly {
+        loaded: &loaded,
+        files: &files,
+        contracts: &contracts,
+        machines: &machines,
+        jobs: &jobs,
+        checked: &checked,
+        timing: !options.no_timing,
+    }
+    .document();
+    let (document, findings) = report;
+    print(
+        console,
+        &loaded.library.sources,
+        &document,
+        &findings,
+        options,
+    )?;
+
+    let verdicts = document
+        .contracts
+        .iter()
+        .map(|c| match c.verdict {
+            "unrealizable" | "invalid" => ExitCode::Findings,
+            "gave_up" => ExitCode::GaveUp,
+            _ => ExitCode::Success,
+        })
+        .fold(ExitCode::Success, ExitCode::and);
+    Ok(options.exit_code(&findings).and(verdicts))
+}
+
+fn print(
+    console: Console,
+    sources: &SourceMap,
+    document: &Document,
+    findings: &[Diagnostic],
+    options: &GlobalOptions,
+) -> anyhow::Result<()> {
+    match options.format {
+        Format::Json => console.document(document),
+        Format::Sarif => console.document(&sarif::document(sources, findings)),
+        Format::Short => {
+            let verdicts = table::short(document);
+            console.result(&(console.render(sources, findings) + &verdicts))
+        }
+        Format::Human => {
+            let table = table::human(document, options.verbose);
+            console.result(&(console.render(sources, findings) + &table))
+        }
+    }
+}
+
+/// One file, with what is declared in it and what was found in it while loading.
+struct FileView<'a> {
+    id: FileId,
+    name: &'a str,
+    declarations: Vec<Declaration>,
+    findings: Vec<&'a Diagnostic>,
+    /// It does not parse, or something outside all declarations is wrong: then nothing in it can be relied on.
+    broken: bool,
+}
+
+impl<'a> FileView<'a> {
+    fn all(loaded: &'a Loaded) -> Vec<Self> {
+        let sources = &loaded.library.sources;
+        sources
+            .files()
+            .map(|(id, file)| {
+                let declarations = outline::declarations(sources, id);
+                let findings: Vec<&Diagnostic> = loaded
+                    .findings
+                    .iter()
+                    .filter(|f| f.span.is_some_and(|s| s.file == id))
+                    .collect();
+                let broken = findings.iter().any(|f| {
+                    let inside = |d: &Declaration| f.span.is_some_and(|s| d.holds(s));
+                    has_errors(std::slice::from_ref(*f))
+                        && (f.code.id < codes::NAME_UNKNOWN.id || !declarations.iter().any(inside))
+                });
+                Self {
+                    id,
+                    name: &file.name,
+                    declarations,
+                    findings,
+                    broken,
+                }
+            })
+            .collect()
+    }
+
+    /// Whether what is declared at this place has no errors.
+    fn is_sound(&self, name: crate::source::Span) -> bool {
+        let declaration = self.declarations.iter().find(|d| d.holds(name));
+        !self.broken && declaration.is_some_and(|d| !has_errors(&self.within(d)))
+    }
+
+    /// The findings within a declaration.
+    fn within(&self, declaration: &Declaration) -> Vec<Diagnostic> {
+        self.findings
+            .iter()
+            .filter(|f| f.span.is_some_and(|s| declaration.holds(s)))
+            .map(|f| (*f).clone())
+            .collect()
+    }
+
+    /// The findings outside all declarations.
+    fn outside(&self) -> Vec<Diagnostic> {
+        let inside = |f: &&&Diagnostic| {
+            f.span
+                .is_some_and(|s| self.declarations.iter().any(|d| d.holds(s)))
+        };
+        let outside = self.findings.iter().filter(|f| !inside(f));
+        outside.map(|f| (*f).clone()).collect()
+    }
+}
+
+fn view<'a, 'b>(files: &'b [FileView<'a>], id: FileId) -> Option<&'b FileView<'a>> {
+    files.iter().find(|f| f.id == id)
+}
+
+/// All that the document is made from.
+struct Assembly<'a> {
+    loaded: &'a Loaded,
+    files: &'a [FileView<'a>],
+    contracts: &'a [(&'a Contract, usize)],
+    machines: &'a [Planned<'a>],
+    jobs: &'a Jobs,
+    checked: &'a [CheckedContract],
+    timing: bool,
+}
+
+impl Assembly<'_> {
+    /// The document, and every finding in it once.
+    fn document(&self) -> (Document, Vec<Diagnostic>) {
+        let sources = &self.loaded.library.sources;
+        let mut document = Document {
+            schema: schema("check"),
+            semantics: "strict",
+            contracts: Vec::new(),
+            machines: Vec::new(),
+            lines: Vec::new(),
+            findings: Vec::new(),
+            summary: Summary::default(),
+        };
+        let mut all: Vec<Diagnostic> = Vec::new();
+        let mut loose: Vec<Diagnostic> = self
+            .loaded
+            .findings
+            .iter()
+            .filter(|f| f.span.is_none())
+            .cloned()
+            .collect();
+        for file in self.files {
+            loose.extend(file.outside());
+            for declaration in &file.declarations {
+                let mut findings = file.within(declaration);
+                match declaration.kind {
+                    Kind::Contract => {
+                        let entry = self.contract(file, declaration, &mut findings);
+                        document.contracts.push(entry);
+                    }
+                    Kind::Machine => {
+                        let entry = self.machine(file, declaration, &mut findings);
+                        document.machines.push(entry);
+                    }
+                    Kind::Line => document.lines.push(LineEntry {
+                        name: declaration.name.clone(),
+                        file: file.name.to_owned(),
+                        verdict: if file.broken || has_errors(&findings) {
+                            "invalid"
+                        } else {
+                            "valid"
+                        },
+                        findings: json::findings(sources, &findings),
+                    }),
+                }
+                all.extend(findings);
+            }
+            if file.broken && file.declarations.iter().all(|d| d.kind != Kind::Contract) {
+                document.contracts.push(nameless(file.name));
+            }
+        }
+        for path in &self.loaded.unreadable {
+            document.contracts.push(nameless(path));
+        }
+        document.findings = json::findings(sources, &loose);
+        all.extend(loose);
+        for entry in &document.contracts {
+            let count = match entry.verdict {
+                "realizable" => &mut document.summary.realizable,
+                "unrealizable" => &mut document.summary.unrealizable,
+                "gave_up" => &mut document.summary.gave_up,
+                _ => &mut document.summary.invalid,
+            };
+            *count += 1;
+        }
+        document.summary.findings = all.len();
+        (document, all)
+    }
+
+    /// The entry of a contract; the findings of its pipeline are added to those of its text.
+    fn contract(
+        &self,
+        file: &FileView<'_>,
+        declaration: &Declaration,
+        findings: &mut Vec<Diagnostic>,
+    ) -> ContractEntry {
+        let sources = &self.loaded.library.sources;
+        let known = self.loaded.library.contracts.iter();
+        let contract = { known }.find(|c| declaration.holds(c.span));
+        let result = self
+            .contracts
+            .iter()
+            .find(|(c, _)| declaration.holds(c.span))
+            .map(|(_, job)| &self.checked[*job]);
+        if let Some(result) = result {
+            findings.extend(result.findings.iter().cloned());
+        }
+        let bits = |inputs: bool| {
+            contract.map(|c| {
+                let s = &c.specification;
+                if inputs {
+                    bits(s, s.inputs())
+                } else {
+                    bits(s, s.outputs())
+                }
+            })
+        };
+        ContractEntry {
+            name: declaration.name.clone(),
+            file: file.name.to_owned(),
+            codes: contract.map(|c| texts(&c.codes)).unwrap_or_default(),
+            verdict: result.map_or(Verdict::Invalid, |r| r.verdict).word(),
+            findings: json::findings(sources, findings),
+            core: result.map(|r| r.core.clone()).unwrap_or_default(),
+            input_bits: bits(true),
+            output_bits: bits(false),
+            states: result
+                .and_then(|r| r.machine.as_ref())
+                .map(|m| m.states.len()),
+            seconds: result.filter(|_| self.timing).map(|r| r.seconds),
+            peak_nodes: result.filter(|_| self.timing).and_then(|r| r.peak_nodes),
+        }
+    }
+
+    fn machine(
+        &self,
+        file: &FileView<'_>,
+        declaration: &Declaration,
+        findings: &mut Vec<Diagnostic>,
+    ) -> MachineEntry {
+        let planned = self
+            .machines
+            .iter()
+            .find(|p| declaration.holds(p.machine.span));
+        if let Some(planned) = planned {
+            findings.extend(planned.findings(self.jobs, self.checked));
+        }
+        let verdict = planned.map_or(Verdict::Invalid, |p| p.verdict(self.checked));
+        MachineEntry {
+            name: declaration.name.clone(),
+            file: file.name.to_owned(),
+            codes: planned.map(|p| texts(&p.machine.codes)).unwrap_or_default(),
+            verdict: verdict.word(),
+            components: planned
+                .map(|p| {
+                    let components = p.machine.components.iter().zip(&p.jobs);
+                    components
+                        .map(|(c, job)| ComponentEntry {
+                            name: c.name.clone(),
+                            contract: c.contract.clone(),
+                            verdict: self.checked[*job].verdict.word(),
+                        })
+                        .collect()
+                })
+                .unwrap_or_default(),
+            findings: json::findings(&self.loaded.library.sources, findings),
+        }
+    }
+}
+
+/// The entry of a file that holds no contract anybody could name.
+fn nameless(file: &str) -> ContractEntry {
+    let stem = std::path::Path::new(file).file_stem();
+    ContractEntry {
+        name: stem.map_or(file.to_owned(), |s| s.to_string_lossy().into_owned()),
+        file: file.to_owned(),
+        codes: Vec::new(),
+        verdict: Verdict::Invalid.word(),
+        findings: Vec::new(),
+        core: Vec::new(),
+        input_bits: None,
+        output_bits: None,
+        states: None,
+        seconds: None,
+        peak_nodes: None,
+    }
+}
+
+fn texts(codes: &[TaxonomyCode]) -> Vec<String> {
+    codes.iter().map(|c| c.text.clone()).collect()
+}
+
+/// How many bits these variables need.
+fn bits(specification: &Specification, variables: impl Iterator<Item = VarId>) -> u32 {
+    variables
+        .map(|v| specification.variable(v).domain.size())
+        .map(|size| u64::BITS - size.saturating_sub(1).leading_zeros())
+        .sum()
+}

@@ -1,0 +1,193 @@
+//! The result of `check` as text: one line a contract, machine and line, and a summary.
+
+use super::Document;
+use crate::taxonomy;
+use clap::builder::styling::{AnsiColor, Style};
+use std::fmt::Write as _;
+
+const GOOD: Style = AnsiColor::Green.on_default().bold();
+const BAD: Style = AnsiColor::Red.on_default().bold();
+const OPEN: Style = AnsiColor::Yellow.on_default().bold();
+const DIM: Style = Style::new().dimmed();
+
+/// One line of the table, before the columns are aligned.
+struct Row {
+    verdict: &'static str,
+    cells: Vec<String>,
+}
+
+/// The table and the summary, in colours. With `verbose`, the files are named too.
+pub(super) fn human(document: &Document, verbose: bool) -> String {
+    let mut rows: Vec<Row> = Vec::new();
+    let file = |name: &str| {
+        if verbose {
+            name.to_owned()
+        } else {
+            String::new()
+        }
+    };
+    for c in &document.contracts {
+        rows.push(Row {
+            verdict: c.verdict,
+            cells: vec![
+                c.name.clone(),
+                term(&c.codes),
+                interface(c.input_bits, c.output_bits),
+                c.verdict.replace('_', " "),
+                c.states.map(|n| count(n, "state")).unwrap_or_default(),
+                c.seconds.map(|s| format!("{s:.2} s")).unwrap_or_default(),
+                file(&c.file),
+            ],
+        });
+    }
+    for m in &document.machines {
+        let empty = String::new;
+        rows.push(Row {
+            verdict: m.verdict,
+            cells: vec![
+                format!("machine {}", m.name),
+                term(&m.codes),
+                count(m.components.len(), "component"),
+                m.verdict.replace('_', " "),
+                empty(),
+                empty(),
+                file(&m.file),
+            ],
+        });
+    }
+    for l in &document.lines {
+        let mut cells = vec![String::new(); 7];
+        cells[0] = format!("line {}", l.name);
+        l.verdict.clone_into(&mut cells[3]);
+        cells[6] = file(&l.file);
+        rows.push(Row {
+            verdict: l.verdict,
+            cells,
+        });
+    }
+    let mut text = align(&rows);
+    if !rows.is_empty() {
+        text.push('\n');
+    }
+    text.push_str(&summary(document));
+    text
+}
+
+/// One line a declaration: `file: name: verdict`.
+pub(super) fn short(document: &Document) -> String {
+    let mut text = String::new();
+    for c in &document.contracts {
+        let _ = writeln!(text, "{}: contract {}: {}", c.file, c.name, c.verdict);
+    }
+    for m in &document.machines {
+        let _ = writeln!(text, "{}: machine {}: {}", m.file, m.name, m.verdict);
+    }
+    for l in &document.lines {
+        let _ = writeln!(text, "{}: line {}: {}", l.file, l.name, l.verdict);
+    }
+    text
+}
+
+fn align(rows: &[Row]) -> String {
+    let mut widths = [0; 7];
+    for row in rows {
+        for (width, cell) in widths.iter_mut().zip(&row.cells) {
+            *width = (*width).max(cell.chars().count());
+        }
+    }
+    let mut text = String::new();
+    for row in rows {
+        let (style, mark) = mark(row.verdict);
+        let mut line = format!("{style}{mark}{style:#}");
+        let mut space = String::from(" ");
+        for (i, (cell, width)) in row.cells.iter().zip(widths).enumerate() {
+            if width == 0 {
+                continue;
+            }
+            let padding = " ".repeat(width - cell.chars().count());
+            // Times are numbers: aligned to the right.
+            let (before, after) = if i == 5 {
+                (padding.as_str(), "")
+            } else {
+                ("", padding.as_str())
+            };
+            space.push_str(before);
+            if !cell.is_empty() {
+                let style = match i {
+                    0 => Style::new(),
+                    3 => style,
+                    _ => DIM,
+                };
+                let _ = write!(line, "{space}{style}{cell}{style:#}");
+                space.clear();
+            }
+            space.push_str(after);
+            space.push_str("  ");
+        }
+        text.push_str(&line);
+        text.push('\n');
+    }
+    text
+}
+
+fn mark(verdict: &str) -> (Style, char) {
+    match verdict {
+        "realizable" | "valid" => (GOOD, '✓'),
+        "unrealizable" => (BAD, '✗'),
+        "gave_up" => (OPEN, '?'),
+        _ => (BAD, '!'),
+    }
+}
+
+/// `vdi:Drehen Rotating`: the first code with its English term, and how many more there are.
+fn term(codes: &[String]) -> String {
+    let Some(code) = codes.first() else {
+        return String::new();
+    };
+    let english = taxonomy::find(code).map_or("", |e| e.english.as_str());
+    let more = match codes.len() {
+        1 => String::new(),
+        n => format!(" +{}", n - 1),
+    };
+    format!("{code} {english}{more}").trim_end().to_owned()
+}
+
+fn interface(inputs: Option<u32>, outputs: Option<u32>) -> String {
+    match (inputs, outputs) {
+        (Some(i), Some(o)) => format!("{i} in, {o} out"),
+        _ => String::new(),
+    }
+}
+
+fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+fn summary(document: &Document) -> String {
+    let s = &document.summary;
+    let mut parts = Vec::new();
+    for (n, what) in [
+        (s.realizable, "realizable"),
+        (s.unrealizable, "unrealizable"),
+        (s.gave_up, "gave up"),
+        (s.invalid, "invalid"),
+    ] {
+        if n > 0 {
+            parts.push(format!("{n} {what}"));
+        }
+    }
+    let contracts = count(document.contracts.len(), "contract");
+    let verdicts = if parts.is_empty() {
+        String::new()
+    } else {
+        format!(": {}", parts.join(", "))
+    };
+    let mut text = format!("{contracts}{verdicts}; {}.\n", count(s.findings, "finding"));
+    if s.realizable + s.unrealizable > 0 {
+        let _ = writeln!(
+            text,
+            "{DIM}Interfaces in bits. Semantics: safety first, strict (Bloem et al. 2012).{DIM:#}"
+        );
+    }
+    text
+}

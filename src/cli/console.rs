@@ -1,0 +1,109 @@
+//! Where results, findings and progress go: results to standard output, everything else to standard error.
+
+use super::options::{Color, Format};
+use crate::diagnostics::{Diagnostic, json, render, sarif};
+use crate::source::SourceMap;
+use anstream::{AutoStream, ColorChoice};
+use anyhow::Context as _;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+use std::io::{self, Write};
+
+/// The two streams, and how to write to them.
+#[derive(Debug, Clone, Copy)]
+pub struct Console {
+    /// How results and findings look.
+    pub format: Format,
+    color: ColorChoice,
+}
+
+/// The JSON document of a command that ended before it had a result.
+#[derive(Serialize)]
+struct Failed {
+    schema: String,
+    findings: Vec<json::Finding>,
+}
+
+impl Console {
+    /// A console. `Auto` colours a stream when it is a terminal, unless `NO_COLOR` (or `CLICOLOR`) says otherwise.
+    pub fn new(format: Format, color: Color) -> Self {
+        let color = match color {
+            Color::Auto => ColorChoice::Auto,
+            Color::Always => ColorChoice::Always,
+            Color::Never => ColorChoice::Never,
+        };
+        Self { format, color }
+    }
+
+    /// Prints a result. When nobody reads it any more (a closed pipe) that is no failure: the exit code stays the verdict's.
+    pub fn result(&self, text: &str) -> anyhow::Result<()> {
+        let mut out = AutoStream::new(io::stdout(), self.color);
+        unless_closed(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+            .context("standard output cannot be written")
+    }
+
+    /// Prints a result in JSON, indented, with a line break at its end.
+    pub fn document(&self, document: &impl Serialize) -> anyhow::Result<()> {
+        let mut text = serde_json::to_string_pretty(document)?;
+        text.push('\n');
+        self.result(&text)
+    }
+
+    /// Prints a remark.
+    pub fn remark(&self, text: &str) -> anyhow::Result<()> {
+        let mut err = AutoStream::new(io::stderr(), self.color);
+        unless_closed(err.write_all(text.as_bytes())).context("standard error cannot be written")
+    }
+
+    /// The findings as text, `human` or `short`.
+    pub fn render(&self, sources: &SourceMap, findings: &[Diagnostic]) -> String {
+        if self.format == Format::Short {
+            render::short(sources, findings)
+        } else {
+            render::human(sources, findings)
+        }
+    }
+
+    /// Prints findings beside a result: to standard error.
+    pub fn findings(&self, sources: &SourceMap, findings: &[Diagnostic]) -> anyhow::Result<()> {
+        self.remark(&self.render(sources, findings))
+    }
+
+    /// Prints the findings of a command that has no result. In JSON and SARIF they are then the document on standard output.
+    pub fn failed(
+        &self,
+        command: &str,
+        sources: &SourceMap,
+        findings: &[Diagnostic],
+    ) -> anyhow::Result<()> {
+        match self.format {
+            Format::Human | Format::Short => self.findings(sources, findings),
+            Format::Json => self.document(&Failed {
+                schema: schema(command),
+                findings: json::findings(sources, findings),
+            }),
+            Format::Sarif => self.document(&sarif::document(sources, findings)),
+        }
+    }
+
+    /// A progress bar over `count` things; it is there only when standard error is a terminal.
+    pub fn progress(&self, count: usize, verb: &'static str) -> ProgressBar {
+        let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {msg}") {
+            bar.set_style(style);
+        }
+        bar.with_prefix(verb)
+    }
+}
+
+/// The `schema` field of a command's document.
+pub fn schema(command: &str) -> String {
+    format!("linewright/{command}/1")
+}
+
+fn unless_closed(result: io::Result<()>) -> io::Result<()> {
+    match result {
+        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}

@@ -1,0 +1,308 @@
+//! `linewright din`: the taxonomies, and which of their codes have contracts.
+
+use super::console::schema;
+use super::exit::ExitCode;
+use super::files::{self, StandardLibrary};
+use super::options::{Format, GlobalOptions};
+use crate::contract::Library;
+use crate::diagnostics::has_errors;
+use crate::taxonomy::{self, Entry, Standard, Taxonomy, taxonomy};
+use clap::{Args, Subcommand};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// The arguments of `din`.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// What to look up.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Show one process or function
+    #[command(after_help = "Example:\n    linewright din show din:4.3.1")]
+    Show {
+        /// A code with its standard: din:4.3.1, vdi:Drehen
+        code: String,
+    },
+    /// Find codes by a German or English word
+    #[command(after_help = "Example:\n    linewright din search fraesen")]
+    Search {
+        /// Part of a term; case and the spelling of umlauts do not matter
+        word: String,
+    },
+    /// Print a standard, or what stands below a code, as a tree
+    #[command(after_help = "Example:\n    linewright din tree din:4.3")]
+    Tree {
+        /// A code with its standard; without it, everything
+        code: Option<String>,
+    },
+    /// Say which codes have contracts in the library
+    #[command(after_help = "Example:\n    linewright din coverage")]
+    Coverage {
+        /// Files or folders [default: ./contracts, or else the bundled library]
+        #[arg(value_name = "PATH")]
+        paths: Vec<String>,
+    },
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let taxonomy = taxonomy();
+    let console = options.console();
+    match &arguments.command {
+        Command::Show { code } => {
+            let entry = find(code)?;
+            if is_json(options) {
+                console.document(&Entries::new([entry]))?;
+            } else {
+                console.result(&show(taxonomy, entry))?;
+            }
+        }
+        Command::Search { word } => {
+            let found = taxonomy.search(word);
+            if is_json(options) {
+                console.document(&Entries::new(found))?;
+            } else {
+                console.result(&list(&found))?;
+                if found.is_empty() {
+                    console.remark(&format!("no term contains `{word}`\n"))?;
+                }
+            }
+        }
+        Command::Tree { code } => {
+            let roots = match code {
+                Some(code) => vec![find(code)?],
+                None => taxonomy.roots().collect(),
+            };
+            if is_json(options) {
+                let mut entries = Vec::new();
+                for root in roots {
+                    below(taxonomy, root, &mut entries);
+                }
+                console.document(&Entries::new(entries))?;
+            } else {
+                let mut text = String::new();
+                for root in roots {
+                    let _ = writeln!(text, "{}", root.describe());
+                    branches(taxonomy, root, "", &mut text);
+                }
+                console.result(&text)?;
+            }
+        }
+        Command::Coverage { paths } => return coverage(paths, options),
+    }
+    Ok(ExitCode::Success)
+}
+
+fn is_json(options: &GlobalOptions) -> bool {
+    options.format == Format::Json
+}
+
+fn find(code: &str) -> anyhow::Result<&'static Entry> {
+    taxonomy::lookup(code)
+        .map_err(|help| anyhow::anyhow!("`{code}` is no code of DIN 8580 or VDI 2860: {help}"))
+}
+
+fn show(taxonomy: &Taxonomy, entry: &Entry) -> String {
+    let mut text = String::new();
+    let path = taxonomy.path(entry);
+    let above: Vec<&str> = path[..path.len() - 1]
+        .iter()
+        .map(|e| e.english.as_str())
+        .collect();
+    let children: Vec<String> = taxonomy.children(entry).map(Entry::describe).collect();
+    let standard = match entry.edition.as_str() {
+        "" => entry.standard.title().to_owned(),
+        edition => format!("{}, edition {edition}", entry.standard.title()),
+    };
+    let _ = writeln!(text, "{}", entry.describe());
+    for (name, value) in [
+        ("standard", standard),
+        ("within", above.join(" > ")),
+        ("note", entry.note.clone()),
+        ("source", entry.source.clone()),
+        ("confidence", entry.confidence.clone()),
+        ("below", children.join("\n              ")),
+    ] {
+        if !value.is_empty() {
+            let _ = writeln!(text, "  {name:<10}  {value}");
+        }
+    }
+    text
+}
+
+fn list(entries: &[&Entry]) -> String {
+    let codes: Vec<String> = entries.iter().map(|e| e.full_code()).collect();
+    let width = codes.iter().map(|c| c.chars().count()).max().unwrap_or(0);
+    let mut text = String::new();
+    for (entry, code) in entries.iter().zip(codes) {
+        let _ = writeln!(text, "{code:<width$}  {} ({})", entry.german, entry.english);
+    }
+    text
+}
+
+fn branches(taxonomy: &Taxonomy, entry: &Entry, indent: &str, text: &mut String) {
+    let children: Vec<&Entry> = taxonomy.children(entry).collect();
+    for (i, child) in children.iter().enumerate() {
+        let last = i + 1 == children.len();
+        let (branch, space) = if last {
+            ("└── ", "    ")
+        } else {
+            ("├── ", "│   ")
+        };
+        let _ = writeln!(text, "{indent}{branch}{}", child.describe());
+        branches(taxonomy, child, &format!("{indent}{space}"), text);
+    }
+}
+
+/// An entry and everything below it.
+fn below<'a>(taxonomy: &'a Taxonomy, entry: &'a Entry, entries: &mut Vec<&'a Entry>) {
+    entries.push(entry);
+    for child in taxonomy.children(entry) {
+        below(taxonomy, child, entries);
+    }
+}
+
+#[derive(Serialize)]
+struct Entries<'a> {
+    schema: String,
+    entries: Vec<EntryDocument<'a>>,
+}
+
+#[derive(Serialize)]
+struct EntryDocument<'a> {
+    code: String,
+    standard: &'a str,
+    german: &'a str,
+    english: &'a str,
+    parent: Option<String>,
+    edition: &'a str,
+    confidence: &'a str,
+    source: &'a str,
+    note: &'a str,
+}
+
+impl<'a> Entries<'a> {
+    fn new(entries: impl IntoIterator<Item = &'a Entry>) -> Self {
+        let entries = entries.into_iter().map(|e| EntryDocument {
+            code: e.full_code(),
+            standard: e.standard.title(),
+            german: &e.german,
+            english: &e.english,
+            parent: e
+                .parent
+                .as_ref()
+                .map(|p| format!("{}:{p}", e.standard.prefix())),
+            edition: &e.edition,
+            confidence: &e.confidence,
+            source: &e.source,
+            note: &e.note,
+        });
+        Self {
+            schema: schema("din"),
+            entries: entries.collect(),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct CoverageDocument {
+    schema: String,
+    standards: Vec<StandardCoverage>,
+}
+
+#[derive(Serialize)]
+struct StandardCoverage {
+    standard: &'static str,
+    codes: usize,
+    covered: Vec<CoveredCode>,
+}
+
+#[derive(Serialize)]
+struct CoveredCode {
+    code: String,
+    german: String,
+    english: String,
+    implemented_by: Vec<String>,
+}
+
+fn coverage(paths: &[String], options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let console = options.console();
+    let loaded = files::load(paths, &StandardLibrary::new(options.library.clone()));
+    let sources = &loaded.library.sources;
+    if has_errors(&loaded.findings) {
+        console.failed("din", sources, &loaded.findings)?;
+        return Ok(options.exit_code(&loaded.findings));
+    }
+    let covered = implementations(&loaded.library);
+    let taxonomy = taxonomy();
+    let standards = [Standard::Din8580, Standard::Vdi2860].map(|standard| {
+        let entries = || taxonomy.entries().iter().filter(|e| e.standard == standard);
+        StandardCoverage {
+            standard: standard.title(),
+            codes: entries().count(),
+            covered: entries()
+                .filter_map(|e| {
+                    Some(CoveredCode {
+                        code: e.full_code(),
+                        german: e.german.clone(),
+                        english: e.english.clone(),
+                        implemented_by: covered.get(&e.full_code())?.clone(),
+                    })
+                })
+                .collect(),
+        }
+    });
+    if is_json(options) {
+        console.document(&CoverageDocument {
+            schema: schema("din"),
+            standards: standards.into(),
+        })?;
+        return Ok(options.exit_code(&loaded.findings));
+    }
+    let mut text = String::new();
+    for standard in &standards {
+        let (done, all) = (standard.covered.len(), standard.codes);
+        let _ = writeln!(
+            text,
+            "{}: {done} of {all} codes have contracts",
+            standard.standard
+        );
+        for c in &standard.covered {
+            let by = c.implemented_by.join(", ");
+            let _ = writeln!(text, "  {} {} ({}): {by}", c.code, c.german, c.english);
+        }
+    }
+    console.result(&text)?;
+    console.findings(sources, &loaded.findings)?;
+    Ok(options.exit_code(&loaded.findings))
+}
+
+/// By full code, what implements it: contracts, machines, and operations of machines.
+fn implementations(library: &Library) -> BTreeMap<String, Vec<String>> {
+    let mut by_code: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let contracts = library.contracts.iter().map(|c| (c.name.clone(), &c.codes));
+    let machines = library.machines.iter().flat_map(|m| {
+        let operations = m.operations.iter();
+        std::iter::once((m.name.clone(), &m.codes))
+            .chain(operations.map(|o| (format!("{}.{}", m.name, o.name), &o.codes)))
+    });
+    for (name, codes) in contracts.chain(machines) {
+        for code in codes {
+            // As the taxonomy spells it: contracts may write umlauts and case in another way.
+            let Some(entry) = taxonomy().find(&code.text) else {
+                continue;
+            };
+            let names = by_code.entry(entry.full_code()).or_default();
+            if !names.contains(&name) {
+                names.push(name.clone());
+            }
+        }
+    }
+    by_code
+}

@@ -1,0 +1,108 @@
+//! What the exit codes mean, and which findings lead to which.
+
+use crate::diagnostics::{Diagnostic, Severity, codes};
+
+/// The exit code of the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum ExitCode {
+    /// All is well.
+    Success = 0,
+    /// There are findings of severity error: an unrealizable contract, a violated rule, a failed validation.
+    Findings = 1,
+    /// It could not run: bad arguments, an unreadable file, a file that does not parse, a missing compiler.
+    CannotRun = 2,
+    /// It gave up at a limit.
+    GaveUp = 3,
+}
+
+impl ExitCode {
+    /// The code for two things together: the first of 2, 3, 1, 0 that occurs.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let rank = |code: Self| match code {
+            Self::Success => 0,
+            Self::Findings => 1,
+            Self::GaveUp => 2,
+            Self::CannotRun => 3,
+        };
+        if rank(other) > rank(self) {
+            other
+        } else {
+            self
+        }
+    }
+
+    /// The code for some findings. With `deny_warnings`, a warning counts as an error does.
+    pub fn of(findings: &[Diagnostic], deny_warnings: bool) -> Self {
+        findings
+            .iter()
+            .map(|finding| match finding.severity {
+                Severity::Error => Self::of_error(finding),
+                Severity::Warning if deny_warnings => Self::Findings,
+                _ => Self::Success,
+            })
+            .fold(Self::Success, Self::and)
+    }
+
+    fn of_error(finding: &Diagnostic) -> Self {
+        const CANNOT_RUN: [codes::Code; 8] = [
+            codes::FILE_UNREADABLE,
+            codes::SYNTAX,
+            codes::IMPORT_MISSING,
+            codes::LINE_LIMIT,
+            codes::COMPILER_MISSING,
+            codes::COMPILER_FAILED,
+            codes::LIBRARY_DAMAGED,
+            codes::OUTPUT_UNWRITABLE,
+        ];
+        if CANNOT_RUN.contains(&finding.code) {
+            Self::CannotRun
+        } else if finding.code == codes::GAVE_UP {
+            Self::GaveUp
+        } else {
+            Self::Findings
+        }
+    }
+}
+
+impl From<ExitCode> for std::process::ExitCode {
+    fn from(code: ExitCode) -> Self {
+        Self::from(code as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_of_2_3_1_wins() {
+        use ExitCode::{CannotRun, Findings, GaveUp, Success};
+        let order = [Success, Findings, GaveUp, CannotRun];
+        for (i, a) in order.into_iter().enumerate() {
+            for (j, b) in order.into_iter().enumerate() {
+                assert_eq!(a.and(b), order[i.max(j)]);
+            }
+        }
+    }
+
+    #[test]
+    fn findings_lead_to_codes() {
+        let error = |code| Diagnostic::error(code, None, "");
+        let warning = Diagnostic::warning(codes::SYNTAX, None, "");
+        let of = |findings: &[Diagnostic]| ExitCode::of(findings, false);
+        assert_eq!(of(&[]), ExitCode::Success);
+        assert_eq!(of(std::slice::from_ref(&warning)), ExitCode::Success);
+        assert_eq!(ExitCode::of(&[warning], true), ExitCode::Findings);
+        assert_eq!(of(&[error(codes::UNREALIZABLE)]), ExitCode::Findings);
+        assert_eq!(
+            of(&[error(codes::UNREALIZABLE), error(codes::GAVE_UP)]),
+            ExitCode::GaveUp
+        );
+        assert_eq!(
+            of(&[error(codes::SYNTAX), error(codes::GAVE_UP)]),
+            ExitCode::CannotRun
+        );
+    }
+}

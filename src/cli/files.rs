@@ -1,0 +1,338 @@
+//! Finds and reads source files: paths of the command line, imports, and the bundled library.
+//!
+//! A file is shown under one name however it was reached, since the resolver takes equal names for the same file: names are
+//! joined and cleaned as text (`a/../b.lw` is `b.lw`), and the library's begin with `std/`.
+
+use crate::contract::{self, Library};
+use crate::diagnostics::{Diagnostic, codes};
+use include_dir::{Dir, include_dir};
+use std::path::{Path, PathBuf};
+
+static BUNDLED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/contracts");
+
+/// Where `check` looks when it is given no path.
+const DEFAULT_FOLDER: &str = "contracts";
+
+/// The library behind `import std...`: the bundled one, or a folder in its place.
+#[derive(Debug, Clone, Default)]
+pub struct StandardLibrary {
+    folder: Option<PathBuf>,
+}
+
+impl StandardLibrary {
+    /// The bundled library, or the one in `folder`.
+    pub fn new(folder: Option<PathBuf>) -> Self {
+        Self { folder }
+    }
+
+    /// The text of `handling/turn.lw`.
+    fn read(&self, path: &str) -> Result<String, String> {
+        match &self.folder {
+            Some(folder) => read(&folder.join(path)),
+            None => BUNDLED
+                .get_file(path)
+                .and_then(|f| f.contents_utf8())
+                .map(str::to_owned)
+                .ok_or_else(|| format!("the bundled library has no {path}")),
+        }
+    }
+
+    /// The paths of all contracts in it, in alphabetic order.
+    fn paths(&self) -> Result<Vec<String>, String> {
+        let mut paths = Vec::new();
+        match &self.folder {
+            Some(folder) => {
+                for file in search(folder)? {
+                    let inner = file.strip_prefix(folder).unwrap_or(&file);
+                    paths.push(shown(inner));
+                }
+            }
+            None => embedded(&BUNDLED, &mut paths),
+        }
+        paths.sort();
+        Ok(paths)
+    }
+
+    /// Every file of it, as name and text; a finding for each that cannot be read.
+    fn files(&self) -> (Vec<(String, String)>, Vec<Diagnostic>) {
+        let (mut files, mut findings) = (Vec::new(), Vec::new());
+        match self.paths() {
+            Ok(paths) => {
+                for path in paths {
+                    match self.read(&path) {
+                        Ok(text) => files.push((format!("std/{path}"), text)),
+                        Err(why) => findings.push(unreadable(&path, &why)),
+                    }
+                }
+            }
+            Err(why) => findings.push(unreadable("the library", &why)),
+        }
+        (files, findings)
+    }
+
+    /// Reads what an `import` names: `std.handling.turn`, or a path relative to the importing file.
+    fn import(&self, path: &str, importer: &str) -> Result<(String, String), String> {
+        if let Some(inner) = library_path(path) {
+            let text = self.read(&inner)?;
+            return Ok((format!("std/{inner}"), text));
+        }
+        let folder = Path::new(importer).parent().unwrap_or(Path::new(""));
+        let name = clean(&folder.join(path));
+        // A file of the library imports its neighbours from the library.
+        if let Some(inner) = name
+            .strip_prefix("std/")
+            .filter(|_| importer.starts_with("std/"))
+        {
+            let text = self.read(inner)?;
+            return Ok((name.clone(), text));
+        }
+        read(Path::new(&name)).map(|text| (name, text))
+    }
+}
+
+/// What was read: the library, the findings so far, and which names were asked for (the others were imported).
+#[derive(Debug, Default)]
+pub struct Loaded {
+    /// What the files declare.
+    pub library: Library,
+    /// The findings of reading, parsing and resolving.
+    pub findings: Vec<Diagnostic>,
+    /// The names of the files that were asked for.
+    pub roots: Vec<String>,
+    /// Paths that could not be read at all.
+    pub unreadable: Vec<String>,
+}
+
+/// Loads the files and folders that a command was given, and all that they import. No path at all is `./contracts`, or else
+/// the whole bundled library.
+pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
+    let mut loaded = Loaded::default();
+    let mut files: Vec<(String, String)> = Vec::new();
+    let default = [DEFAULT_FOLDER.to_owned()];
+    let paths = match paths {
+        [] if standard.folder.is_none() && Path::new(DEFAULT_FOLDER).is_dir() => &default[..],
+        [] => {
+            (files, loaded.findings) = standard.files();
+            &[]
+        }
+        given => given,
+    };
+    for path in paths {
+        for found in collect(path, standard) {
+            match found {
+                Ok((name, text)) => {
+                    if files.iter().all(|f| f.0 != name) {
+                        files.push((name, text));
+                    }
+                }
+                Err((name, why)) => {
+                    loaded.findings.push(unreadable(&name, &why));
+                    loaded.unreadable.push(name);
+                }
+            }
+        }
+    }
+    loaded.roots = files.iter().map(|f| f.0.clone()).collect();
+    let (library, findings) =
+        contract::load(&files, &|path, importer| standard.import(path, importer));
+    loaded.library = library;
+    loaded.findings.extend(findings);
+    loaded
+}
+
+type Found = Result<(String, String), (String, String)>;
+
+/// The files of one path: itself, or every `.lw` below it.
+fn collect(path: &str, standard: &StandardLibrary) -> Vec<Found> {
+    let place = Path::new(path);
+    if !place.exists()
+        && let Some(inner) = library_path(path)
+    {
+        let name = format!("std/{inner}");
+        return vec![match standard.read(&inner) {
+            Ok(text) => Ok((name, text)),
+            Err(why) => Err((name, why)),
+        }];
+    }
+    if !place.is_dir() {
+        return vec![read_named(place)];
+    }
+    match search(place) {
+        Ok(files) if files.is_empty() => {
+            vec![Err((shown(place), "it holds no .lw file".to_owned()))]
+        }
+        Ok(files) => files.iter().map(|f| read_named(f)).collect(),
+        Err(why) => vec![Err((shown(place), why))],
+    }
+}
+
+fn read_named(path: &Path) -> Found {
+    let name = clean(path);
+    match read(path) {
+        Ok(text) => Ok((name, text)),
+        Err(why) => Err((name, why)),
+    }
+}
+
+/// `std.handling.turn` as a path in the library: `handling/turn.lw`.
+fn library_path(name: &str) -> Option<String> {
+    let inner = name.strip_prefix("std.")?;
+    let plain = inner.split('.').all(|part| {
+        !part.is_empty()
+            && part
+                .chars()
+                .all(|c| c.is_alphanumeric() || "_-".contains(c))
+    });
+    let ending = inner.rsplit('.').next() == Some("lw");
+    (plain && !ending).then(|| format!("{}.lw", inner.replace('.', "/")))
+}
+
+/// Every `.lw` file below a folder, in alphabetic order. Folders whose name begins with a dot are left out, and symbolic links
+/// to folders too: they can lead in a circle.
+fn search(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        let entries = std::fs::read_dir(&folder).map_err(|e| describe(&e))?;
+        for entry in entries {
+            let entry = entry.map_err(|e| describe(&e))?;
+            let (path, kind) = (entry.path(), entry.file_type().map_err(|e| describe(&e))?);
+            if kind.is_dir() {
+                if !entry.file_name().to_string_lossy().starts_with('.') {
+                    folders.push(path);
+                }
+            } else if path.extension().is_some_and(|e| e == "lw") && !path.is_dir() {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn embedded(folder: &Dir<'_>, paths: &mut Vec<String>) {
+    for file in folder.files() {
+        if file.path().extension().is_some_and(|e| e == "lw") {
+            paths.push(shown(file.path()));
+        }
+    }
+    for inner in folder.dirs() {
+        embedded(inner, paths);
+    }
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    let bytes = std::fs::read(path).map_err(|e| describe(&e))?;
+    String::from_utf8(bytes).map_err(|_| "it is not a text in UTF-8".to_owned())
+}
+
+fn describe(error: &std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        std::io::ErrorKind::PermissionDenied => "it may not be read".to_owned(),
+        std::io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+fn unreadable(name: &str, why: &str) -> Diagnostic {
+    Diagnostic::error(
+        codes::FILE_UNREADABLE,
+        None,
+        format!("{name} cannot be read: {why}"),
+    )
+    .with_help("give the path of a .lw file, or of a folder that holds some")
+}
+
+/// A path without `.` and, as far as possible, `..`, with slashes.
+fn clean(path: &Path) -> String {
+    use std::path::Component;
+    let mut parts = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir
+                if matches!(parts.components().next_back(), Some(Component::Normal(_))) =>
+            {
+                parts.pop();
+            }
+            other => parts.push(other),
+        }
+    }
+    shown(&parts)
+}
+
+fn shown(path: &Path) -> String {
+    path.to_string_lossy()
+        .replace(std::path::MAIN_SEPARATOR, "/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_cleaned() {
+        for (path, wanted) in [
+            ("./a.lw", "a.lw"),
+            ("x/../a.lw", "a.lw"),
+            ("../a.lw", "../a.lw"),
+            ("../../x/./a.lw", "../../x/a.lw"),
+            ("/x/../a.lw", "/a.lw"),
+        ] {
+            assert_eq!(clean(Path::new(path)), wanted);
+        }
+    }
+
+    #[test]
+    fn library_names_are_told_from_paths() {
+        assert_eq!(
+            library_path("std.handling.turn").as_deref(),
+            Some("handling/turn.lw")
+        );
+        for path in [
+            "std",
+            "std.",
+            "std..turn",
+            "std.turn.lw",
+            "turn.lw",
+            "std.a/../b",
+        ] {
+            assert_eq!(library_path(path), None, "{path}");
+        }
+    }
+
+    #[test]
+    fn imports_are_relative_to_the_importing_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("sub")).unwrap();
+        std::fs::write(at("a.lw"), "text of a").unwrap();
+        let importer = shown(&at("sub/b.lw"));
+        let standard = StandardLibrary::default();
+        let (name, text) = standard.import("../a.lw", &importer).unwrap();
+        assert_eq!((name, text.as_str()), (shown(&at("a.lw")), "text of a"));
+        assert_eq!(
+            standard.import("c.lw", &importer).unwrap_err(),
+            "there is no such file"
+        );
+    }
+
+    #[test]
+    fn a_folder_replaces_the_library() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("handling")).unwrap();
+        std::fs::write(folder.path().join("handling/turn.lw"), "own").unwrap();
+        let standard = StandardLibrary::new(Some(folder.path().to_owned()));
+        let imported = standard.import("std.handling.turn", "x.lw").unwrap();
+        assert_eq!(
+            imported,
+            ("std/handling/turn.lw".to_owned(), "own".to_owned())
+        );
+        assert_eq!(
+            standard.import("turn.lw", "std/handling/pick.lw").unwrap(),
+            imported
+        );
+        assert_eq!(standard.paths().unwrap(), ["handling/turn.lw"]);
+    }
+}

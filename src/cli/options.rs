@@ -1,0 +1,104 @@
+//! The options that every command takes.
+
+use super::console::Console;
+use super::exit::ExitCode;
+use crate::diagnostics::Diagnostic;
+use crate::game::Limits;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// How results and findings look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For a person: findings with their source lines.
+    Human,
+    /// One line a finding: `file:line:column: error[LW101]: message`.
+    Short,
+    /// For a program: one document with a schema.
+    Json,
+    /// Findings in SARIF 2.1.0, for code hosts and editors.
+    Sarif,
+}
+
+/// When to use colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Color {
+    /// On a terminal, unless `NO_COLOR` is set.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// What counts as an error beside errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Deny {
+    /// Warnings.
+    Warnings,
+}
+
+/// The options that every command takes.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Options for every command")]
+pub struct GlobalOptions {
+    /// How results and findings look
+    #[arg(long, global = true, value_enum, default_value = "human")]
+    pub format: Format,
+    /// When to use colours
+    #[arg(
+        long,
+        global = true,
+        value_enum,
+        default_value = "auto",
+        value_name = "WHEN"
+    )]
+    pub color: Color,
+    /// Leave measured times and sizes out, so that equal input gives equal output
+    #[arg(long, global = true)]
+    pub no_timing: bool,
+    /// Give up after so many seconds, all contracts together [default: never]
+    #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
+    pub timeout: Option<Duration>,
+    /// Give up on a contract that needs more memory for its formulas
+    #[arg(long, global = true, value_name = "MIB", default_value_t = 4096)]
+    pub memory: u64,
+    /// Let warnings count as errors in the exit code
+    #[arg(long, global = true, value_enum, value_name = "WHAT")]
+    pub deny: Option<Deny>,
+    /// Read `import std...` from this folder instead of the bundled library
+    #[arg(long, global = true, value_name = "DIR")]
+    pub library: Option<PathBuf>,
+    /// Say more: `check` also names the file of each contract
+    #[arg(long, short, global = true)]
+    pub verbose: bool,
+}
+
+impl GlobalOptions {
+    /// The console of these options.
+    pub fn console(&self) -> Console {
+        Console::new(self.format, self.color)
+    }
+
+    /// The limits, counted from now.
+    pub fn limits(&self) -> Limits {
+        Limits {
+            // A time too far away for the clock is no limit.
+            deadline: self.timeout.and_then(|t| Instant::now().checked_add(t)),
+            memory_mib: Some(self.memory),
+        }
+    }
+
+    /// The exit code for some findings.
+    pub fn exit_code(&self, findings: &[Diagnostic]) -> ExitCode {
+        ExitCode::of(findings, self.deny == Some(Deny::Warnings))
+    }
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    text.parse::<f64>()
+        .ok()
+        .and_then(|s| Duration::try_from_secs_f64(s).ok())
+        .ok_or_else(|| "expected a number of seconds, such as 30 or 0.5".to_owned())
+}

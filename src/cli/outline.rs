@@ -1,0 +1,186 @@
+//! Which declaration a place in a file belongs to, from the text alone.
+//!
+//! A contract that does not parse is not in the library, yet `check` has to list it, and its findings under it. So this
+//! looks for nothing but `contract NAME`, `machine NAME`, `line NAME`, and for the brace that closes each. The three are
+//! reserved words: one that begins a line begins a declaration, also where a brace before it is missing.
+
+use crate::source::{FileId, SourceMap, Span};
+
+/// What is declared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// `contract`
+    Contract,
+    /// `machine`
+    Machine,
+    /// `line`
+    Line,
+}
+
+/// One declaration and the text that belongs to it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Declaration {
+    /// What it declares.
+    pub kind: Kind,
+    /// Its name.
+    pub name: String,
+    /// From its keyword to its closing brace; to the end of the file where that is missing.
+    pub extent: Span,
+}
+
+impl Declaration {
+    /// Whether a place belongs to it.
+    pub fn holds(&self, span: Span) -> bool {
+        self.extent.file == span.file
+            && self.extent.start <= span.start
+            && span.start <= self.extent.end
+    }
+}
+
+/// The declarations of a file, in their order.
+pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
+    let text = &sources.file(file).text;
+    let mut found: Vec<Declaration> = Vec::new();
+    let mut depth = 0usize;
+    let mut open = false;
+    let mut keyword: Option<(Kind, usize)> = None;
+    for (start, token) in tokens(text) {
+        match token {
+            "contract" | "machine" | "line" if depth == 0 || begins_line(text, start) => {
+                depth = 0;
+                keyword = Some((
+                    match token {
+                        "contract" => Kind::Contract,
+                        "machine" => Kind::Machine,
+                        _ => Kind::Line,
+                    },
+                    start,
+                ));
+            }
+            "{" | "(" | "[" => depth += 1,
+            "}" | ")" | "]" => {
+                depth = depth.saturating_sub(1);
+                if depth == 0 && open && token == "}" {
+                    if let Some(last) = found.last_mut() {
+                        last.extent.end = start as u32 + 1;
+                    }
+                    open = false;
+                }
+            }
+            _ if depth > 0 => {}
+            word => {
+                if let Some((kind, from)) = keyword.take()
+                    && is_name(word)
+                {
+                    close_before(&mut found, open, from);
+                    found.push(Declaration {
+                        kind,
+                        name: word.to_owned(),
+                        extent: Span::new(file, from, text.len()),
+                    });
+                    open = true;
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Whether nothing but `moore` stands before this place in its line.
+fn begins_line(text: &str, at: usize) -> bool {
+    let line = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    matches!(text[line..at].trim(), "" | "moore")
+}
+
+/// A declaration that was still open ends where the next one begins.
+fn close_before(found: &mut [Declaration], open: bool, from: usize) {
+    if let Some(last) = found.last_mut().filter(|_| open) {
+        last.extent.end = from as u32;
+    }
+}
+
+fn is_name(word: &str) -> bool {
+    word.starts_with(|c: char| c.is_alphabetic() || c == '_')
+}
+
+/// Words and single signs with their places; comments, strings and white space left out.
+fn tokens(text: &str) -> Vec<(usize, &str)> {
+    let mut tokens = Vec::new();
+    let mut at = 0;
+    while let Some(c) = text[at..].chars().next() {
+        let rest = &text[at..];
+        let length = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            rest.get(2..)
+                .and_then(|inner| inner.find("*/"))
+                .map_or(rest.len(), |end| end + 4)
+        } else if c == '"' {
+            let line = rest.find('\n').unwrap_or(rest.len());
+            rest[1..line].find('"').map_or(line, |end| end + 2)
+        } else if is_name(rest) {
+            let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
+            let length = end.unwrap_or(rest.len());
+            tokens.push((at, &rest[..length]));
+            length
+        } else {
+            if !c.is_whitespace() {
+                tokens.push((at, &rest[..c.len_utf8()]));
+            }
+            c.len_utf8()
+        };
+        at += length;
+    }
+    tokens
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outline(text: &str) -> Vec<(Kind, String, String)> {
+        let mut sources = SourceMap::new();
+        let file = sources.add("a.lw", text);
+        declarations(&sources, file)
+            .into_iter()
+            .map(|d| (d.kind, d.name, sources.text(d.extent).to_owned()))
+            .collect()
+    }
+
+    #[test]
+    fn declarations_end_at_their_brace() {
+        let text = "import \"contract X {\"\n// machine No {}\nmoore contract A(c: {x, y} = x) { output o: {a, b} /* } */ }\n\
+                    type T = {contract, line}\nline L { machine M }";
+        let found = outline(text);
+        let short: Vec<(Kind, &str)> = found.iter().map(|d| (d.0, d.1.as_str())).collect();
+        assert_eq!(short, [(Kind::Contract, "A"), (Kind::Line, "L")]);
+        assert!(found[0].2.ends_with("/* } */ }"));
+        assert_eq!(found[1].2, "line L { machine M }");
+    }
+
+    #[test]
+    fn a_missing_brace_reaches_to_the_next_declaration() {
+        let found = outline("contract A { guarantee x: (\nmoore contract B {}\nline C { x");
+        assert_eq!(found.len(), 3);
+        assert!(found[0].2.ends_with("moore "));
+        assert_eq!(found[1].2, "contract B {}");
+        assert_eq!(found[2].2, "line C { x");
+    }
+
+    #[test]
+    fn any_text_has_an_outline() {
+        for text in [
+            "",
+            "contract",
+            "contract {",
+            "}}}",
+            "/*",
+            "\"",
+            "contract ü {",
+            "□ contract A",
+        ] {
+            outline(text);
+        }
+        assert_eq!(outline("contract A\ncontract B {}").len(), 2);
+    }
+}

@@ -1,0 +1,123 @@
+//! `linewright run`: a line in the bundled runner, from its contracts to its figures.
+
+use super::build::default_folder;
+use super::connect::{self, RunOptions};
+use super::exit::ExitCode;
+use super::machines::{self, Planned};
+use super::options::{Format, GlobalOptions};
+use super::pipeline::Jobs;
+use super::select::Selection;
+use super::time;
+use crate::diagnostics::{Diagnostic, codes, has_errors};
+use clap::Args;
+use std::path::PathBuf;
+
+/// The arguments of `run`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright run examples/ice-lab/line.lw --parts 50
+    linewright run examples/ice-lab/line.lw --until 8h --seed 7 --replications 10
+
+TIME is a number of seconds (3600) or has units (90m, 8h, 1d, 1h30m).")]
+pub struct Arguments {
+    /// A file with a line, and its name where there are several
+    #[arg(value_name = "LINE")]
+    pub selection: Selection,
+    /// End when so many end products are made
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub parts: Option<u64>,
+    /// End at this time of the simulation
+    #[arg(long, value_name = "TIME", value_parser = time::seconds)]
+    pub until: Option<f64>,
+    /// Where all randomness comes from
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// Run so many times, with the seeds that follow
+    #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub replications: u32,
+    /// The folder for the station libraries [default: .linewright beside the file]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Compile again what is there already
+    #[arg(long)]
+    pub rebuild: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let console = options.console();
+    let limits = options.limits();
+    let loaded = match arguments.selection.load("run", options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let library = &loaded.library;
+    let sources = &library.sources;
+    let picked = arguments
+        .selection
+        .pick(&loaded, "line", &library.lines, |l| (&l.name, l.span))?;
+    let [line] = picked.as_slice() else {
+        let names: Vec<&str> = picked.iter().map(|l| l.name.as_str()).collect();
+        anyhow::bail!(
+            "there are several lines in {path}: write {path}::{} or another of {}",
+            names[0],
+            names.join(", "),
+            path = arguments.selection.path,
+        );
+    };
+    if arguments.parts.is_none() && arguments.until.is_none() && line.limit.is_none() {
+        let endless = Diagnostic::error(
+            codes::LINE_LIMIT,
+            line.span,
+            format!("nothing says when a run of `{}` ends", line.name),
+        )
+        .with_help(
+            "say it with --parts N or --until TIME, or write `limit 50 products` into the line",
+        );
+        console.failed("run", sources, &[endless])?;
+        return Ok(ExitCode::CannotRun);
+    }
+
+    let mut jobs = Jobs::default();
+    let planned: Vec<Planned<'_>> = machines::of_line(line)
+        .into_iter()
+        .map(|m| Planned::new(m, &mut jobs))
+        .collect();
+    let checked = jobs.run(&limits, &console.progress(jobs.len(), "synthesizing"))?;
+    let mut findings = loaded.findings.clone();
+    findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
+    let controlled: Option<Vec<_>> = planned.iter().map(|p| p.controlled(&checked)).collect();
+    let Some(controlled) = controlled.filter(|_| !has_errors(&findings)) else {
+        console.failed("run", sources, &findings)?;
+        return Ok(options.exit_code(&findings));
+    };
+
+    let default = default_folder(&arguments.selection.path);
+    let run_options = RunOptions {
+        parts: arguments.parts,
+        until: arguments.until,
+        seed: arguments.seed,
+        replications: arguments.replications,
+        rebuild: arguments.rebuild,
+        timing: !options.no_timing,
+    };
+    let folder = arguments.out.as_deref().unwrap_or(&default);
+    match connect::run(line, &controlled, folder, &run_options) {
+        Ok(run) => {
+            findings.extend(run.findings);
+            match options.format {
+                Format::Json => console.document(&run.document)?,
+                Format::Sarif => console.failed("run", sources, &findings)?,
+                Format::Human | Format::Short => console.result(&run.table)?,
+            }
+            if options.format != Format::Sarif {
+                console.findings(sources, &findings)?;
+            }
+        }
+        Err(more) => {
+            findings.extend(more);
+            console.failed("run", sources, &findings)?;
+        }
+    }
+    Ok(options.exit_code(&findings))
+}

@@ -1,0 +1,111 @@
+//! `FILE::NAME`: which declaration of which file is meant.
+
+use super::exit::ExitCode;
+use super::files::{self, Loaded};
+use super::options::GlobalOptions;
+use crate::diagnostics::has_errors;
+use crate::source::Span;
+
+/// A path, and the name of a declaration in it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Selection {
+    /// The file or folder.
+    pub path: String,
+    /// The name after `::`.
+    pub name: Option<String>,
+}
+
+impl std::str::FromStr for Selection {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(match text.rsplit_once("::") {
+            Some((path, name)) if !path.is_empty() && !name.is_empty() && !name.contains('/') => {
+                Self {
+                    path: path.to_owned(),
+                    name: Some(name.to_owned()),
+                }
+            }
+            _ => Self {
+                path: text.to_owned(),
+                name: None,
+            },
+        })
+    }
+}
+
+impl Selection {
+    /// Loads the file; where it has errors, they are printed and the command's exit code is given instead.
+    pub fn load(
+        &self,
+        command: &str,
+        options: &GlobalOptions,
+    ) -> anyhow::Result<Result<Loaded, ExitCode>> {
+        let standard = files::StandardLibrary::new(options.library.clone());
+        let loaded = files::load(std::slice::from_ref(&self.path), &standard);
+        if has_errors(&loaded.findings) {
+            let sources = &loaded.library.sources;
+            options
+                .console()
+                .failed(command, sources, &loaded.findings)?;
+            return Ok(Err(options.exit_code(&loaded.findings)));
+        }
+        Ok(Ok(loaded))
+    }
+
+    /// What is meant among `all`: that of the name, or else everything that the file itself declares. An error says what
+    /// there is.
+    pub fn pick<'a, T>(
+        &self,
+        loaded: &Loaded,
+        kind: &str,
+        all: &'a [T],
+        describe: impl Fn(&T) -> (&str, Span),
+    ) -> anyhow::Result<Vec<&'a T>> {
+        let own = |item: &T| {
+            let file = loaded.library.sources.file(describe(item).1.file);
+            loaded.roots.contains(&file.name)
+        };
+        let picked: Vec<&T> = match &self.name {
+            Some(name) => {
+                let named = || all.iter().filter(|i| describe(i).0 == name);
+                // A name of the file itself goes before an equal one that is imported.
+                match named().find(|i| own(i)) {
+                    Some(item) => vec![item],
+                    None => named().take(1).collect(),
+                }
+            }
+            None => all.iter().filter(|i| own(i)).collect(),
+        };
+        if picked.is_empty() {
+            let names: Vec<&str> = all.iter().map(|i| describe(i).0).collect();
+            let there = match names.as_slice() {
+                [] => format!("there is no {kind} in it"),
+                names => format!("there is {}", names.join(", ")),
+            };
+            match &self.name {
+                Some(name) => anyhow::bail!("{} has no {kind} `{name}`: {there}", self.path),
+                None => anyhow::bail!("{} declares no {kind} itself: {there}", self.path),
+            }
+        }
+        Ok(picked)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_name_stands_behind_the_last_colons() {
+        let parse = |text: &str| {
+            let Ok(selection) = text.parse::<Selection>();
+            (selection.path, selection.name)
+        };
+        let name = |n: &str| Some(n.to_owned());
+        assert_eq!(parse("a.lw"), ("a.lw".to_owned(), None));
+        assert_eq!(parse("a.lw::Turn"), ("a.lw".to_owned(), name("Turn")));
+        assert_eq!(parse("x::y/a.lw"), ("x::y/a.lw".to_owned(), None));
+        assert_eq!(parse("a.lw::"), ("a.lw::".to_owned(), None));
+    }
+}

@@ -1,0 +1,113 @@
+//! `linewright synth`: a verified controller, written down.
+
+use super::connect;
+use super::exit::ExitCode;
+use super::options::GlobalOptions;
+use super::output;
+use super::pipeline::Jobs;
+use super::select::Selection;
+use crate::diagnostics::has_errors;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// The arguments of `synth`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright synth contracts/handling/turn.lw
+    linewright synth contracts/handling/turn.lw::Turn --emit dot --emit svg --out controllers
+
+A controller is written only after it was verified against its contract.")]
+pub struct Arguments {
+    /// A file with contracts, and the name of one of them; without a name, all that the file declares
+    #[arg(value_name = "FILE[::NAME]")]
+    pub selection: Selection,
+    /// The form of the controller; can be given several times
+    #[arg(long, value_enum, default_value = "json")]
+    pub emit: Vec<Emit>,
+    /// The folder to write to; without it, a single result goes to standard output
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// The forms of a controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Emit {
+    /// States and guarded transitions
+    Json,
+    /// What `gr1c -t json` writes
+    Gr1c,
+    /// A drawing for Graphviz
+    Dot,
+    /// A drawing for a browser
+    Svg,
+}
+
+impl Emit {
+    fn ending(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::Gr1c => "gr1c.json",
+            Self::Dot => "dot",
+            Self::Svg => "svg",
+        }
+    }
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let console = options.console();
+    let limits = options.limits();
+    let loaded = match arguments.selection.load("synth", options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let library = &loaded.library;
+    let contracts = arguments
+        .selection
+        .pick(&loaded, "contract", &library.contracts, |c| {
+            (&c.name, c.span)
+        })?;
+    let results = contracts.len() * arguments.emit.len();
+    if results > 1 && arguments.out.is_none() {
+        anyhow::bail!("there are {results} results: name a folder for them with --out DIR");
+    }
+
+    let mut jobs = Jobs::examining();
+    let indices: Vec<usize> = contracts
+        .iter()
+        .map(|c| jobs.add(&c.specification, c.span))
+        .collect();
+    let checked = jobs.run(&limits, &console.progress(jobs.len(), "synthesizing"))?;
+
+    let mut findings = loaded.findings.clone();
+    let mut written: Vec<(String, String)> = Vec::new();
+    for (contract, index) in contracts.iter().zip(indices) {
+        findings.extend(checked[index].findings_where_needed());
+        let Some(machine) = &checked[index].machine else {
+            continue;
+        };
+        for emit in &arguments.emit {
+            match connect::write(*emit, &contract.specification, machine) {
+                Ok(text) => written.push((format!("{}.{}", contract.name, emit.ending()), text)),
+                Err(finding) => findings.push(*finding),
+            }
+        }
+    }
+    if let Some(folder) = &arguments.out {
+        for (name, text) in &written {
+            let path = folder.join(name);
+            match output::write(&path, text) {
+                Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
+                Err(finding) => findings.push(*finding),
+            }
+        }
+    } else if let [(_, text)] = written.as_slice() {
+        console.result(text)?;
+    }
+    if has_errors(&findings) && (written.is_empty() || arguments.out.is_some()) {
+        console.failed("synth", &library.sources, &findings)?;
+    } else {
+        console.findings(&library.sources, &findings)?;
+    }
+    Ok(options.exit_code(&findings))
+}

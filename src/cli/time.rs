@@ -1,0 +1,68 @@
+//! TIME on the command line: `3600`, `90m`, `8h`, `1d`, `1h30m`.
+
+/// The seconds of a text: a number, or numbers each with one of the units `d h m s` in descending order.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    parse(text.trim()).ok_or_else(|| {
+        format!("`{text}` is no time: write seconds (`3600`), or use units (`90m`, `8h`, `1h30m`)")
+    })
+}
+
+fn parse(text: &str) -> Option<f64> {
+    let number = |digits: &str| {
+        let plain = digits.chars().all(|c| c.is_ascii_digit() || c == '.');
+        let value = digits.parse::<f64>().ok()?;
+        (plain && value.is_finite()).then_some(value)
+    };
+    if let Some(seconds) = number(text) {
+        return (seconds > 0.0).then_some(seconds);
+    }
+    let (mut rest, mut total, mut last) = (text, 0.0, f64::INFINITY);
+    while !rest.is_empty() {
+        let end = rest.find(|c: char| c.is_ascii_alphabetic())?;
+        let unit = match rest.get(end..=end)? {
+            "d" => 86_400.0,
+            "h" => 3_600.0,
+            "m" => 60.0,
+            "s" => 1.0,
+            _ => return None,
+        };
+        if unit >= last {
+            return None;
+        }
+        total += number(&rest[..end])? * unit;
+        last = unit;
+        rest = &rest[end + 1..];
+    }
+    (total > 0.0 && total.is_finite()).then_some(total)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_read() {
+        for (text, wanted) in [
+            ("3600", 3600.0),
+            ("0.5", 0.5),
+            ("90m", 5400.0),
+            ("8h", 28_800.0),
+            ("1d", 86_400.0),
+            ("1h30m", 5400.0),
+            ("1.5h", 5400.0),
+            ("1d2h3m4s", 93_784.0),
+        ] {
+            assert_eq!(seconds(text), Ok(wanted), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_time_is_refused() {
+        for text in [
+            "", "0", "0h", "h", "-1", "1x", "1m2h", "1h2h", "1 h", "1h30", "nan", "inf", "1e9",
+            "ü", "1hü",
+        ] {
+            assert!(seconds(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! The order of module imports, as ARCHITECTURE.md states it: a module uses only those before it, and some of them not
+//! even those. The sources are read as text; comments and strings do not count.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// A module may use those before it.
+const ORDER: [&str; 13] = [
+    "source",
+    "diagnostics",
+    "taxonomy",
+    "syntax",
+    "gr1",
+    "contract",
+    "symbolic",
+    "game",
+    "mealy",
+    "station",
+    "line",
+    "report",
+    "cli",
+];
+
+/// Pairs (module, used module) that the order would allow, and the design does not: the solver side knows only
+/// specifications, so that other languages can be put before it.
+const FORBIDDEN: [(&str, &str); 7] = [
+    ("gr1", "syntax"),
+    ("symbolic", "syntax"),
+    ("symbolic", "contract"),
+    ("game", "syntax"),
+    ("game", "contract"),
+    ("mealy", "syntax"),
+    ("mealy", "contract"),
+];
+
+/// Packages that only these modules may name.
+const CONFINED: [(&str, &[&str]); 2] = [
+    ("biodivine_lib_bdd", &["symbolic", "game"]),
+    ("libloading", &["station"]),
+];
+
+/// What is wrong with the imports of one file, whose path is relative to `src`.
+fn violations(path: &Path, text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let module = module_of(path);
+    let Some(place) = ORDER.iter().position(|m| *m == module) else {
+        return vec![format!(
+            "{}: `{module}` has no place in the order",
+            path.display()
+        )];
+    };
+    let code = without_comments_and_strings(text);
+    for used in used_modules(path, &code) {
+        let Some(other) = ORDER.iter().position(|m| *m == used) else {
+            continue;
+        };
+        if other > place || FORBIDDEN.contains(&(module.as_str(), used.as_str())) {
+            found.push(format!(
+                "{}: `{module}` may not use `{used}`",
+                path.display()
+            ));
+        }
+    }
+    for (package, modules) in CONFINED {
+        if code.contains(package) && !modules.contains(&module.as_str()) {
+            found.push(format!(
+                "{}: `{module}` may not use `{package}`",
+                path.display()
+            ));
+        }
+    }
+    found
+}
+
+fn module_of(path: &Path) -> String {
+    let first = path.iter().next().unwrap_or_default().to_string_lossy();
+    first.strip_suffix(".rs").unwrap_or(&first).to_owned()
+}
+
+/// The first names behind `crate::`, and behind as many `super::` as lead to the root of the crate.
+fn used_modules(path: &Path, code: &str) -> Vec<String> {
+    let mut used = Vec::new();
+    for (at, _) in code.match_indices("crate::") {
+        let before = code[..at].chars().next_back();
+        if before.is_none_or(|c| !c.is_alphanumeric() && c != '_') {
+            used.extend(names(&code[at + "crate::".len()..]));
+        }
+    }
+    // `super` in an inner module counts from there; only what stands at the left margin is surely the file's own.
+    let depth = path.iter().count() - usize::from(path.ends_with("mod.rs"));
+    for line_start in std::iter::once(0).chain(code.match_indices('\n').map(|(i, _)| i + 1)) {
+        let line = &code[line_start..];
+        let line = line.strip_prefix("pub ").unwrap_or(line);
+        let Some(mut rest) = line.strip_prefix("use ") else {
+            continue;
+        };
+        let mut supers = 0;
+        while let Some(inner) = rest.strip_prefix("super::") {
+            supers += 1;
+            rest = inner;
+        }
+        if supers == depth {
+            used.extend(names(rest));
+        }
+    }
+    used
+}
+
+/// The first name of a path, or the first name of each in braces.
+fn names(rest: &str) -> Vec<String> {
+    let word = |s: &str| -> String {
+        let s = s.trim_start();
+        s.chars()
+            .take_while(|c| c.is_alphanumeric() || *c == '_')
+            .collect()
+    };
+    let Some(group) = rest.trim_start().strip_prefix('{') else {
+        return vec![word(rest)];
+    };
+    let (mut depth, mut start, mut found) = (0, 0, Vec::new());
+    for (i, c) in group.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => {
+                found.push(word(&group[start..i]));
+                break;
+            }
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                found.push(word(&group[start..i]));
+                start = i + 1;
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The text with comments and the inside of strings blanked; lines stay where they are.
+fn without_comments_and_strings(text: &str) -> String {
+    let mut code = String::new();
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let length = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            rest.find("*/").map_or(rest.len(), |end| end + 2)
+        } else if let Some(length) = raw_string(rest) {
+            length
+        } else if c == '"' {
+            let mut escaped = false;
+            let end = rest[1..].find(|c: char| {
+                let ends = c == '"' && !escaped;
+                escaped = c == '\\' && !escaped;
+                ends
+            });
+            end.map_or(rest.len(), |end| end + 2)
+        } else if rest.starts_with("'\"'") || rest.starts_with("'\\\"'") {
+            rest[1..].find('\'').map_or(1, |end| end + 2)
+        } else {
+            code.push(c);
+            rest = &rest[c.len_utf8()..];
+            continue;
+        };
+        code.extend(rest[..length].chars().filter(|c| *c == '\n'));
+        rest = &rest[length..];
+    }
+    code
+}
+
+/// The length of a raw string `r"..."` or `r#"..."#` at the beginning of the text.
+fn raw_string(text: &str) -> Option<usize> {
+    let inner = text.strip_prefix('r')?;
+    let hashes = inner.len() - inner.trim_start_matches('#').len();
+    inner[hashes..].strip_prefix('"')?;
+    let end = format!("\"{}", "#".repeat(hashes));
+    let open = 1 + hashes + 1;
+    text[open..].find(&end).map(|at| open + at + end.len())
+}
+
+fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("src can be read") {
+        let path = entry.expect("src can be read").path();
+        if path.is_dir() {
+            sources(&path, files);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+}
+
+#[test]
+fn modules_use_only_those_before_them() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&src, &mut files);
+    let mut report = String::new();
+    let mut seen = 0;
+    for file in &files {
+        let path = file.strip_prefix(&src).expect("it lies within");
+        if path == Path::new("lib.rs") || path == Path::new("main.rs") {
+            continue;
+        }
+        seen += 1;
+        let text = std::fs::read_to_string(file).expect("sources are UTF-8");
+        for violation in violations(path, &text) {
+            let _ = writeln!(report, "{violation}");
+        }
+    }
+    assert!(seen >= ORDER.len(), "only {seen} files were found");
+    assert!(report.is_empty(), "{report}");
+}
+
+#[test]
+fn every_module_has_a_place_in_the_order() {
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
+    let text = text.expect("src/lib.rs can be read");
+    let modules = text.lines().filter_map(|l| l.strip_prefix("pub mod "));
+    let mut modules: Vec<&str> = modules.map(|m| m.trim_end_matches(';')).collect();
+    let mut order = ORDER.to_vec();
+    modules.sort_unstable();
+    order.sort_unstable();
+    assert_eq!(modules, order);
+}
+
+/// The checker itself: each of these must be found.
+#[test]
+fn violations_are_found() {
+    for (path, text, wanted) in [
+        (
+            "gr1/mod.rs",
+            "use crate::contract::Library;",
+            "`gr1` may not use `contract`",
+        ),
+        (
+            "gr1/mod.rs",
+            "use crate::syntax::Ast;",
+            "`gr1` may not use `syntax`",
+        ),
+        (
+            "game/solve.rs",
+            "fn f(x: crate::contract::Contract) {}",
+            "`game` may not use `contract`",
+        ),
+        (
+            "mealy/svg.rs",
+            "use crate::{\n    gr1::{Expr, Domain},\n    syntax,\n};",
+            "`mealy` may not use `syntax`",
+        ),
+        (
+            "source/mod.rs",
+            "use super::diagnostics::Code;",
+            "`source` may not use `diagnostics`",
+        ),
+        (
+            "game/a/b.rs",
+            "pub use super::super::super::line;",
+            "`game` may not use `line`",
+        ),
+        (
+            "taxonomy.rs",
+            "use super::cli::main;",
+            "`taxonomy` may not use `cli`",
+        ),
+        (
+            "line/mod.rs",
+            "use biodivine_lib_bdd::Bdd;",
+            "`line` may not use `biodivine_lib_bdd`",
+        ),
+        ("new/mod.rs", "", "`new` has no place in the order"),
+        (
+            "gr1/mod.rs",
+            "const Q: char = '\"'; use crate::cli; // \"",
+            "`gr1` may not use `cli`",
+        ),
+    ] {
+        let found = violations(Path::new(path), text);
+        assert_eq!(found.len(), 1, "{path}: {text}: {found:?}");
+        assert!(found[0].ends_with(wanted), "{found:?}");
+    }
+}
+
+#[test]
+fn what_is_allowed_is_not_found() {
+    for (path, text) in [
+        ("cli/mod.rs", "use crate::{contract, game::Limits, line};"),
+        (
+            "game/mod.rs",
+            "use crate::gr1::Specification;\nuse biodivine_lib_bdd::Bdd;",
+        ),
+        (
+            "gr1/mod.rs",
+            "//! See [`crate::contract`].\n/* crate::cli */ const T: &str = \"crate::cli\";",
+        ),
+        (
+            "gr1/mod.rs",
+            "const T: &str = r#\"crate::cli \"quoted\" crate::line\"#;",
+        ),
+        (
+            "contract/machine.rs",
+            "mod tests { use super::super::line; }",
+        ),
+        ("gr1/mod.rs", "macro_rules! m { () => { $crate::gr1 } }"),
+    ] {
+        assert_eq!(
+            violations(Path::new(path), text),
+            Vec::<String>::new(),
+            "{text}"
+        );
+    }
+}

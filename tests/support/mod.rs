@@ -1,0 +1,98 @@
+//! What several test files need: the built program, a folder to run it in, and a way to skip honestly.
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The built program.
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_linewright");
+
+/// The top folder of the repository.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Says that a test cannot do its work because `what` is not there. It then counts as skipped in `.ci/run`; where
+/// `LINEWRIGHT_REQUIRE` (a list with commas) names `what`, or `all`, it fails instead.
+pub fn skip(what: &str, why: &str) {
+    let required = std::env::var("LINEWRIGHT_REQUIRE").unwrap_or_default();
+    let mut required = required.split(',').map(str::trim);
+    assert!(
+        !required.any(|r| r == what || r == "all"),
+        "{what} is required, but {why}"
+    );
+    // Not `eprintln!`: the test runner would keep that to itself.
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or("a test");
+    let _ = writeln!(std::io::stderr(), "\nskipped: {test}: {what}: {why}");
+}
+
+/// Runs the program in a folder, without colours.
+pub fn linewright(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(PROGRAM)
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("CLICOLOR_FORCE")
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the program starts")
+}
+
+/// Whether stages of the program are still missing, so that it can do nothing with a contract.
+pub fn stages_missing() -> bool {
+    let folder = tempfile::tempdir().expect("a folder");
+    let contract = "contract A { output a: bool guarantee g: always a }";
+    std::fs::write(folder.path().join("a.lw"), contract).expect("a file");
+    let output = linewright(folder.path(), &["check", "a.lw"]);
+    String::from_utf8_lossy(&output.stderr).contains("not yet implemented")
+}
+
+/// A new folder with copies of `contracts` and `examples`, without what was built there.
+pub fn sandbox() -> tempfile::TempDir {
+    let sandbox = tempfile::tempdir().expect("a folder");
+    for name in ["contracts", "examples"] {
+        let from = root().join(name);
+        if from.is_dir() {
+            copy(&from, &sandbox.path().join(name));
+        }
+    }
+    sandbox
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("a folder");
+    for entry in std::fs::read_dir(from).expect("a folder") {
+        let entry = entry.expect("an entry");
+        let (path, name) = (entry.path(), entry.file_name());
+        if name.to_string_lossy().starts_with('.') {
+            continue;
+        }
+        if path.is_dir() {
+            copy(&path, &to.join(name));
+        } else {
+            std::fs::copy(&path, to.join(name)).expect("a copy");
+        }
+    }
+}
+
+/// The Markdown files of that name in the repository, sources and built files left out.
+pub fn files_named(name: &str) -> Vec<PathBuf> {
+    fn visit(folder: &Path, name: &str, found: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let own = path.file_name().unwrap_or_default().to_string_lossy();
+            if path.is_dir() {
+                if !own.starts_with('.') && own != "target" && own != "src" {
+                    visit(&path, name, found);
+                }
+            } else if own == name {
+                found.push(path);
+            }
+        }
+    }
+    let mut found = Vec::new();
+    visit(root(), name, &mut found);
+    found.sort();
+    found
+}
