@@ -18,8 +18,9 @@
 //! sent back.
 //!
 //! **Stations** work on one part at a time and block after service. A task whose part type comes to the station by a route (a
-//! checked product, say), or has no bill, takes such a part when the station is free; one whose components come by routes has a place for each of its components, which fill ahead while the station works, and is ready when all
-//! are there. A free station begins with what has waited longest. The setup time passes when the type that leaves differs
+//! checked product, say), or has no bill, takes such a part when the station is free; one whose components come by routes, and
+//! not for a task of their own, has a place for each of its components, which fill ahead while the station works, and is
+//! ready when all are there. A free station begins with what has waited longest. The setup time passes when the type that leaves differs
 //! from the last one. The controller is called when service begins; the station is then busy for as long as it answered.
 //! The working time to the next breakdown counts only while the station is busy; repairs go on off shift. Off shift, setup
 //! and service stand still and no new part is taken; conveyors, sources and stores go on.

@@ -86,9 +86,11 @@ impl Station {
                 .iter()
                 .any(|route| route.to == node && route.part == kind)
         };
+        // A component with a task of its own comes for that, not to be joined: a camera looks at bricks and at the toys made of them.
+        let own = |kind| tasks.iter().any(|task| task.part == kind);
         let joins = |task: &Task| {
             let bill = &line.parts[task.part].bill;
-            bill.iter().any(|&(kind, _)| comes(kind)) || !comes(task.part)
+            bill.iter().any(|&(kind, _)| comes(kind) && !own(kind)) || !comes(task.part)
         };
         Self {
             bills: tasks
