@@ -96,6 +96,35 @@ fn library_and_interpreter_agree_on_operations() {
     }
 }
 
+#[test]
+fn faults_of_a_controller_are_caught_alike() {
+    let folder = folder();
+    let (machine, controllers) = fixtures::manipulator();
+    // Every third output of the turner is wrong, and every fourth transition of the picker is gone.
+    let mut faulty = (*controllers).clone();
+    for (i, t) in faulty[1].states.iter_mut().flatten().enumerate() {
+        if i % 3 == 0 {
+            t.output[0] = (t.output[0] + 1) % 4;
+        }
+    }
+    for transitions in &mut faulty[2].states {
+        let mut i = 0;
+        transitions.retain(|_| {
+            i += 1;
+            i % 4 != 0
+        });
+    }
+    let counts = differential(&machine, &Arc::new(faulty), 30_000, 3, folder.path());
+    println!("{counts:?}");
+    assert!(counts.of(ErrorCode::Guarantee) > 100);
+    assert!(counts.of(ErrorCode::Internal) > 100);
+    // A Moore machine that has no answer at all.
+    let mut stuck = (*controllers).clone();
+    stuck[0].states.iter_mut().for_each(Vec::clear);
+    let counts = differential(&machine, &Arc::new(stuck), 2_000, 3, folder.path());
+    assert!(counts.of(ErrorCode::Internal) > 100);
+}
+
 /// Not a test of anything: writes the fixtures' C where `STATION_DUMP` says, to be read or measured.
 #[test]
 #[ignore = "by hand"]
