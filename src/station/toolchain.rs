@@ -262,6 +262,8 @@ impl Toolchain {
                 .opt_level(0)
                 .out_dir(work)
                 .no_default_flags(true)
+                .warnings(false)
+                .extra_warnings(false)
                 .inherit_rustflags(false)
                 .cargo_metadata(false)
                 .cargo_warnings(false)
