@@ -362,7 +362,7 @@ static int32_t lw_limit(const lw_job *job, const char *operation, lw_error *erro
     if (longest >= 0) {
         lw_say(error, "; for ");
         lw_say_integer(error, job->service.steps - job->held[longest]);
-        lw_say(error, " steps the plant has not kept ");
+        lw_say(error, " steps ");
         lw_say(error, lw_justice_table[longest].message);
         error->rule = lw_justice_table[longest].rule;
     }

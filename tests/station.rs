@@ -62,14 +62,15 @@ fn library_and_interpreter_agree_on_operations() {
                     90.0,
                     180.0,
                     270.0,
-                    90.0 + 1e-12,
+                    90.0 + 4e-8,
+                    90.0 + 2e-7,
                     45.0,
                     360.0,
                     -90.0,
                     f64::NAN,
                 ];
                 let grip = [1.0, 1.0, 1.0, 0.0, 0.5, 2.0];
-                values[0] = angle[random.below(9) as usize];
+                values[0] = angle[random.below(10) as usize];
                 values[1] = grip[random.below(6) as usize];
                 values[2] = [0.3, 1.7, -5.0, 1e300, f64::INFINITY][random.below(5) as usize];
             }
@@ -93,6 +94,10 @@ fn library_and_interpreter_agree_on_operations() {
         }
         println!("{}: {seen:#?}", machine.name);
         assert!(seen["ok"] > 500);
+        if machine.name == "Jammed" {
+            let limit = seen.keys().filter(|m| m.contains("did not end")).count();
+            assert!(limit > 0);
+        }
     }
 }
 
