@@ -1,6 +1,6 @@
 //! What a controller says when something is wrong: one wording for the emitted C and for the interpreter.
 //!
-//! Texts about formulas are fixed when the machine is emitted; those that hold a value are put together by `ffi/runtime.c`
+//! Texts about formulas are fixed when the machine is emitted; those that hold a value are put together by `ffi/step.c`
 //! from the same pieces.
 
 use super::{CallError, ErrorCode};

@@ -190,6 +190,29 @@ fn several_libraries_at_once() {
     );
 }
 
+/// As when several processes run the same line for the first time.
+#[test]
+fn the_same_library_built_at_the_same_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let (machine, controllers) = fixtures::belt();
+    let package = Package::emit(&machine, &controllers);
+    for _ in 0..3 {
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    let built = Toolchain::host().build(&package, folder.path(), true);
+                    let library = Library::open(&built.unwrap().path).unwrap();
+                    library
+                        .instance()
+                        .unwrap()
+                        .step(&[0, 0], &mut [0; 4])
+                        .unwrap();
+                });
+            }
+        });
+    }
+}
+
 #[test]
 fn damaged_libraries_are_refused() {
     let folder = tempfile::tempdir().unwrap();
