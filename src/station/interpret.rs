@@ -1,6 +1,6 @@
 //! A machine run in this process: the meaning of a station library, written for clarity.
 //!
-//! The emitted C does the same with tables (`ffi/runtime.c`), and is tested against this. Both check in the same order, so
+//! The emitted C does the same with tables (`ffi/step.c`), and is tested against this. Both check in the same order, so
 //! that they answer with the same error where several could be given:
 //!
 //! 1. the domains of the plant's wires, in order;

@@ -102,7 +102,7 @@ pub struct Library {
     last_error: TextExport,
     last_rule: TextExport,
     // Keeps the functions above valid.
-    _library: libloading::Library,
+    _keep: libloading::Library,
 }
 
 impl std::fmt::Debug for Library {
@@ -172,7 +172,7 @@ impl Library {
                 step: find(&library, "lw_step")?,
                 last_error: find(&library, "lw_last_error")?,
                 last_rule: find(&library, "lw_last_rule")?,
-                _library: library,
+                _keep: library,
             }))
         }
     }
@@ -189,7 +189,7 @@ impl Library {
 
     /// A new instance, before its step 0.
     pub fn instance(self: &Arc<Self>) -> Result<Instance, CallError> {
-        let handle = match self.call(self.instantiate, &mut []) {
+        let handle = match call(self.instantiate, &mut []) {
             Answer::Integer(handle) if handle > 0 => handle,
             Answer::Integer(code) => return Err(self.error(0, code)),
             _ => return Err(unexpected("instantiate")),
@@ -201,41 +201,42 @@ impl Library {
         })
     }
 
-    /// Calls an export. `arguments` are as many as it takes.
-    fn call(&self, export: Export, arguments: &mut [UfValue]) -> Answer {
-        let mut answer = UfValue::NOTHING;
-        #[expect(unsafe_code, reason = "the loader of station libraries")]
-        // SAFETY: the export reads exactly the arguments that its documentation lists, which the callers below pass, and
-        // writes one answer; texts among the arguments live until it returns.
-        unsafe {
-            export(&raw mut answer, arguments.as_mut_ptr());
-        }
-        answer.answer()
-    }
-
     /// The error behind a negative code.
     fn error(&self, handle: i32, number: i32) -> CallError {
         let Some(code) = ErrorCode::from_number(number) else {
             return unexpected("a call");
         };
-        let rule = self.text(self.last_rule, handle);
+        let rule = text(self.last_rule, handle);
         CallError {
             code,
             rule: Some(rule).filter(|r| !r.is_empty()),
-            message: self.text(self.last_error, handle),
+            message: text(self.last_error, handle),
         }
     }
+}
 
-    fn text(&self, export: TextExport, handle: i32) -> String {
-        let mut buffer = vec![0_u8; 1024];
-        #[expect(unsafe_code, reason = "the loader of station libraries")]
-        // SAFETY: the export writes at most as many bytes as it is told, the last of them a zero.
-        unsafe {
-            export(handle, buffer.as_mut_ptr().cast(), buffer.len());
-        }
-        let length = buffer.iter().position(|&b| b == 0).unwrap_or(0);
-        String::from_utf8_lossy(&buffer[..length]).into_owned()
+/// Calls an export. `arguments` are as many as it takes.
+fn call(export: Export, arguments: &mut [UfValue]) -> Answer {
+    let mut answer = UfValue::NOTHING;
+    #[expect(unsafe_code, reason = "the loader of station libraries")]
+    // SAFETY: the export reads exactly the arguments that its documentation lists, which the callers below pass, and
+    // writes one answer; texts among the arguments live until it returns.
+    unsafe {
+        export(&raw mut answer, arguments.as_mut_ptr());
     }
+    answer.answer()
+}
+
+/// A text of the library about an instance.
+fn text(export: TextExport, handle: i32) -> String {
+    let mut buffer = vec![0_u8; 1024];
+    #[expect(unsafe_code, reason = "the loader of station libraries")]
+    // SAFETY: the export writes at most as many bytes as it is told, the last of them a zero.
+    unsafe {
+        export(handle, buffer.as_mut_ptr().cast(), buffer.len());
+    }
+    let length = buffer.iter().position(|&b| b == 0).unwrap_or(0);
+    String::from_utf8_lossy(&buffer[..length]).into_owned()
 }
 
 /// What an instance asks for after an operation, from the description.
@@ -294,7 +295,7 @@ impl Instance {
         let library = &self.library;
         let name = UfValue::string(&library.results[index]);
         let mut arguments = [UfValue::integer(self.handle), name];
-        match library.call(library.get_real, &mut arguments) {
+        match call(library.get_real, &mut arguments) {
             Answer::Real(value) => Ok(value),
             Answer::Integer(code) => Err(library.error(self.handle, code)),
             Answer::Other => Err(unexpected("get_real")),
@@ -317,7 +318,7 @@ impl Controller for Instance {
         self.arguments.push(UfValue::integer(index));
         self.arguments
             .extend(values.iter().map(|v| UfValue::real(*v)));
-        let seconds = match library.call(library.simulate, &mut self.arguments) {
+        let seconds = match call(library.simulate, &mut self.arguments) {
             Answer::Real(seconds) if seconds >= 0.0 => seconds,
             Answer::Real(code) => return Err(library.error(self.handle, code as i32)),
             _ => return Err(unexpected("simulate")),
@@ -367,14 +368,13 @@ impl Controller for Instance {
 
     fn reset(&mut self) {
         let mut arguments = [UfValue::integer(self.handle)];
-        self.library.call(self.library.reset, &mut arguments);
+        call(self.library.reset, &mut arguments);
     }
 }
 
 impl Drop for Instance {
     fn drop(&mut self) {
         let mut arguments = [UfValue::integer(self.handle)];
-        self.library
-            .call(self.library.deinstantiate, &mut arguments);
+        call(self.library.deinstantiate, &mut arguments);
     }
 }

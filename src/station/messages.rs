@@ -1,6 +1,6 @@
 //! What a controller says when something is wrong: one wording for the emitted C and for the interpreter.
 //!
-//! Texts about formulas are fixed when the machine is emitted; those that hold a value are put together by `ffi/runtime.c`
+//! Texts about formulas are fixed when the machine is emitted; those that hold a value are put together by `ffi/step.c`
 //! from the same pieces.
 
 use super::{CallError, ErrorCode};
@@ -33,18 +33,26 @@ pub fn broken(component: &Component, formula: &Formula, party: Party) -> String 
     format!("{}: {what} {}", component.name, cite(formula))
 }
 
-/// ``turn: the assumption `free`: free``, as the step limit names a justice assumption.
+/// ``the assumption `free` of `turn` has not held: always eventually free``, as the step limit names a justice assumption.
 pub fn silent(component: &Component, formula: &Formula) -> String {
-    format!("{}: the assumption {}", component.name, cite(formula))
+    format!(
+        "the assumption {} of `{}` has not held: {}",
+        name(formula),
+        component.name,
+        cut(&formula.text)
+    )
 }
 
 fn cite(formula: &Formula) -> String {
-    let requirement = formula
-        .requirement
-        .as_ref()
-        .map(|r| format!(" ({r})"))
-        .unwrap_or_default();
-    format!("`{}`{requirement}: {}", formula.name, cut(&formula.text))
+    format!("{}: {}", name(formula), cut(&formula.text))
+}
+
+/// `` `gripped` (R-12)``
+fn name(formula: &Formula) -> String {
+    match &formula.requirement {
+        Some(requirement) => format!("`{}` ({requirement})", formula.name),
+        None => format!("`{}`", formula.name),
+    }
 }
 
 fn cut(text: &str) -> String {
@@ -246,7 +254,7 @@ impl CallError {
                 code: ErrorCode::Limit,
                 rule: Some(rule(component, formula)),
                 message: format!(
-                    "{begin}; for {silence} steps the plant has not kept {}",
+                    "{begin}; for {silence} steps {}",
                     silent(component, formula)
                 ),
             },

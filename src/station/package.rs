@@ -7,9 +7,10 @@ use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// The files of `ffi/` that belong to every library, embedded in the program.
-pub const SUPPORT: [(&str, &str); 5] = [
+pub const SUPPORT: [(&str, &str); 6] = [
     ("station.h", include_str!("../../ffi/station.h")),
     ("machine.h", include_str!("../../ffi/machine.h")),
+    ("step.c", include_str!("../../ffi/step.c")),
     ("runtime.c", include_str!("../../ffi/runtime.c")),
     ("uf_value.h", include_str!("../../ffi/uf_value.h")),
     (

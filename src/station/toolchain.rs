@@ -232,13 +232,14 @@ impl Toolchain {
             path: path.to_owned(),
             cause,
         };
-        // A library without a manifest is not looked at, so the old manifest goes first and the new one comes last.
-        match std::fs::remove_file(Manifest::path(path)) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(unwritable(e)),
-            _ => {}
+        // A library without a manifest is made again, so that of other bytes goes first and the new one comes last. One of
+        // the same bytes stays: another process may just have built the same, and be about to load it.
+        let manifest_path = Manifest::path(path);
+        if std::fs::read(&manifest_path).is_ok_and(|old| old != manifest) {
+            std::fs::remove_file(&manifest_path).map_err(unwritable)?;
         }
         std::fs::rename(&made, path).map_err(unwritable)?;
-        write(&Manifest::path(path), &manifest)
+        write(&manifest_path, &manifest)
     }
 
     fn flags(&self) -> impl Iterator<Item = &str> {
@@ -262,6 +263,8 @@ impl Toolchain {
                 .opt_level(0)
                 .out_dir(work)
                 .no_default_flags(true)
+                .warnings(false)
+                .extra_warnings(false)
                 .inherit_rustflags(false)
                 .cargo_metadata(false)
                 .cargo_warnings(false)

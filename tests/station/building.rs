@@ -38,40 +38,27 @@ fn emitted_c_has_no_warnings() {
         .into_iter()
         .filter(|c| Command::new(c).arg("--version").output().is_ok())
         .collect();
-    for (machine, controllers) in [
-        fixtures::manipulator(),
-        fixtures::jammed(),
-        fixtures::belt(),
-    ] {
-        let file = Package::emit(&machine, &controllers)
-            .write_source(folder.path())
-            .unwrap();
+    let variants = [
+        ["-O2", "-DNOTHING"],
+        ["-O0", "-DLW_UF_INTEGER=int64_t"],
+        ["-O0", "-DLW_UF_PACKING=4"],
+    ];
+    for (machine, controllers) in [fixtures::manipulator(), fixtures::belt()] {
+        let package = Package::emit(&machine, &controllers);
+        let file = package.write_source(folder.path()).unwrap();
         for compiler in &compilers {
-            for level in ["-O0", "-O2"] {
-                for setting in ["-DNOTHING", "-DLW_UF_INTEGER=int64_t", "-DLW_UF_PACKING=4"] {
-                    let output = Command::new(compiler)
-                        .args([
-                            "-std=c99",
-                            "-Wall",
-                            "-Wextra",
-                            "-Wconversion",
-                            "-Werror",
-                            level,
-                            setting,
-                            "-fPIC",
-                            "-c",
-                        ])
-                        .arg(&file)
-                        .arg("-o")
-                        .arg(folder.path().join("out.o"))
-                        .output()
-                        .unwrap();
-                    assert!(
-                        output.status.success(),
-                        "{}",
-                        String::from_utf8_lossy(&output.stderr)
-                    );
-                }
+            for variant in variants {
+                let output = Command::new(compiler)
+                    .args(["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror"])
+                    .args(variant)
+                    .args(["-fPIC", "-c"])
+                    .arg(&file)
+                    .arg("-o")
+                    .arg(folder.path().join("out.o"))
+                    .output()
+                    .unwrap();
+                let errors = String::from_utf8_lossy(&output.stderr);
+                assert!(output.status.success(), "{errors}");
             }
         }
     }
@@ -188,6 +175,29 @@ fn several_libraries_at_once() {
             .iter()
             .all(|b| !b.as_ref().unwrap().compiled)
     );
+}
+
+/// As when several processes run the same line for the first time.
+#[test]
+fn the_same_library_built_at_the_same_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let (machine, controllers) = fixtures::belt();
+    let package = Package::emit(&machine, &controllers);
+    for _ in 0..3 {
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    let built = Toolchain::host().build(&package, folder.path(), true);
+                    let library = Library::open(&built.unwrap().path).unwrap();
+                    library
+                        .instance()
+                        .unwrap()
+                        .step(&[0, 0], &mut [0; 4])
+                        .unwrap();
+                });
+            }
+        });
+    }
 }
 
 #[test]

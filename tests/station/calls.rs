@@ -1,5 +1,6 @@
 //! The exports themselves, called with what a host can get wrong, and from several threads.
 #![expect(unsafe_code, reason = "calls exports as a foreign host does")]
+#![expect(clippy::float_cmp, reason = "codes and copied values are exact")]
 
 use crate::fixtures;
 use linewright::contract::machine::Machine;

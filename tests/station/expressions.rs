@@ -2,6 +2,8 @@
 //!
 //! All functions of a test go into one C file, warnings are errors, and the program prints what it computes.
 
+#![expect(clippy::float_cmp, reason = "the two must agree to the last bit")]
+
 use crate::differential::Random;
 use crate::fixtures::op;
 use linewright::contract::machine::{RealBinary, RealExpr, RealUnary};
@@ -168,10 +170,7 @@ fn prelude() -> String {
         "JUSTICE",
         "HANDLE_MARK",
     ];
-    let sizes: String = sizes
-        .iter()
-        .map(|s| format!("#define LW_{s} 1\n"))
-        .collect();
+    let sizes = sizes.map(|s| format!("#define LW_{s} 1\n")).concat();
     format!("{sizes}#include \"machine.h\"\n#include <stdio.h>\n\n")
 }
 

@@ -416,12 +416,15 @@ pub fn manipulator() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
     with_controllers(machine)
 }
 
-/// The manipulator with a signal that is never free: its turning does not end.
+/// The manipulator with an axis that gets stuck after half a turn: some operations do not end.
 pub fn jammed() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
     let (machine, controllers) = manipulator();
     let mut machine = (*machine).clone();
     "Jammed".clone_into(&mut machine.name);
-    machine.plant[3].source = PlantSource::Signal { script: vec![0] };
+    let mut script = vec![0; 80];
+    script[1] = 1;
+    script[2] = 1;
+    machine.plant[3].source = PlantSource::Signal { script };
     (Arc::new(machine), controllers)
 }
 

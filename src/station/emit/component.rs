@@ -171,7 +171,7 @@ impl Emitter<'_> {
         let mut numbers = std::collections::BTreeMap::new();
         let mut tests = Vec::new();
         let mut rows = Vec::new();
-        let mut row_of = vec!["    0, /* before step 0 */\n".to_owned()];
+        let mut row_of = Vec::new();
         let mut test_count = 0;
         let mut row_count = 0;
         let places = std::iter::once(&controller.initial).chain(&controller.states);
@@ -181,6 +181,7 @@ impl Emitter<'_> {
             } else {
                 format!("state {}", place - 1)
             };
+            row_of.push(format!("    {row_count}, /* {place_name} */\n"));
             let mut heading = format!("    /* {place_name} */\n");
             for transition in transitions {
                 let answer = *numbers
@@ -216,8 +217,8 @@ impl Emitter<'_> {
                     row_count += 1;
                 }
             }
-            row_of.push(format!("    {row_count}, /* up to here: {place_name} */\n"));
         }
+        row_of.push(format!("    {row_count},\n"));
         let ports = &controller.outputs;
         let answers: Vec<String> = answers
             .iter()

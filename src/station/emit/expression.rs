@@ -76,18 +76,30 @@ fn simplify(expr: &Expr) -> Expr {
         Expr::Binary(op, a, b) => {
             let (a, b) = (simplify(a), simplify(b));
             match (op, constant(&a), constant(&b)) {
+                // One constant decides ...
                 (BinaryOp::And, Some(0), _) | (BinaryOp::And, _, Some(0)) => Expr::FALSE,
-                (BinaryOp::Or, Some(x), _) | (BinaryOp::Or, _, Some(x)) if x != 0 => Expr::TRUE,
+                (BinaryOp::Or, Some(x), _) | (BinaryOp::Or | BinaryOp::Implies, _, Some(x))
+                    if x != 0 =>
+                {
+                    Expr::TRUE
+                }
                 (BinaryOp::Implies, Some(0), _) => Expr::TRUE,
-                (BinaryOp::Implies, _, Some(x)) if x != 0 => Expr::TRUE,
-                (BinaryOp::Implies, _, Some(_)) if is_truth(&a) => a.not(),
-                (BinaryOp::And | BinaryOp::Implies, Some(_), _) if is_truth(&b) => b,
-                (BinaryOp::And, _, Some(_)) if is_truth(&a) => a,
-                (BinaryOp::Or, Some(_), _) if is_truth(&b) => b,
-                (BinaryOp::Or, _, Some(_)) if is_truth(&a) => a,
-                (BinaryOp::Eq, _, Some(1)) if is_truth(&a) => a,
-                (BinaryOp::Eq, Some(1), _) if is_truth(&b) => b,
-                (BinaryOp::Eq, _, Some(0)) if is_truth(&a) => a.not(),
+                // ... or says nothing, and the other operand is left,
+                (BinaryOp::And | BinaryOp::Or | BinaryOp::Implies, Some(_), _)
+                | (BinaryOp::Eq, Some(1), _)
+                    if is_truth(&b) =>
+                {
+                    b
+                }
+                (BinaryOp::And | BinaryOp::Or, _, Some(_)) | (BinaryOp::Eq, _, Some(1))
+                    if is_truth(&a) =>
+                {
+                    a
+                }
+                // ... or its negation.
+                (BinaryOp::Implies, _, Some(_)) | (BinaryOp::Eq, _, Some(0)) if is_truth(&a) => {
+                    a.not()
+                }
                 (BinaryOp::Eq, Some(0), _) if is_truth(&b) => b.not(),
                 (BinaryOp::Eq | BinaryOp::Le | BinaryOp::Ge, _, _) if a == b => Expr::TRUE,
                 (BinaryOp::Ne | BinaryOp::Lt | BinaryOp::Gt, _, _) if a == b => Expr::FALSE,

@@ -1,0 +1,405 @@
+/* What a machine does: one step, one operation, and what is said when something is wrong.
+ *
+ * Included at the end of a generated machine file, whose tables it interprets: `lw_component_table`, `lw_plant_table`,
+ * `lw_operation_table`, `lw_justice_table`, `lw_property_names`, `machine_done` and `machine_write`. What a step and an
+ * operation mean, and in which order things are checked, is written down in `src/station/interpret.rs`; the two are tested
+ * against each other. Nothing here knows of instances, threads or the platform. */
+#include "machine.h"
+
+#include <string.h>
+
+/* ---- Errors ------------------------------------------------------------------------------------------------------ */
+
+#define LW_TEXT_SIZE 1024
+
+typedef struct lw_error {
+    size_t length;
+    char text[LW_TEXT_SIZE];
+    const char *rule;
+} lw_error;
+
+/* Text is put together by hand: printf follows the host's locale, and would allocate. */
+static void lw_say(lw_error *error, const char *text)
+{
+    size_t i = 0;
+    while (text[i] != '\0' && error->length + 1 < LW_TEXT_SIZE) {
+        error->text[error->length] = text[i];
+        error->length++;
+        i++;
+    }
+    if (text[i] != '\0') {
+        /* No half of a UTF-8 character stays at the end. */
+        while (error->length > 0 && ((unsigned char)text[i] & 0xC0U) == 0x80U && i > 0) {
+            error->length--;
+            i--;
+        }
+    }
+    error->text[error->length] = '\0';
+}
+
+static void lw_say_integer(lw_error *error, int64_t value)
+{
+    char digits[24];
+    int at = (int)sizeof digits - 1;
+    uint64_t rest = value < 0 ? (uint64_t)0 - (uint64_t)value : (uint64_t)value;
+    digits[at] = '\0';
+    do {
+        at--;
+        digits[at] = (char)('0' + (int)(rest % 10U));
+        rest /= 10U;
+    } while (rest != 0);
+    if (value < 0) {
+        at--;
+        digits[at] = '-';
+    }
+    lw_say(error, &digits[at]);
+}
+
+/* Up to six decimals, without zeros at the end. */
+static void lw_say_real(lw_error *error, double value)
+{
+    if (!(fabs(value) < 1e12)) {
+        lw_say(error, "out of range");
+        return;
+    }
+    double millionths = round(fabs(value) * 1e6);
+    int64_t whole = (int64_t)millionths / 1000000;
+    int64_t part = (int64_t)millionths % 1000000;
+    if (value < 0 && (whole != 0 || part != 0)) {
+        lw_say(error, "-");
+    }
+    lw_say_integer(error, whole);
+    if (part != 0) {
+        char decimals[8];
+        int length = 6;
+        decimals[0] = '.';
+        for (int i = 6; i >= 1; i--) {
+            decimals[i] = (char)('0' + (int)(part % 10));
+            part /= 10;
+        }
+        while (decimals[length] == '0') {
+            length--;
+        }
+        decimals[length + 1] = '\0';
+        lw_say(error, decimals);
+    }
+}
+
+static int32_t lw_fail(lw_error *error, int32_t code, const char *text)
+{
+    error->length = 0;
+    error->rule = "";
+    lw_say(error, text);
+    return code;
+}
+
+static int32_t lw_fail_name(lw_error *error, int32_t code, const char *before, const char *name, const char *after)
+{
+    lw_fail(error, code, before);
+    lw_say(error, name);
+    lw_say(error, after);
+    return code;
+}
+
+static int32_t lw_fail_domain(lw_error *error, const char *component, const char *what, const char *name, int64_t value,
+                              const char *domain)
+{
+    lw_fail(error, LW_ERROR_DOMAIN, component);
+    lw_say(error, what);
+    lw_say(error, name);
+    lw_say(error, "` is ");
+    lw_say_integer(error, value);
+    lw_say(error, ", outside its domain ");
+    lw_say(error, domain);
+    return LW_ERROR_DOMAIN;
+}
+
+static int32_t lw_fail_rule(lw_error *error, int32_t code, const lw_rule *rule)
+{
+    lw_fail(error, code, rule->message);
+    error->rule = rule->rule;
+    return code;
+}
+
+/* ---- One step ---------------------------------------------------------------------------------------------------- */
+
+/* The formulas of one side, initial ones in step 0 or safety in a later one, then the invariants. */
+static const lw_rule *lw_broken(const lw_side *side, int started, const int64_t *previous, const int64_t *current)
+{
+    const lw_promise *first = started ? &side->safety : &side->initial;
+    if (first->check != NULL) {
+        int broken = first->check(previous, current);
+        if (broken >= 0) {
+            return &first->rules[broken];
+        }
+    }
+    if (side->invariants.check != NULL) {
+        int broken = side->invariants.check(previous, current);
+        if (broken >= 0) {
+            return &side->invariants.rules[broken];
+        }
+    }
+    return NULL;
+}
+
+static const lw_row *lw_find(const lw_component *component, int place, const int64_t *current)
+{
+    for (int r = component->row_of[place]; r < component->row_of[place + 1]; r++) {
+        const lw_row *row = &component->rows[r];
+        const lw_test *test = &component->tests[row->first_test];
+        int left = row->tests;
+        while (left > 0) {
+            int64_t value = current[component->input[test->input].value];
+            if (value < test->low || value > test->high) {
+                break;
+            }
+            test++;
+            left--;
+        }
+        if (left == 0) {
+            return row;
+        }
+    }
+    return NULL;
+}
+
+static void lw_put(const lw_component *component, int answer, int64_t *current, int64_t *wires)
+{
+    const int64_t *values = &component->answers[answer * component->outputs];
+    for (int i = 0; i < component->outputs; i++) {
+        current[component->output[i]] = values[i];
+        wires[component->first_wire + i] = values[i];
+    }
+}
+
+/* One component: its inputs, their domains, its assumptions, its answer, its guarantees. */
+static int32_t lw_answer(int index, const lw_state *before, lw_state *after, lw_error *error)
+{
+    const lw_component *component = &lw_component_table[index];
+    const int64_t *previous = &before->values[component->first_value];
+    int64_t *current = &after->values[component->first_value];
+
+    component->bind(after->wires, current);
+    for (int i = 0; i < component->inputs; i++) {
+        const lw_input *input = &component->input[i];
+        int64_t value = current[input->value];
+        if (value < input->low || value > input->high) {
+            return lw_fail_domain(error, component->name, ": input `", input->name, value, input->domain);
+        }
+    }
+    const lw_rule *broken = lw_broken(&component->assumptions, before->started, previous, current);
+    if (broken != NULL) {
+        return lw_fail_rule(error, LW_ERROR_ASSUMPTION, broken);
+    }
+    const lw_row *row = lw_find(component, before->place[index], current);
+    if (row == NULL) {
+        return lw_fail_name(error, LW_ERROR_INTERNAL, "", component->name,
+                            ": there is no transition for inputs that keep the assumptions; please report this");
+    }
+    lw_put(component, row->answer, current, after->wires);
+    broken = lw_broken(&component->guarantees, before->started, previous, current);
+    if (broken != NULL) {
+        return lw_fail_rule(error, LW_ERROR_GUARANTEE, broken);
+    }
+    after->place[index] = row->to;
+    return LW_OK;
+}
+
+static int32_t lw_advance(const lw_state *before, const int64_t *plant, lw_state *after, lw_error *error)
+{
+    memset(after, 0, sizeof *after);
+    for (int i = 0; i < LW_PLANT; i++) {
+        const lw_plant_input *input = &lw_plant_table[i];
+        if (plant[i] < input->low || plant[i] > input->high) {
+            return lw_fail_domain(error, "", "plant input `", input->name, plant[i], input->domain);
+        }
+        after->wires[i] = plant[i];
+    }
+    /* Moore components answer before they see anything. */
+    for (int c = 0; c < LW_COMPONENTS; c++) {
+        const lw_component *component = &lw_component_table[c];
+        if (component->moore) {
+            int row = component->row_of[before->place[c]];
+            if (row == component->row_of[before->place[c] + 1]) {
+                return lw_fail_name(error, LW_ERROR_INTERNAL, "", component->name,
+                                    ": there is no transition at all; please report this");
+            }
+            lw_put(component, component->rows[row].answer, &after->values[component->first_value], after->wires);
+        }
+    }
+    for (int moore = 0; moore <= 1; moore++) {
+        for (int c = 0; c < LW_COMPONENTS; c++) {
+            if (lw_component_table[c].moore == moore) {
+                int32_t code = lw_answer(c, before, after, error);
+                if (code != LW_OK) {
+                    return code;
+                }
+            }
+        }
+    }
+    after->started = 1;
+    return LW_OK;
+}
+
+/* ---- One operation ----------------------------------------------------------------------------------------------- */
+
+/* What is summed up while an operation runs. */
+typedef struct lw_job {
+    const double *properties;
+    int running[LW_COMPONENTS + 1]; /* active in the step before */
+    int64_t held[LW_JUSTICE + 1];   /* the step, from 1, in which each justice assumption last held */
+    lw_service service;
+} lw_job;
+
+/* Inputs from properties: the value must be an integer of the domain, to within 1e-9. */
+static int32_t lw_abstract(const lw_state *state, const double *properties, int64_t operation, int64_t *plant,
+                           lw_error *error)
+{
+    for (int i = 0; i < LW_PROPERTIES; i++) {
+        if (!isfinite(properties[i])) {
+            return lw_fail_name(error, LW_ERROR_DOMAIN, "property `", lw_property_names[i], "` is not a finite number");
+        }
+    }
+    for (int i = 0; i < LW_PLANT; i++) {
+        const lw_plant_input *input = &lw_plant_table[i];
+        plant[i] = operation;
+        if (input->source == LW_FROM_PROPERTY) {
+            double value = input->abstraction(properties, state->wires);
+            double nearest = round(value);
+            if (!(fabs(value - nearest) <= 1e-9 && nearest >= (double)input->low && nearest <= (double)input->high)) {
+                lw_fail(error, LW_ERROR_DOMAIN, input->about);
+                lw_say(error, " would be ");
+                lw_say_real(error, value);
+                lw_say(error, ", not an integer of ");
+                lw_say(error, input->domain);
+                return LW_ERROR_DOMAIN;
+            }
+            plant[i] = (int64_t)nearest;
+        }
+    }
+    return LW_OK;
+}
+
+/* Time, energy and justice of a step that was made. */
+static int32_t lw_charge(lw_job *job, const lw_state *start, const lw_state *before, const lw_state *after,
+                         lw_error *error)
+{
+    double seconds = 0.0;
+    double watts = LW_BASE_WATTS;
+    int any = 0;
+    job->service.steps++;
+    for (int c = 0; c < LW_COMPONENTS; c++) {
+        const lw_component *component = &lw_component_table[c];
+        const int64_t *previous = &before->values[component->first_value];
+        const int64_t *current = &after->values[component->first_value];
+        if (component->justice != NULL) {
+            component->justice(previous, current, before->started, job->service.steps,
+                               &job->held[component->first_justice]);
+        }
+        if (component->active == NULL || !component->active(after->wires)) {
+            job->running[c] = 0;
+            continue;
+        }
+        double drawn = component->watts(job->properties, start->wires);
+        if (!isfinite(drawn)) {
+            return lw_fail_name(error, LW_ERROR_DOMAIN, "", component->name, ": its power is not a finite number");
+        }
+        watts += drawn;
+        any = 1;
+        if (component->time == LW_TIME_STEP || !job->running[c]) {
+            double takes = component->seconds(job->properties, start->wires);
+            if (!(isfinite(takes) && takes >= 0.0)) {
+                return lw_fail_name(error, LW_ERROR_DOMAIN, "", component->name,
+                                    ": its time is not a finite number of at least 0");
+            }
+            if (takes > seconds) {
+                seconds = takes;
+            }
+        }
+        job->running[c] = 1;
+    }
+    if (!any) {
+        seconds = LW_STEP_SECONDS;
+    }
+    job->service.seconds += seconds;
+    job->service.joules += seconds * watts;
+    return LW_OK;
+}
+
+static int32_t lw_limit(const lw_job *job, const char *operation, lw_error *error)
+{
+    int longest = -1;
+    lw_fail_name(error, LW_ERROR_LIMIT, "`", operation, "` did not end within ");
+    lw_say_integer(error, LW_STEP_LIMIT);
+    lw_say(error, " steps");
+    for (int j = 0; j < LW_JUSTICE; j++) {
+        if (longest < 0 || job->held[j] < job->held[longest]) {
+            longest = j;
+        }
+    }
+    if (longest >= 0) {
+        lw_say(error, "; for ");
+        lw_say_integer(error, job->service.steps - job->held[longest]);
+        lw_say(error, " steps ");
+        lw_say(error, lw_justice_table[longest].message);
+        error->rule = lw_justice_table[longest].rule;
+    }
+    return LW_ERROR_LIMIT;
+}
+
+/* Runs an operation from `state`, which is changed only at its end (or reset, at the step limit). `after` gets the
+ * properties. */
+static int32_t lw_perform(lw_state *state, int32_t operation, const double *properties, double *after,
+                          lw_service *service, lw_error *error)
+{
+    lw_state states[2];
+    lw_job job;
+    int64_t plant[LW_PLANT + 1];
+    int32_t code;
+
+    if (operation < 0 || operation >= LW_OPERATIONS) {
+        lw_fail(error, LW_ERROR_OPERATION, "there is no operation ");
+        lw_say_integer(error, operation);
+        return LW_ERROR_OPERATION;
+    }
+    code = lw_abstract(state, properties, lw_operation_table[operation].value, plant, error);
+    if (code != LW_OK) {
+        return code;
+    }
+    memset(&job, 0, sizeof job);
+    job.properties = properties;
+    states[0] = *state;
+    for (int64_t step = 0; step < LW_STEP_LIMIT; step++) {
+        const lw_state *before = &states[step % 2];
+        lw_state *next = &states[(step + 1) % 2];
+        for (int i = 0; i < LW_PLANT; i++) {
+            if (lw_plant_table[i].source == LW_FROM_SCRIPT) {
+                plant[i] = lw_plant_table[i].script[step % lw_plant_table[i].script_length];
+            }
+        }
+        code = lw_advance(before, plant, next, error);
+        if (code == LW_OK) {
+            code = lw_charge(&job, state, before, next, error);
+        }
+        if (code != LW_OK) {
+            return code;
+        }
+        if (machine_done(next->wires)) {
+            for (int i = 0; i < LW_PROPERTIES; i++) {
+                after[i] = properties[i];
+            }
+            machine_write(properties, next->wires, after);
+            for (int i = 0; i < LW_PROPERTIES; i++) {
+                if (!isfinite(after[i])) {
+                    return lw_fail_name(error, LW_ERROR_DOMAIN, "property `", lw_property_names[i],
+                                        "` would get a value that is not a finite number");
+                }
+            }
+            *service = job.service;
+            *state = *next;
+            return LW_OK;
+        }
+    }
+    memset(state, 0, sizeof *state);
+    return lw_limit(&job, lw_operation_table[operation].name, error);
+}
