@@ -332,6 +332,7 @@ impl Run<'_> {
         self.finished += 1;
         if self.parts[part].kind == self.line.product {
             self.products += 1;
+            self.stored += u64::from(matches!(self.places[node], Place::Store(_)));
             self.makespan = self.now;
             self.events_at_product = self.events;
             self.lead_times.add(self.now - self.parts[part].birth);

@@ -120,6 +120,7 @@ struct Run<'a> {
     end: Option<End>,
     // Counters.
     products: u64,
+    stored: u64,
     makespan: f64,
     lead_times: LeadTimes,
     entered: u64,
@@ -285,6 +286,7 @@ impl<'a> Run<'a> {
             order: 0,
             end: None,
             products: 0,
+            stored: 0,
             makespan: 0.0,
             lead_times: LeadTimes::new(seed),
             entered: 0,
