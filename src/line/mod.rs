@@ -15,7 +15,7 @@
 //! **Sources** keep the part they made until there is room for it. The next one is due the stated time after that one was made,
 //! and is made then, or as soon as the one before it has left. A source on order has one order for each wanted
 //! product (times how many of its parts a product is joined from), and as many again for each part that is rejected and
-//! sent back.
+//! sent back; orders to a source by time raise its limit.
 //!
 //! **Stations** work on one part at a time and block after service. A task whose part type comes to the station by a route (a
 //! checked product, say), or has no bill, takes such a part when the station is free; one whose components come by routes has a place for each of its components, which fill ahead while the station works, and is ready when all

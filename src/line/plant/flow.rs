@@ -354,11 +354,8 @@ impl Run<'_> {
                 return;
             };
             let count = self.setup.content(kind, ordered);
-            if let Place::Source(source) = &mut self.places[source] {
-                source.order(count);
-            }
+            self.order(source, count);
             self.rejects[kind].1 += count;
-            self.look_at(source);
         }
     }
 
