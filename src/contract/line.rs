@@ -186,7 +186,8 @@ pub enum Supply {
 pub struct Task {
     /// The part type that leaves. Where its bill is empty it is also the one that comes; otherwise the station waits
     /// for all that the bill names, and joins them. A station to which routes bring parts of this type works on them as they
-    /// are even so (a camera that checks the joined product); one to which they bring the components too does both.
+    /// are even so (a camera that checks the joined product); it joins them as well only if routes also bring all of the
+    /// components, and none of these has a task of its own there.
     pub part: usize,
     /// The operations, one after the other, as indices into the machine's operations, each with the values of the machine's
     /// parameters (index into its properties, value).
