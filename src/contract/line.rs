@@ -178,7 +178,8 @@ pub enum Supply {
         limit: Option<u64>,
     },
     /// One an order: as many orders as end products are wanted (without end where only a time is given), and one more
-    /// for each part that a sink sends back for a new one.
+    /// for each part that a sink sends back for a new one; each is for as many parts as are in one product (or in the
+    /// part that was rejected), and at least one.
     OnOrder,
 }
 
@@ -186,7 +187,9 @@ pub enum Supply {
 #[derive(Debug, Clone)]
 pub struct Task {
     /// The part type that leaves. Where its bill is empty it is also the one that comes; otherwise the station waits
-    /// for all that the bill names, and joins them.
+    /// for all that the bill names, and joins them. A station to which routes bring parts of this type works on them as they
+    /// are even so (a camera that checks the joined product); it joins them as well only if routes also bring all of the
+    /// components, and none of these has a task of its own there.
     pub part: usize,
     /// The operations, one after the other, as indices into the machine's operations, each with the values of the machine's
     /// parameters (index into its properties, value).

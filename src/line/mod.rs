@@ -15,12 +15,13 @@
 //! **Sources** keep the part they made until there is room for it. The next one is due the stated time after that one was made,
 //! and is made then, or as soon as the one before it has left. A source on order has one order for each wanted
 //! product (times how many of its parts a product is joined from), and as many again for each part that is rejected and
-//! sent back.
+//! sent back; orders to a source by time raise its limit.
 //!
-//! **Stations** work on one part at a time and block after service. A task whose part type comes to the station by a route (a
-//! checked product, say), or has no bill, takes such a part when the station is free; one whose components come by routes, and
-//! not for a task of their own, has a place for each of its components, which fill ahead while the station works, and is
-//! ready when all are there. A free station begins with what has waited longest. The setup time passes when the type that leaves differs
+//! **Stations** work on one part at a time and block after service. A task that joins has a place for each component of
+//! its bill; these fill ahead while the station works, and the task is ready when all are there. Any other task takes a part
+//! of its type when the station is free. Which task does which is said at [`Task::part`](crate::contract::line::Task::part):
+//! a camera that checks a joined product does not join it again. Where a component has several places, the first task's fills
+//! first. A free station begins with what has waited longest. The setup time passes when the type that leaves differs
 //! from the last one. The controller is called when service begins; the station is then busy for as long as it answered.
 //! The working time to the next breakdown counts only while the station is busy; repairs go on off shift. Off shift, setup
 //! and service stand still and no new part is taken; conveyors, sources and stores go on.

@@ -16,6 +16,8 @@ pub struct Trace {
     pub events: u64,
     /// End products in a sink that does not reject, or in a store.
     pub products: u64,
+    /// Those of them that are in a store.
+    pub stored: u64,
     /// The time of the last end product; 0 where there is none.
     pub makespan: f64,
     /// End products an hour of simulated time.

@@ -103,6 +103,7 @@ pub fn json(
         "events": trace.events,
         "product": part_name(line.product),
         "products": trace.products,
+        "stored": trace.stored,
         "parts": {
             "entered": trace.parts.entered,
             "finished": trace.parts.finished,

@@ -32,9 +32,14 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
     let mut row = |label: &str, text: String| {
         let _ = writeln!(out, "  {label:<12} {text}");
     };
+    let verb = if trace.stored == trace.products && trace.stored > 0 {
+        "stored"
+    } else {
+        "finished"
+    };
     row(
         "products",
-        format!("{} {product} finished{ending}", trace.products),
+        format!("{} {product} {verb}{ending}", trace.products),
     );
     row("makespan", clock(trace.makespan));
     if (trace.seconds - trace.makespan).abs() >= 0.5 {

@@ -1,8 +1,11 @@
 //! Conveyors that a controller moves.
 
-use crate::support::{Builder, Shift1, constant, every};
+use crate::support::{Builder, Shift1, constant, every, span};
+use linewright::contract::line::{Defect, InitialValue, Supply};
+use linewright::contract::machine::{RealExpr, RealUnary};
 use linewright::line::End;
 use linewright::line::trace::What;
+use linewright::station::{CallError, Controller, ErrorCode, Service};
 
 #[test]
 fn a_belt_carries_parts_in_their_order() {
@@ -88,4 +91,103 @@ fn a_lost_part_is_found() {
     assert_eq!(trace.end, End::PartLost);
     assert_eq!(trace.findings[0].code.id, "LW407");
     insta::assert_snapshot!(trace.findings[0].message, @r#"belt lost a part at 0:00:05: its controller says that 0 of its places are occupied, but 2 parts are on it"#);
+}
+
+#[test]
+fn a_belt_whose_assumption_breaks_is_named() {
+    struct Refuses(Shift1);
+    impl Controller for Refuses {
+        fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Result<Service, CallError> {
+            self.0.simulate(operation, values)
+        }
+        fn step(&mut self, plant: &[i64], outputs: &mut [i64]) -> Result<(), CallError> {
+            // It was promised that nothing comes while it cannot get rid of anything.
+            if plant == [1, 0] {
+                return Err(CallError {
+                    code: ErrorCode::Assumption,
+                    rule: Some("belt: no jam".to_owned()),
+                    message: "belt: the assumption no jam does not hold".to_owned(),
+                });
+            }
+            self.0.step(plant, outputs)
+        }
+        fn reset(&mut self) {
+            self.0.reset();
+        }
+    }
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("source", "Part", every(5.0, Some(3)))
+        .belt("belt", 3, Refuses(Shift1::new(3)))
+        .station("slow", &["Part"], constant(100.0))
+        .sink("sink")
+        .route("Part", &["source", "belt", "slow", "sink"]);
+    let trace = builder.run(3);
+    // The first is at the station, the second at the end of the belt, and the third may not come on until that is gone.
+    assert_eq!(trace.end, End::Products);
+    assert_eq!(trace.violation_count, 1);
+    let violation = &trace.violations[0];
+    assert_eq!((violation.time, violation.part), (10.0, None));
+    assert_eq!(violation.node, builder.node("belt"));
+}
+
+/// The shape of the laboratory line: printed bricks are checked, joined with two from the warehouse, checked by the same camera,
+/// and stored; contracted belts between all of them.
+#[test]
+fn a_line_like_the_laboratory() {
+    let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
+    let bad = || {
+        Some(RealExpr::Unary(
+            RealUnary::Not,
+            Box::new(RealExpr::Property(0)),
+        ))
+    };
+    builder
+        .property("Printed", "ok", InitialValue::Number(1.0))
+        .bill("Product", &[("Brick", 2), ("Printed", 1)])
+        .property("Product", "ok", InitialValue::Component(1, 0))
+        .source("orders", "Printed", Supply::OnOrder)
+        .station("printer", &["Printed"], constant(100.0))
+        .with_station("printer", |_, defects, _, _| {
+            defects.push(Defect {
+                part: 1,
+                probability: 0.2,
+                properties: vec![0],
+                value: RealExpr::Number(0.0),
+                span: span(),
+            });
+        })
+        .belt("to_camera", 3, Shift1::new(3))
+        .station("camera", &["Printed", "Product"], constant(8.0))
+        .belt("to_cell", 3, Shift1::new(3))
+        .store("warehouse", &[("Brick", 1000)])
+        .belt("bricks", 4, Shift1::new(4))
+        .station("cell", &["Product"], constant(40.0))
+        .belt("back", 3, Shift1::new(3))
+        .belt("away", 2, Shift1::new(2))
+        .scrap("scrap", Some("orders"))
+        .route("Printed", &["orders", "printer", "to_camera", "camera"])
+        .route_if("Printed", "camera", "scrap", bad())
+        .route("Printed", &["camera", "to_cell", "cell"])
+        .route("Brick", &["warehouse", "bricks", "cell"])
+        .route("Product", &["cell", "back", "camera"])
+        .route_if("Product", "camera", "scrap", bad())
+        .route("Product", &["camera", "away", "warehouse"]);
+    let trace = builder.run(50);
+    assert_eq!(trace.end, End::Products, "{:?}", trace.findings);
+    assert!(trace.findings.is_empty());
+    assert_eq!(trace.stored, 50);
+    let rejected = trace.parts.rejected;
+    assert!((5..30).contains(&rejected), "{rejected}");
+    assert_eq!(trace.stations[0].name, "printer");
+    assert_eq!(trace.bottleneck, Some(0));
+    // The printer works without a break: one print after the other, and then the last one's way through the line.
+    let printed = 100.0 * (50 + rejected) as f64;
+    assert!(
+        (printed..printed + 120.0).contains(&trace.seconds),
+        "{}",
+        trace.seconds
+    );
+    let printer = trace.stations[0].shares;
+    assert!(printer.busy > 0.95 && printer.blocked < 0.02, "{printer:?}");
 }

@@ -3,8 +3,8 @@
 use crate::support::{Builder, Shift1, constant, every, refusing};
 use linewright::contract::line::{InitialValue, Supply};
 use linewright::contract::machine::RealExpr;
-use linewright::diagnostics::Diagnostic;
-use linewright::line::{End, Trace};
+use linewright::diagnostics::{Diagnostic, Severity};
+use linewright::line::{End, Options, Trace};
 
 fn text(trace: &Trace) -> String {
     let line = |f: &Diagnostic| {
@@ -169,4 +169,45 @@ fn a_station_that_refuses_everything_ends() {
     assert_eq!(trace.end, End::Blocked);
     assert_eq!(trace.findings.len(), 2);
     assert!(trace.violations.len() == 1000 && trace.violation_count > 1000);
+}
+
+#[test]
+fn a_line_that_only_makes_scrap_ends() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("printer", "Part", Supply::OnOrder)
+        .station("cell", &["Part"], constant(1.0))
+        .scrap("scrap", Some("printer"))
+        .route("Part", &["printer", "cell", "scrap"]);
+    let options = Options {
+        parts: Some(1),
+        ..Options::default()
+    };
+    let trace = builder.plant(options).run();
+    assert_eq!(trace.end, End::Blocked);
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line makes no progress: it has made 0 of 1 products, and none in the last 5000000 events
+      See whether every part is rejected; --until ends a run at a time.
+    "#);
+}
+
+#[test]
+fn for_a_time_only_a_starved_line_is_no_error() {
+    let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
+    builder
+        .bill("Product", &[("Brick", 2), ("Printed", 1)])
+        .store("warehouse", &[("Brick", 100)])
+        .source("printer", "Printed", every(5.0, Some(3)))
+        .station("cell", &["Product"], constant(1.0))
+        .sink("sink")
+        .route("Brick", &["warehouse", "cell"])
+        .route("Printed", &["printer", "cell"])
+        .route("Product", &["cell", "sink"]);
+    let trace = builder.run_until(1000.0);
+    assert_eq!((trace.end, trace.seconds), (End::Time, 1000.0));
+    assert_eq!(trace.findings[0].severity, Severity::Note);
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: nothing moves any more from 0:00:11 on: warehouse waits for cell, cell waits for a part of type Printed, but printer has made all 3 of its limit
+      See that what is missing is made or stocked in sufficient number, that rejected parts are ordered again, or ask for fewer products.
+    "#);
 }

@@ -236,3 +236,58 @@ fn a_store_in_the_middle_hands_parts_on() {
     assert_eq!((trace.end, trace.seconds), (End::Time, 100.0));
     assert!(trace.findings.is_empty(), "all is done");
 }
+
+#[test]
+fn an_order_raises_the_limit_of_a_source_by_time() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .property("Part", "ok", InitialValue::Number(0.0))
+        .source("source", "Part", every(10.0, Some(2)))
+        .station(
+            "camera",
+            &["Part"],
+            verdict(25.0, |call| f64::from(call > 2)),
+        )
+        .machine_properties("camera", &["ok"])
+        .sink("good")
+        .scrap("bad", Some("source"))
+        .route("Part", &["source", "camera"])
+        .route_if("Part", "camera", "bad", is(0, 0.0))
+        .route("Part", &["camera", "good"]);
+    let trace = builder.run(2);
+    // Both of the limit are bad; the third is due at 20 and made when the first is rejected, at 25.
+    assert_eq!((trace.end, trace.seconds), (End::Products, 100.0));
+    assert_eq!(trace.parts.rejected, 2);
+}
+
+#[test]
+fn a_station_joins_products_and_works_on_them_again() {
+    let mut builder = Builder::new(&["Brick", "Product"]);
+    builder
+        .bill("Product", &[("Brick", 2)])
+        .property("Product", "rounds", InitialValue::Number(0.0))
+        .store("warehouse", &[("Brick", 100)])
+        .station("cell", &["Product"], {
+            crate::support::Work(
+                |_, values: &mut [f64]| {
+                    values[0] += 1.0;
+                    crate::support::took(10.0)
+                },
+                0,
+            )
+        })
+        .machine_properties("cell", &["rounds"])
+        .station("camera", &["Product"], constant(1.0))
+        .route("Brick", &["warehouse", "cell"])
+        .route("Product", &["cell", "camera"])
+        .buffer("again", 10)
+        .route_if("Product", "camera", "again", is(0, 1.0))
+        .route("Product", &["again", "cell"])
+        .route("Product", &["camera", "warehouse"]);
+    let trace = builder.run(1);
+    // Made by 10 and seen by 11. The bricks of the third product have waited in the cell since 10, so that one is made from 20
+    // to 30; those of the fourth came later than the first product did, which is worked on until 40 and seen by 41.
+    assert_eq!((trace.end, trace.seconds), (End::Products, 41.0));
+    assert_eq!(trace.stored, 1);
+    assert_eq!(trace.lead_time.max, 41.0);
+}

@@ -61,7 +61,7 @@ fn as_text() {
     let text = report::table(plant.line(), &trace, None);
     assert!(text.lines().all(|l| l.chars().count() <= 100), "{text}");
     insta::assert_snapshot!(text, @r#"
-    products     6 Product finished
+    products     6 Product stored
     makespan     0:03:26
     throughput   104.85 an hour
     lead time    mean 0:01:01, half within 0:01:00, 95 % within 0:01:06, longest 0:01:06
@@ -214,6 +214,7 @@ fn as_json() {
           "starved": 0.0
         }
       ],
+      "stored": 6,
       "throughput_per_hour": 104.854369,
       "violation_count": 1,
       "violations": [

@@ -134,7 +134,7 @@ fn departures_equal_the_recursion_exactly() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(60) })]
 
     #[test]
     fn departures_equal_the_recursion_on_any_line(

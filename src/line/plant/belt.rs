@@ -332,6 +332,8 @@ impl<'a> Run<'a> {
         if let Some(to) = self.outlets[outlet].to {
             self.waiting[to].retain(|request: &Request| request.outlet != outlet);
             self.transfer(outlet);
+            // Those behind it in the queue stood back for it.
+            self.look_at(to);
         }
     }
 

@@ -32,6 +32,17 @@ impl Run<'_> {
             && !chain.as_ref().is_some_and(|chain| chain.circle)
             && self.wayless.is_empty()
         {
+            if let Some(chain) = chain {
+                let message = format!(
+                    "nothing moves any more from {} on: {}",
+                    self.moment(),
+                    chain.texts.join(", ")
+                );
+                self.findings.push(
+                    Diagnostic::note(codes::LINE_BLOCKED, self.line.span, message)
+                        .with_help(self.advice(&chain)),
+                );
+            }
             self.now = horizon;
             return End::Time;
         }

@@ -67,6 +67,7 @@ impl Run<'_> {
             seconds: now,
             events: self.events,
             products: self.products,
+            stored: self.stored,
             makespan: self.makespan,
             throughput_per_hour: if now > 0.0 {
                 self.products as f64 * 3600.0 / now

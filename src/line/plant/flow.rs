@@ -332,6 +332,7 @@ impl Run<'_> {
         self.finished += 1;
         if self.parts[part].kind == self.line.product {
             self.products += 1;
+            self.stored += u64::from(matches!(self.places[node], Place::Store(_)));
             self.makespan = self.now;
             self.events_at_product = self.events;
             self.lead_times.add(self.now - self.parts[part].birth);
@@ -353,11 +354,8 @@ impl Run<'_> {
                 return;
             };
             let count = self.setup.content(kind, ordered);
-            if let Place::Source(source) = &mut self.places[source] {
-                source.order(count);
-            }
+            self.order(source, count);
             self.rejects[kind].1 += count;
-            self.look_at(source);
         }
     }
 

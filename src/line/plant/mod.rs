@@ -35,7 +35,7 @@ const MAX_AT_ONE_INSTANT: u64 = 1_000_000;
 /// More than so many violations at one instant, likewise; each may cost a whole operation.
 const MAX_VIOLATIONS_AT_ONE_INSTANT: u64 = 10_000;
 /// More than so many events since the last end product, and a run that waits for products is taken to make none any more.
-const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 20_000_000;
+const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
 
 /// A line that can be run, again and again.
 pub struct Plant {
@@ -120,6 +120,7 @@ struct Run<'a> {
     end: Option<End>,
     // Counters.
     products: u64,
+    stored: u64,
     makespan: f64,
     lead_times: LeadTimes,
     entered: u64,
@@ -285,6 +286,7 @@ impl<'a> Run<'a> {
             order: 0,
             end: None,
             products: 0,
+            stored: 0,
             makespan: 0.0,
             lead_times: LeadTimes::new(seed),
             entered: 0,
@@ -493,6 +495,8 @@ impl<'a> Run<'a> {
                     format!("the guarantee \"{rule}\" was broken")
                 }
                 (Some(rule), _) => format!("\"{rule}\" was broken"),
+                (None, ErrorCode::Limit) => "the operation did not end".to_owned(),
+                (None, ErrorCode::Domain) => "a value is outside its domain".to_owned(),
                 (None, _) => "the controller refused a call".to_owned(),
             };
             let work = part.map_or(String::new(), |(number, kind)| {

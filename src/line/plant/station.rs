@@ -86,11 +86,14 @@ impl Station {
                 .iter()
                 .any(|route| route.to == node && route.part == kind)
         };
-        // A component with a task of its own comes for that, not to be joined: a camera looks at bricks and at the toys made of them.
-        let own = |kind| tasks.iter().any(|task| task.part == kind);
+        // Where the product itself comes too, it may be that its components only pass through: they are joined here only if all
+        // of them come, and none for a task of its own.
         let joins = |task: &Task| {
-            let bill = &line.parts[task.part].bill;
-            bill.iter().any(|&(kind, _)| comes(kind) && !own(kind)) || !comes(task.part)
+            !comes(task.part)
+                || line.parts[task.part]
+                    .bill
+                    .iter()
+                    .all(|&(kind, _)| comes(kind) && tasks.iter().all(|other| other.part != kind))
         };
         Self {
             bills: tasks

@@ -17,8 +17,9 @@ pub(super) struct Source {
     /// Seconds between two parts, and the stream they are drawn from where they are random; `None` where it makes parts
     /// whenever there is room.
     interval: Option<(f64, Option<Stream>)>,
-    /// The next part is due.
+    /// The next part is due, or will be then.
     due: bool,
+    next_due: f64,
 }
 
 impl Source {
@@ -43,14 +44,7 @@ impl Source {
             left_to_make,
             interval,
             due: true,
-        }
-    }
-
-    /// More parts are wanted.
-    pub(super) fn order(&mut self, count: u64) {
-        // A source by time makes parts by its clock; orders change nothing there.
-        if let (Some(left), None) = (&mut self.left_to_make, &self.interval) {
-            *left = left.saturating_add(count);
+            next_due: 0.0,
         }
     }
 
@@ -121,21 +115,37 @@ impl Run<'_> {
         if let Some(left) = &mut source.left_to_make {
             *left -= 1;
         }
-        let more = !source.exhausted();
-        let mut next = None;
         if let Some((seconds, random)) = &mut source.interval {
-            source.due = false;
             let seconds = *seconds;
-            next = more.then(|| {
-                random
+            source.due = false;
+            source.next_due = self.now
+                + random
                     .as_mut()
-                    .map_or(seconds, |stream| stream.exponential(seconds))
-            });
-        }
-        if let Some(seconds) = next {
-            self.schedule(self.now + seconds, WORK, Event::Due(node as u32));
+                    .map_or(seconds, |stream| stream.exponential(seconds));
+            if !source.exhausted() {
+                let time = source.next_due;
+                self.schedule(time, WORK, Event::Due(node as u32));
+            }
         }
         Some(self.parts.create(self.line, part, |_| None))
+    }
+
+    /// More parts are wanted of a source: beyond its limit, and by its clock where it has one. One without a limit makes them
+    /// anyway.
+    pub(super) fn order(&mut self, node: usize, count: u64) {
+        let now = self.now;
+        let Place::Source(source) = &mut self.places[node] else {
+            return;
+        };
+        let stopped = source.exhausted() && !source.due;
+        if let Some(left) = &mut source.left_to_make {
+            *left = left.saturating_add(count);
+        }
+        if stopped {
+            let time = source.next_due.max(now);
+            self.schedule(time, WORK, Event::Due(node as u32));
+        }
+        self.look_at(node);
     }
 
     /// A source's next part is due.
