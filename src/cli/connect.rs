@@ -2,14 +2,22 @@
 //! forms of a controller, station libraries, and the runner. Everything else in `cli` only knows these functions.
 
 use super::synth::Emit;
-use crate::contract::line::Line;
+use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::Machine;
-use crate::diagnostics::Diagnostic;
-use crate::game::{Limits, Lost, Won};
+use crate::diagnostics::{Diagnostic, codes};
+use crate::game::{Limits, Lost, Won, examine_environment};
+use crate::line::{Options, Plant};
 use crate::gr1::Specification;
 use crate::mealy;
+use crate::report;
 use crate::source::Span;
+use crate::station::load::Library;
+use crate::station::{self, Controller, Package, Toolchain};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
 
 /// What is known of a game that was lost.
 #[derive(Debug, Default)]
@@ -22,20 +30,68 @@ pub struct Insight {
 
 /// The largest number of nodes of a game that was won.
 pub fn won(won: &Won) -> Option<u64> {
-    let _ = won;
-    None
+    Some(won.peak_nodes)
 }
 
 /// What is known of a game that was lost.
 pub fn lost(specification: &Specification, lost: &Lost) -> Insight {
-    let _ = (specification, lost);
-    Insight::default()
+    Insight {
+        core: lost.core_names(specification),
+        peak_nodes: Some(lost.peak_nodes),
+    }
 }
 
-/// What makes a realizable contract mean less than it seems to: LW205 and LW206.
+/// What makes a realizable contract mean less than it seems to: LW205 and LW206. Nothing where a limit was reached first.
 pub fn examine(specification: &Specification, span: Span, limits: &Limits) -> Vec<Diagnostic> {
-    let _ = (specification, span, limits);
-    Vec::new()
+    let Ok(found) = examine_environment(specification, limits) else {
+        return Vec::new();
+    };
+    let name = &specification.name;
+    let mut findings = Vec::new();
+    if found.cannot_start {
+        findings.push(
+            Diagnostic::warning(
+                codes::ENVIRONMENT_EMPTY,
+                span,
+                format!("the assumptions of `{name}` contradict each other at the start, so every machine keeps it"),
+            )
+            .with_help("no plant can begin like this; weaken an initial or `always` assumption"),
+        );
+    } else if let Some(values) = found.stuck_at_start.as_ref().or(found.dead_end.as_ref()) {
+        findings.push(
+            Diagnostic::warning(
+                codes::ENVIRONMENT_EMPTY,
+                span,
+                format!("the assumptions of `{name}` leave the plant no next step in some situations"),
+            )
+            .with_help(format!("one of them is {}", situation(specification, values))),
+        );
+    }
+    if let Some(values) = &found.forced {
+        findings.push(
+            Diagnostic::warning(
+                codes::NOT_WELL_SEPARATED,
+                span,
+                format!("a controller of `{name}` may keep its contract by making the plant break an assumption"),
+            )
+            .with_help(format!(
+                "it can force that from {}; let assumptions speak of what the plant decides, not of what the machine does to it",
+                situation(specification, values)
+            )),
+        );
+    }
+    findings
+}
+
+/// A valuation in words.
+fn situation(specification: &Specification, values: &[i64]) -> String {
+    let shown: Vec<String> = specification
+        .variables
+        .iter()
+        .zip(values)
+        .map(|(v, x)| format!("{} = {}", v.name, v.domain.show(*x)))
+        .collect();
+    shown.join(", ")
 }
 
 /// A controller in one of its written forms. A finding (LW204) where that form would be too large.
@@ -44,8 +100,23 @@ pub fn write(
     specification: &Specification,
     machine: &mealy::Machine,
 ) -> Result<String, Box<Diagnostic>> {
-    let _ = (emit, specification, machine);
-    todo!("mealy::json, mealy::gr1c, mealy::dot, mealy::svg")
+    let too_large = |limit: crate::game::Limit| {
+        Box::new(
+            Diagnostic::error(
+                codes::GAVE_UP,
+                None,
+                format!("`{}` was not written in this form: {limit}", machine.name),
+            )
+            .with_help("use --emit json, whose transitions carry guards"),
+        )
+    };
+    let pretty = |value: &serde_json::Value| format!("{value:#}\n");
+    Ok(match emit {
+        Emit::Json => pretty(&mealy::json::to_json(machine, true)),
+        Emit::Gr1c => pretty(&mealy::gr1c::to_json(machine).map_err(too_large)?),
+        Emit::Dot => mealy::dot::to_dot(machine),
+        Emit::Svg => mealy::svg::to_svg(machine),
+    })
 }
 
 /// A machine with the verified controllers of its components, in their order.
@@ -73,8 +144,30 @@ pub fn build(
     folder: &Path,
     rebuild: bool,
 ) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
-    let _ = (controlled, target, folder, rebuild);
-    todo!("station: package, compile")
+    let package = package(controlled);
+    let explain = |e: station::Error| Box::new(e.to_diagnostic());
+    match target {
+        Target::Linux => {
+            let built = Toolchain::host()
+                .build(&package, folder, rebuild)
+                .map_err(explain)?;
+            Ok(vec![built.path])
+        }
+        Target::Source => {
+            package.write_source(folder).map_err(explain)?;
+            let files = package.files();
+            Ok(files.iter().map(|(name, _)| folder.join(name)).collect())
+        }
+    }
+}
+
+fn package(controlled: &Controlled<'_>) -> Package {
+    let controllers: Vec<mealy::Machine> = controlled
+        .controllers
+        .iter()
+        .map(|c| (*c).clone())
+        .collect();
+    Package::emit(controlled.machine, &controllers)
 }
 
 /// How a line is to be run.
@@ -112,6 +205,72 @@ pub fn run(
     folder: &Path,
     options: &RunOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
-    let _ = (line, machines, folder, options);
-    todo!("station: package, compile, load; line: Plant::new(..).run(); report: table, json")
+    let packages: Vec<Package> = machines.par_iter().map(package).collect();
+    let mut findings = Vec::new();
+    let mut libraries = Vec::new();
+    for built in Toolchain::host().build_all(&packages, folder, options.rebuild) {
+        match built.and_then(|b| Library::open(&b.path)) {
+            Ok(library) => libraries.push(library),
+            Err(error) => findings.push(error.to_diagnostic()),
+        }
+    }
+    if !findings.is_empty() {
+        return Err(findings);
+    }
+    let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
+    for (index, node) in line.nodes.iter().enumerate() {
+        let machine: &Machine = match &node.kind {
+            NodeKind::Station { machine, .. } => machine,
+            NodeKind::Conveyor {
+                belt: Some(belt), ..
+            } => &belt.machine,
+            _ => continue,
+        };
+        let library = machines
+            .iter()
+            .position(|c| std::ptr::eq(c.machine, machine))
+            .map(|i| &libraries[i]);
+        match library.map(Library::instance) {
+            Some(Ok(instance)) => {
+                controllers.insert(index, Box::new(instance));
+            }
+            Some(Err(error)) => findings.push(Diagnostic::error(
+                codes::LIBRARY_CALL,
+                node.span,
+                format!("`{}` cannot be instantiated: {error}", node.name),
+            )),
+            None => {}
+        }
+    }
+    if !findings.is_empty() {
+        return Err(findings);
+    }
+    let line = Arc::new(line.clone());
+    let mut plant = Plant::new(
+        Arc::clone(&line),
+        controllers,
+        Options {
+            seed: options.seed,
+            parts: options.parts,
+            until: options.until,
+            ..Options::default()
+        },
+    )?;
+    let start = Instant::now();
+    let (traces, replications) = plant.replicate(u64::from(options.replications));
+    let wall = options.timing.then(|| start.elapsed().as_secs_f64());
+    let replications = (options.replications > 1).then_some(replications);
+    let mut found = Vec::new();
+    for trace in &traces {
+        for finding in &trace.findings {
+            if !found.contains(finding) {
+                found.push(finding.clone());
+            }
+        }
+    }
+    Ok(Run {
+        table: report::table(&line, &traces[0], replications.as_ref()),
+        document: report::json(&line, &traces[0], replications.as_ref(), wall),
+        findings: found,
+    })
 }

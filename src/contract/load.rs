@@ -106,8 +106,8 @@ impl Reader<'_> {
 
     fn import(&mut self, from: &str, import: &ast::Import, path: &mut Vec<usize>) -> Option<usize> {
         let wanted = if import.dotted {
-            if let Some(rest) = import.path.strip_prefix("std.") {
-                format!("std:{}.lw", rest.replace('.', "/"))
+            if import.path.starts_with("std.") {
+                import.path.clone()
             } else {
                 self.findings.push(
                     Diagnostic::error(

@@ -67,6 +67,7 @@ pub struct Contract {
     pub span: Span,
 }
 
-/// What reads further files: given the path of an `import`, relative to the importing file's name, and that name, it gives the
-/// name to show and the text, or why it cannot.
+/// What reads further files: given what an `import` names (a path relative to the importing file, or `std.handling.turn` of the
+/// bundled library) and the importing file's name, it gives the name to show and the text, or why it cannot. Equal names are
+/// the same file.
 pub type Loader<'a> = dyn Fn(&str, &str) -> Result<(String, String), String> + 'a;

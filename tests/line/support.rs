@@ -66,6 +66,7 @@ impl Builder {
     pub fn property(&mut self, part: &str, name: &str, initial: InitialValue) -> &mut Self {
         let part = self.part(part);
         self.line.parts[part].properties.push(PartProperty {
+            domain: None,
             name: name.to_owned(),
             unit: String::new(),
             initial,
@@ -343,6 +344,7 @@ fn machine(name: &str, properties: &[&str]) -> Machine {
         properties: properties
             .iter()
             .map(|name| Property {
+                domain: None,
                 name: (*name).to_owned(),
                 unit: String::new(),
                 default: 0.0,

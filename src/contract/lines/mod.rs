@@ -5,6 +5,7 @@ mod places;
 mod statements;
 
 use super::elaborate::{Elaborator, nearest};
+use super::machine::Machine;
 use super::line::{Line, Node, NodeKind, PartType};
 use super::machines::PropertyType;
 use super::routes;
@@ -13,6 +14,7 @@ use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{self, LineItem};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A part type with what expressions see of it.
 struct Part {
@@ -26,6 +28,8 @@ struct Builder<'a, 's> {
     sources: &'s SourceMap,
     e: Elaborator<'a>,
     parts: Vec<Part>,
+    /// Machines by name and arguments: stations that are alike share one, and its library.
+    machines: BTreeMap<(String, String), Arc<Machine>>,
     part_index: BTreeMap<String, usize>,
     node_index: BTreeMap<String, usize>,
 }
@@ -44,6 +48,7 @@ pub(super) fn line<'a>(
         sources,
         e,
         parts: Vec::new(),
+        machines: BTreeMap::new(),
         part_index: BTreeMap::new(),
         node_index: BTreeMap::new(),
     };

@@ -8,7 +8,7 @@ use crate::contract::machine::{Machine, PropertyKind};
 use crate::contract::machines::{
     PropertyType, assigned, failures, machine, positive, property_values, see_property,
 };
-use crate::contract::value::Dimension;
+use crate::contract::value::{Dimension, Value};
 use crate::diagnostics::codes;
 use crate::gr1::Domain;
 use crate::source::Span;
@@ -119,6 +119,10 @@ impl<'a> Builder<'a, '_> {
         };
         let given =
             instantiate::arguments(&mut self.e, &decl.header.parameters, arguments, &name.text);
+        let key = (name.text.clone(), format!("{:?}", values_of(&given)));
+        if let Some(machine) = self.machines.get(&key) {
+            return Some(Arc::clone(machine));
+        }
         let before = self.e.findings.len();
         let mut found = Vec::new();
         let model = machine(
@@ -139,7 +143,9 @@ impl<'a> Builder<'a, '_> {
                 );
             }
         }
-        model.map(Arc::new)
+        let model = Arc::new(model?);
+        self.machines.insert(key, Arc::clone(&model));
+        Some(model)
     }
 
     pub(super) fn conveyor(
@@ -459,6 +465,11 @@ impl<'a> Builder<'a, '_> {
             span: property.span,
         })
     }
+}
+
+/// Arguments without their places.
+fn values_of(given: &instantiate::Arguments) -> Vec<(&String, &Value)> {
+    given.iter().map(|(n, (v, _))| (n, v)).collect()
 }
 
 /// Whether two properties have the same values; the name of an enumeration does not matter.
