@@ -1,4 +1,5 @@
-//! The examples of the explanation pages: `check` finds in each the code that its page explains, and no other error.
+//! The examples of the explanation pages: `check` finds in each the code that its page explains, and no other error. In one
+//! that is marked `later` it finds nothing yet.
 
 mod support;
 
@@ -48,7 +49,7 @@ fn examples_show_what_their_pages_explain() {
             let found = check(&example.text);
             let shown = found.iter().any(|f| f.0 == example.code);
             let other = found.iter().any(|f| f.0 != example.code && f.1 == "error");
-            if !shown || other {
+            if shown == example.later || other {
                 let _ = writeln!(report, "{code}: the example gives {found:#?}");
             }
         }

@@ -5,7 +5,7 @@
 use super::connect;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{self, Limit, Limits, Outcome};
-use crate::gr1::Specification;
+use crate::gr1::{Specification, overflow};
 use crate::mealy;
 use crate::source::Span;
 use indicatif::ProgressBar;
@@ -100,7 +100,7 @@ pub struct Jobs {
 
 impl Jobs {
     /// No jobs yet; those that come also look for what makes a realizable contract mean less than it seems to (LW205,
-    /// LW206). `build` and `run` do without: it changes no controller.
+    /// LW206, LW208). `build` and `run` do without: it changes no controller.
     pub fn examining() -> Self {
         Self {
             jobs: Vec::new(),
@@ -215,6 +215,9 @@ pub fn check(
         let findings = connect::examine(specification, span, limits);
         checked.findings.extend(findings);
     }
+    if examine {
+        checked.findings.extend(overflows(specification));
+    }
     checked.seconds = start.elapsed().as_secs_f64();
     Ok(checked)
 }
@@ -237,6 +240,35 @@ fn unrealizable(specification: &Specification, span: Span, core: &[String]) -> D
         }
     }
     finding
+}
+
+/// LW208, for each guarantee that can ask for a next value outside its domain.
+fn overflows(specification: &Specification) -> Vec<Diagnostic> {
+    let found = overflow::overflows(specification).into_iter();
+    found
+        .map(|o| {
+            let variable = specification.variable(o.variable);
+            let example: Vec<String> = o
+                .example
+                .iter()
+                .map(|(v, value)| {
+                    let variable = specification.variable(*v);
+                    format!("{} = {}", variable.name, variable.domain.show(*value))
+                })
+                .collect();
+            let message = format!(
+                "the next value of `{}` can be {}, but its domain is {}",
+                variable.name,
+                o.value,
+                variable.domain.describe()
+            );
+            let finding = Diagnostic::warning(codes::DOMAIN_LEFT, o.formula.span, message);
+            finding.with_help(format!(
+                "it is for {}; keep it within with `min`, `max` or `mod`, or say when the formula holds",
+                example.join(", ")
+            ))
+        })
+        .collect()
 }
 
 fn gave_up(span: Span, message: &str, limit: Limit) -> Diagnostic {

@@ -113,15 +113,11 @@ fn temporal(e: &ast::Expr) -> bool {
 /// The smallest formula that is in the way, and what to write instead.
 fn refusal(formula: &ast::Expr, place: Place) -> Diagnostic {
     let (span, message, help) = match (&formula.kind, place) {
-        (ExprKind::Eventually(inner), Place::Top)
-            if matches!(inner.kind, ExprKind::Always(_)) =>
-        {
-            (
-                formula.span,
-                "`eventually always` (persistence) is outside GR(1)",
-                "let the machine say when it settles: an output that stays true once set, with `always (settled -> P)` and `always eventually settled`",
-            )
-        }
+        (ExprKind::Eventually(inner), Place::Top) if matches!(inner.kind, ExprKind::Always(_)) => (
+            formula.span,
+            "`eventually always` (persistence) is outside GR(1)",
+            "let the machine say when it settles: an output that stays true once set, with `always (settled -> P)` and `always eventually settled`",
+        ),
         (ExprKind::Eventually(_), Place::Top) => (
             formula.span,
             "`eventually` without `always` is outside GR(1)",

@@ -2,7 +2,8 @@
 //!
 //! A page says what the finding means to somebody who knows the plant and no temporal logic, shows the smallest
 //! contract that has it, and how to repair that. The example is a block fenced with ```` ```lw LW103 ````: a test checks it and
-//! wants that very code. What needs a plant, a compiler or a folder to happen is fenced as plain `console` text instead.
+//! wants that very code. A block fenced with ```` ```lw LW103 later ```` is for a check that does not exist yet; the test wants it
+//! to find nothing, so that the word goes when the check comes. What needs a plant, a compiler or a folder to happen is fenced as plain `console` text instead.
 
 use super::Code;
 use include_dir::{Dir, include_dir};
@@ -21,6 +22,8 @@ pub fn page(code: Code) -> Option<&'static str> {
 pub struct Example {
     /// The code it shows.
     pub code: String,
+    /// Whether nothing looks for it yet.
+    pub later: bool,
     /// The contract.
     pub text: String,
 }
@@ -30,8 +33,12 @@ pub fn examples(page: &str) -> Vec<Example> {
     let mut examples = Vec::new();
     let mut lines = page.lines();
     while let Some(line) = lines.next() {
-        let Some(code) = line.strip_prefix("```lw ") else {
+        let Some(info) = line.strip_prefix("```lw ") else {
             continue;
+        };
+        let (code, later) = match info.trim().split_once(' ') {
+            Some((code, word)) => (code, word == "later"),
+            None => (info.trim(), false),
         };
         let text: String = lines
             .by_ref()
@@ -39,7 +46,8 @@ pub fn examples(page: &str) -> Vec<Example> {
             .flat_map(|l| [l, "\n"])
             .collect();
         examples.push(Example {
-            code: code.trim().to_owned(),
+            code: code.to_owned(),
+            later,
             text,
         });
     }

@@ -1,0 +1,234 @@
+//! Next values that can leave their domain: `next made = made + 1` where `made` is at the end of its range.
+//!
+//! All arithmetic is exact and nothing wraps around, so such a formula cannot be kept in such a step. Intervals alone would
+//! also blame `made < 9 -> next made = made + 1`; so the conditions under which an equation is asked for are kept, and the
+//! values of the variables in both are tried out. Where there are too many values, nothing is said: this is a hint beside
+//! the verdict, which the game decides exactly.
+
+use super::interval::{Interval, interval};
+use super::{BinaryOp, Expr, Formula, Specification, Time, UnaryOp, VarId};
+use crate::gr1::eval::{eval, holds};
+
+/// So many valuations are tried for one equation.
+const LIMIT: u64 = 1 << 16;
+
+/// An equation whose right side can leave the domain of the next value on its left side.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Overflow<'a> {
+    /// The formula it stands in.
+    pub formula: &'a Formula,
+    /// The variable whose next value it sets.
+    pub variable: VarId,
+    /// The value that does not fit, ...
+    pub value: i64,
+    /// ... and current values of the variables that lead to it.
+    pub example: Vec<(VarId, i64)>,
+}
+
+/// The guarantees that can ask for a next value outside its domain, at most one finding a formula.
+pub fn overflows(specification: &Specification) -> Vec<Overflow<'_>> {
+    let safety = specification.guarantees.safety.iter();
+    safety
+        .filter_map(|formula| {
+            let mut search = Search {
+                specification,
+                formula,
+                conditions: Vec::new(),
+            };
+            search.demand(&formula.expr)
+        })
+        .collect()
+}
+
+struct Search<'a> {
+    specification: &'a Specification,
+    formula: &'a Formula,
+    /// Conditions that hold where the expression at hand is asked for.
+    conditions: Vec<Expr>,
+}
+
+impl<'a> Search<'a> {
+    /// Looks at an expression that has to hold.
+    fn demand(&mut self, expr: &Expr) -> Option<Overflow<'a>> {
+        match expr {
+            Expr::Binary(BinaryOp::And, a, b) => self.demand(a).or_else(|| self.demand(b)),
+            Expr::Binary(BinaryOp::Implies, a, b) => self.under((**a).clone(), b),
+            Expr::Binary(BinaryOp::Or, a, b) => {
+                let not = |e: &Expr| match e {
+                    Expr::Unary(UnaryOp::Not, inner) => (**inner).clone(),
+                    other => other.clone().not(),
+                };
+                self.under(not(a), b).or_else(|| self.under(not(b), a))
+            }
+            Expr::If(c, a, b) => self
+                .under((**c).clone(), a)
+                .or_else(|| self.under((**c).clone().not(), b)),
+            Expr::Binary(BinaryOp::Eq, a, b) => match (&**a, &**b) {
+                (Expr::Var(v, Time::Next), e) | (e, Expr::Var(v, Time::Next)) => self.assign(*v, e),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Looks at an expression that has to hold where `condition` does.
+    fn under(&mut self, condition: Expr, expr: &Expr) -> Option<Overflow<'a>> {
+        self.conditions.push(condition);
+        let found = self.demand(expr);
+        self.conditions.pop();
+        found
+    }
+
+    /// Looks at `next variable = value`.
+    fn assign(&mut self, variable: VarId, value: &Expr) -> Option<Overflow<'a>> {
+        if let Expr::If(c, a, b) = value {
+            self.conditions.push((**c).clone());
+            let found = self.assign(variable, a);
+            self.conditions.pop();
+            if found.is_some() {
+                return found;
+            }
+            self.conditions.push((**c).clone().not());
+            let found = self.assign(variable, b);
+            self.conditions.pop();
+            return found;
+        }
+        let domain = &self.specification.variable(variable).domain;
+        let of = |v: VarId| Interval::of(&self.specification.variable(v).domain);
+        let range = interval(value, &of).ok()?;
+        if domain.contains(range.low) && domain.contains(range.high) {
+            return None;
+        }
+        self.try_values(variable, value)
+    }
+
+    /// Tries the values of all variables that the equation and its conditions mention. Conditions on next values are left
+    /// out: the machine may choose those, so they say nothing about what it is asked for.
+    fn try_values(&self, variable: VarId, value: &Expr) -> Option<Overflow<'a>> {
+        if value.mentions_next() {
+            return None;
+        }
+        let conditions: Vec<&Expr> = self.conditions.iter().collect();
+        if conditions.iter().any(|c| c.mentions_next()) {
+            return None;
+        }
+        let mut used: Vec<VarId> = Vec::new();
+        for expr in conditions.iter().copied().chain([value]) {
+            expr.for_each_var(&mut |v, _| {
+                if !used.contains(&v) {
+                    used.push(v);
+                }
+            });
+        }
+        used.sort_unstable();
+        let domain_of = |v: VarId| &self.specification.variable(v).domain;
+        let count = used
+            .iter()
+            .try_fold(1u64, |n, v| n.checked_mul(domain_of(*v).size()))?;
+        if count > LIMIT {
+            return None;
+        }
+        let variables = self.specification.variables.iter();
+        let mut now: Vec<i64> = variables.map(|v| v.domain.low()).collect();
+        loop {
+            if conditions.iter().all(|c| holds(c, &now, &[])) {
+                let result = eval(value, &now, &[]);
+                if !domain_of(variable).contains(result) {
+                    return Some(Overflow {
+                        formula: self.formula,
+                        variable,
+                        value: result,
+                        example: used.iter().map(|v| (*v, now[v.index()])).collect(),
+                    });
+                }
+            }
+            // The next valuation, as an odometer counts.
+            let mut turned = used.iter();
+            loop {
+                let v = turned.next()?;
+                let value = &mut now[v.index()];
+                if *value < domain_of(*v).high() {
+                    *value += 1;
+                    break;
+                }
+                *value = domain_of(*v).low();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Domain, Owner, Side, Timing, Variable};
+    use super::*;
+    use crate::source::Span;
+
+    const MADE: VarId = VarId(0);
+    const PART: VarId = VarId(1);
+
+    fn specification(expr: Expr) -> Specification {
+        let variable = |name: &str, owner, domain| Variable {
+            name: name.to_owned(),
+            owner,
+            internal: false,
+            domain,
+            span: Span::default(),
+        };
+        Specification {
+            name: "Counter".to_owned(),
+            timing: Timing::Mealy,
+            variables: vec![
+                variable("made", Owner::System, Domain::Range { low: 0, high: 9 }),
+                variable("part", Owner::Environment, Domain::Bool),
+            ],
+            assumptions: Side::default(),
+            guarantees: Side {
+                safety: vec![Formula {
+                    name: "counts".to_owned(),
+                    requirement: None,
+                    expr,
+                    span: Span::default(),
+                    text: String::new(),
+                }],
+                ..Side::default()
+            },
+        }
+    }
+
+    fn plus_one() -> Expr {
+        Expr::binary(BinaryOp::Add, Expr::now(MADE), Expr::Const(1))
+    }
+
+    fn found(expr: Expr) -> Option<(i64, Vec<(VarId, i64)>)> {
+        let specification = specification(expr);
+        let found = overflows(&specification).first().cloned();
+        found.map(|o| (o.value, o.example))
+    }
+
+    #[test]
+    fn a_counter_that_runs_over_is_found() {
+        let expr = Expr::now(PART).implies(Expr::next(MADE).equals(plus_one()));
+        assert_eq!(found(expr), Some((10, vec![(MADE, 9), (PART, 1)])));
+        let down = Expr::binary(BinaryOp::Sub, Expr::now(MADE), Expr::Const(1));
+        assert_eq!(
+            found(down.equals(Expr::next(MADE))),
+            Some((-1, vec![(MADE, 0)]))
+        );
+    }
+
+    #[test]
+    fn a_counter_that_stops_or_asks_first_is_not() {
+        let bounded = Expr::binary(BinaryOp::Min, plus_one(), Expr::Const(9));
+        assert_eq!(found(Expr::next(MADE).equals(bounded)), None);
+        let below = Expr::binary(BinaryOp::Lt, Expr::now(MADE), Expr::Const(9));
+        let equation = || Expr::next(MADE).equals(plus_one());
+        assert_eq!(found(below.clone().implies(equation())), None);
+        assert_eq!(found(below.clone().not().or(equation())), None);
+        let choice = Expr::If(
+            Box::new(below),
+            Box::new(plus_one()),
+            Box::new(Expr::Const(0)),
+        );
+        assert_eq!(found(Expr::next(MADE).equals(choice)), None);
+    }
+}
