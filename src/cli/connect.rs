@@ -6,8 +6,8 @@ use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{Limits, Lost, Won, examine_environment};
-use crate::line::{Options, Plant};
 use crate::gr1::Specification;
+use crate::line::{Options, Plant};
 use crate::mealy;
 use crate::report;
 use crate::source::Span;
@@ -62,9 +62,14 @@ pub fn examine(specification: &Specification, span: Span, limits: &Limits) -> Ve
             Diagnostic::warning(
                 codes::ENVIRONMENT_EMPTY,
                 span,
-                format!("the assumptions of `{name}` leave the plant no next step in some situations"),
+                format!(
+                    "the assumptions of `{name}` leave the plant no next step in some situations"
+                ),
             )
-            .with_help(format!("one of them is {}", situation(specification, values))),
+            .with_help(format!(
+                "one of them is {}",
+                situation(specification, values)
+            )),
         );
     }
     if let Some(values) = &found.forced {
@@ -95,11 +100,7 @@ fn situation(specification: &Specification, values: &[i64]) -> String {
 }
 
 /// A controller in one of its written forms. A finding (LW204) where that form would be too large.
-pub fn write(
-    emit: Emit,
-    specification: &Specification,
-    machine: &mealy::Machine,
-) -> Result<String, Box<Diagnostic>> {
+pub fn write(emit: Emit, machine: &mealy::Machine) -> Result<String, Box<Diagnostic>> {
     let too_large = |limit: crate::game::Limit| {
         Box::new(
             Diagnostic::error(

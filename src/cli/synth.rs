@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             continue;
         };
         for emit in &arguments.emit {
-            match connect::write(*emit, &contract.specification, machine) {
+            match connect::write(*emit, machine) {
                 Ok(text) => written.push((format!("{}.{}", contract.name, emit.ending()), text)),
                 Err(finding) => findings.push(*finding),
             }

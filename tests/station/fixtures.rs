@@ -352,6 +352,7 @@ pub fn manipulator() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
         vec![c(0), below, op(BinaryOp::Sub, c(3), v(7))],
     );
     let property = |name: &str, unit: &str, default, kind| Property {
+        domain: None,
         name: name.to_owned(),
         unit: unit.to_owned(),
         default,

@@ -5,8 +5,8 @@ mod places;
 mod statements;
 
 use super::elaborate::{Elaborator, nearest};
-use super::machine::Machine;
 use super::line::{Line, Node, NodeKind, PartType};
+use super::machine::Machine;
 use super::machines::PropertyType;
 use super::routes;
 use super::scope::{Scope, double};
