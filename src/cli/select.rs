@@ -80,12 +80,12 @@ impl Selection {
         if picked.is_empty() {
             let names: Vec<&str> = all.iter().map(|i| describe(i).0).collect();
             let there = match names.as_slice() {
-                [] => format!("there is no {kind} in it"),
-                names => format!("there is {}", names.join(", ")),
+                [] => String::new(),
+                names => format!("; it knows {}", names.join(", ")),
             };
             match &self.name {
-                Some(name) => anyhow::bail!("{} has no {kind} `{name}`: {there}", self.path),
-                None => anyhow::bail!("{} declares no {kind} itself: {there}", self.path),
+                Some(name) => anyhow::bail!("{} has no {kind} `{name}`{there}", self.path),
+                None => anyhow::bail!("{} declares no {kind} itself{there}", self.path),
             }
         }
         Ok(picked)
