@@ -1,1 +1,197 @@
-//! dot
+//! A machine as a Graphviz graph.
+//!
+//! An edge is labelled `guard / assignments`. To keep labels short, an output is written on an edge only where the state it
+//! enters does not already say it: what all edges into a state agree on is written into the state, once.
+//! Transitions between the same two states are one edge, and long guards are broken into lines.
+
+use super::{Guard, Machine, Transition};
+use crate::gr1::Domain;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// A graph, ready to be written down in any way.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Graph {
+    /// For each state: the lines of its label.
+    pub states: Vec<Vec<String>>,
+    /// The edges; `from` is `None` for the step before the first state.
+    pub edges: Vec<GraphEdge>,
+}
+
+/// One edge of a [`Graph`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GraphEdge {
+    /// Where from; `None`: from before step 0.
+    pub from: Option<usize>,
+    /// Where to.
+    pub to: usize,
+    /// The lines of its label.
+    pub label: Vec<String>,
+}
+
+/// Guards with more cubes than this are cut short in a label; the JSON has them all.
+const MOST_LINES: usize = 3;
+
+/// Edges with more combinations of outputs than this are cut short, too.
+const MOST_GROUPS: usize = 3;
+
+/// A line longer than this is broken at a conjunction.
+const WIDTH: usize = 34;
+
+/// States and edges with their labels.
+pub fn graph(machine: &Machine) -> Graph {
+    let common = common_outputs(machine);
+    let mut states = Vec::new();
+    for (number, values) in common.iter().enumerate() {
+        let mut label = vec![format!("S{number}")];
+        let pairs = machine.outputs.iter().zip(values);
+        let shown =
+            pairs.filter_map(|(port, v)| v.map(|v| assignment(&port.name, &port.domain, v)));
+        label.extend(wrap(&shown.collect::<Vec<_>>(), ", "));
+        states.push(label);
+    }
+    let mut edges = Vec::new();
+    let lists = std::iter::once((None, &machine.initial));
+    let lists = lists.chain(machine.states.iter().enumerate().map(|(i, t)| (Some(i), t)));
+    for (from, transitions) in lists {
+        // One edge a target; below each other, one group of lines a combination of outputs.
+        let mut merged: BTreeMap<usize, BTreeMap<&[i64], Vec<&Guard>>> = BTreeMap::new();
+        for Transition { guard, output, to } in transitions {
+            let outputs = merged.entry(*to).or_default();
+            outputs.entry(output).or_default().push(guard);
+        }
+        for (to, outputs) in merged {
+            let groups = outputs.len();
+            let mut label = Vec::new();
+            for (output, guards) in outputs.into_iter().take(MOST_GROUPS) {
+                label.extend(guard_lines(machine, &guards));
+                let pairs = machine.outputs.iter().zip(output).zip(&common[to]);
+                let own = pairs.filter(|(_, known)| known.is_none());
+                let own: Vec<String> = own
+                    .map(|((port, v), _)| assignment(&port.name, &port.domain, *v))
+                    .collect();
+                if !own.is_empty() {
+                    let mut lines = wrap(&own, ", ");
+                    lines[0].insert_str(0, "/ ");
+                    label.extend(lines);
+                }
+            }
+            if groups > MOST_GROUPS {
+                label.push(format!("... {} more", groups - MOST_GROUPS));
+            }
+            edges.push(GraphEdge { from, to, label });
+        }
+    }
+    Graph { states, edges }
+}
+
+/// The text of the graph.
+pub fn to_dot(machine: &Machine) -> String {
+    let graph = graph(machine);
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "digraph {} {{", quoted(&[machine.name.clone()]));
+    text.push_str(
+        "  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\", fontsize=11];\n",
+    );
+    text.push_str(
+        "  edge [fontname=\"sans-serif\", fontsize=9];\n  start [shape=point, label=\"\"];\n",
+    );
+    for (number, label) in graph.states.iter().enumerate() {
+        let _ = writeln!(text, "  s{number} [label={}];", quoted(label));
+    }
+    for edge in &graph.edges {
+        let from = edge.from.map_or("start".to_owned(), |s| format!("s{s}"));
+        let _ = writeln!(
+            text,
+            "  {from} -> s{} [label={}];",
+            edge.to,
+            quoted(&edge.label)
+        );
+    }
+    text.push_str("}\n");
+    text
+}
+
+/// For each state, the outputs that all transitions into it agree on.
+fn common_outputs(machine: &Machine) -> Vec<Vec<Option<i64>>> {
+    let mut common: Vec<Option<Vec<Option<i64>>>> = vec![None; machine.states.len()];
+    for transition in machine
+        .initial
+        .iter()
+        .chain(machine.states.iter().flatten())
+    {
+        let output = transition.output.iter().map(|v| Some(*v));
+        match &mut common[transition.to] {
+            Some(known) => {
+                for (known, v) in known.iter_mut().zip(output) {
+                    if *known != v {
+                        *known = None;
+                    }
+                }
+            }
+            unknown => *unknown = Some(output.collect()),
+        }
+    }
+    let none = vec![None; machine.outputs.len()];
+    common
+        .into_iter()
+        .map(|c| c.unwrap_or_else(|| none.clone()))
+        .collect()
+}
+
+/// `turning`, `!turning`, `angle = 3`
+fn assignment(name: &str, domain: &Domain, value: i64) -> String {
+    match domain {
+        Domain::Bool if value == 0 => format!("!{name}"),
+        Domain::Bool => name.to_owned(),
+        _ => format!("{name} = {}", domain.show(value)),
+    }
+}
+
+/// One line a cube, broken where it is too long.
+fn guard_lines(machine: &Machine, guards: &[&Guard]) -> Vec<String> {
+    let cubes: Vec<_> = guards.iter().flat_map(|g| &g.0).collect();
+    let mut lines = Vec::new();
+    for (i, cube) in cubes.iter().take(MOST_LINES).enumerate() {
+        let text = machine.show_cube(cube);
+        let tests: Vec<String> = text.split(" & ").map(str::to_owned).collect();
+        let mut broken = wrap(&tests, " & ");
+        if i > 0 {
+            broken[0].insert_str(0, "| ");
+        }
+        lines.extend(broken);
+    }
+    if cubes.len() > MOST_LINES {
+        lines.push(format!("| ... {} more", cubes.len() - MOST_LINES));
+    }
+    lines
+}
+
+/// Puts parts together with a separator into lines of at most [`WIDTH`] characters, where the parts allow it.
+fn wrap(parts: &[String], separator: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for (i, part) in parts.iter().enumerate() {
+        let mut piece = part.clone();
+        if i + 1 < parts.len() {
+            piece.push_str(separator);
+        }
+        match lines.last_mut() {
+            Some(line) if line.len() + part.len() <= WIDTH => line.push_str(&piece),
+            _ => lines.push(piece),
+        }
+    }
+    for line in &mut lines {
+        line.truncate(line.trim_end().len());
+    }
+    lines
+}
+
+/// A quoted label of several lines.
+fn quoted(lines: &[String]) -> String {
+    let lines = lines.iter();
+    let escaped: Vec<String> = lines
+        .map(|l| l.replace('\\', "\\\\").replace('"', "\\\""))
+        .collect();
+    format!("\"{}\"", escaped.join("\\n"))
+}
