@@ -4,6 +4,7 @@
 //! enters does not already say it: what all edges into a state agree on is written into the state, once.
 //! Transitions between the same two states are one edge, and long guards are broken into lines.
 
+use super::text::guard_parts;
 use super::{Guard, Machine, Transition};
 use crate::gr1::Domain;
 use std::collections::BTreeMap;
@@ -151,12 +152,14 @@ fn assignment(name: &str, domain: &Domain, value: i64) -> String {
 
 /// One line a cube, broken where it is too long.
 fn guard_lines(machine: &Machine, guards: &[&Guard]) -> Vec<String> {
-    let cubes: Vec<_> = guards.iter().flat_map(|g| &g.0).collect();
+    let cubes = guard_parts(machine, guards);
     let mut lines = Vec::new();
-    for (i, cube) in cubes.iter().take(MOST_LINES).enumerate() {
-        let text = machine.show_cube(cube);
-        let tests: Vec<String> = text.split(" & ").map(str::to_owned).collect();
-        let mut broken = wrap(&tests, " & ");
+    for (i, tests) in cubes.iter().take(MOST_LINES).enumerate() {
+        let mut broken = if tests.is_empty() {
+            vec!["true".to_owned()]
+        } else {
+            wrap(tests, " & ")
+        };
         if i > 0 {
             broken[0].insert_str(0, "| ");
         }
