@@ -48,6 +48,9 @@ struct State {
 /// Which state the machine is in, by its current inputs: what it looks at of them, over *next* bits, and the state. Disjoint.
 type Classes = Vec<(Function, usize)>;
 
+/// An output that is given: its values, the bits that say so, and the classes of what follows.
+type Answer<'a> = (Vec<i64>, Vec<(Bit, bool)>, &'a Classes);
+
 struct Explorer<'a> {
     arena: &'a Arena,
     m: &'a Manager,
@@ -203,7 +206,9 @@ impl Explorer<'_> {
         for input in &self.inputs {
             let bits: Vec<Bit> = self.arena.encoding.bits(*input, Time::Next).collect();
             if !bits.iter().any(|b| matters.contains(b)) {
-                bits.into_iter().for_each(|b| idle.insert(b));
+                for bit in bits {
+                    idle.insert(bit);
+                }
             }
         }
         let legal = self.m.exists(legal, &idle)?;
@@ -229,13 +234,13 @@ impl Explorer<'_> {
         Ok(rows)
     }
 
-    /// The outputs that a residual gives on legal inputs: with the bits that say so, and the classes of what follows.
+    /// The outputs that a residual gives on legal inputs.
     fn answers(
         &self,
         residual: &Function,
         legal: &Function,
         goal: Option<usize>,
-    ) -> Result<Vec<(Vec<i64>, Vec<(Bit, bool)>, &Classes)>, Limit> {
+    ) -> Result<Vec<Answer<'_>>, Limit> {
         let goals = self.strategy.moves.len();
         let flag = self.strategy.flag;
         let mut rest = self

@@ -37,7 +37,7 @@ const MOST_LINES: usize = 3;
 const MOST_GROUPS: usize = 3;
 
 /// A line longer than this is broken at a conjunction.
-const WIDTH: usize = 34;
+const WIDTH: usize = 40;
 
 /// States and edges with their labels.
 pub fn graph(machine: &Machine) -> Graph {
@@ -91,7 +91,11 @@ pub fn to_dot(machine: &Machine) -> String {
     let graph = graph(machine);
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = writeln!(text, "digraph {} {{", quoted(&[machine.name.clone()]));
+    let _ = writeln!(
+        text,
+        "digraph {} {{",
+        quoted(std::slice::from_ref(&machine.name))
+    );
     text.push_str(
         "  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\", fontsize=11];\n",
     );

@@ -53,12 +53,11 @@ pub fn to_json(machine: &Machine) -> Result<Value, Limit> {
     let mut room = MOST_EDGES;
     while edges.len() < nodes.list.len() {
         let state = nodes.list[edges.len()].0;
-        let targets = match &known[state] {
-            Some(targets) => targets.clone(),
-            None => {
-                let targets = successors(machine, &machine.states[state], &mut nodes)?;
-                known[state].insert(targets).clone()
-            }
+        let targets = if let Some(targets) = &known[state] {
+            targets.clone()
+        } else {
+            let targets = successors(machine, &machine.states[state], &mut nodes)?;
+            known[state].insert(targets).clone()
         };
         room = room.checked_sub(targets.len()).ok_or(Limit::Size)?;
         edges.push(targets);

@@ -115,8 +115,9 @@ impl Pool {
             (And, Some(0), _) | (And, _, Some(0)) => self.constant(0),
             (And, Some(_), _) | (Or, Some(0), _) | (Implies, Some(1), _) => b,
             (And, _, Some(_)) | (Or, _, Some(0)) => a,
-            (Or, Some(_), _) | (Or, _, Some(_)) | (Implies, Some(0), _) => self.constant(1),
-            (Implies, _, Some(1)) => self.constant(1),
+            (Or, Some(_), _) | (Or, _, Some(_)) | (Implies, Some(0), _) | (Implies, _, Some(1)) => {
+                self.constant(1)
+            }
             (Implies, _, Some(0)) => self.unary(UnaryOp::Not, a),
             (Eq, ..) if a == b => self.constant(1),
             _ => self.intern(Node::Binary(op, a, b)),
