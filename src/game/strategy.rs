@@ -191,15 +191,21 @@ impl<'a> Maker<'a> {
         let mut allowed = m.implies(&care, moves)?;
         // The next inputs, too: what an answer does not need makes no guard longer. They come last, since an answer had
         // better look at an input than remember it.
-        let now = self.specification.inputs().map(|v| (v, Time::Now));
-        let next = self.specification.inputs().map(|v| (v, Time::Next));
-        for (input, time) in now.chain(next) {
+        //
+        // Current inputs are first forgotten only where that is right whatever comes next: or else one would forget a command
+        // and remember all that tells what the command must have been. After that there is nothing left to tell it by.
+        let rounds = [(Time::Now, true), (Time::Now, false), (Time::Next, false)];
+        let inputs = |round| self.specification.inputs().map(move |v| (v, round));
+        for (input, (time, blindly)) in rounds.into_iter().flat_map(inputs) {
             let bits = arena.encoding.bit_set([input], time);
             if !bits.iter().any(|b| allowed.depends_on(b)) {
                 continue;
             }
             let always = m.forall(&allowed, &bits)?;
-            let offers = m.exists(&always, &arena.outputs_next)?;
+            let mut offers = m.exists(&always, &arena.outputs_next)?;
+            if blindly {
+                offers = m.forall(&offers, &arena.inputs_next)?;
+            }
             allowed = m.ite(&offers, &always, &allowed)?;
         }
         Ok(allowed)
