@@ -27,6 +27,21 @@ pub fn to_json(machine: &Machine, verified: bool) -> Value {
     })
 }
 
+/// The document as text: one line a port and a transition, which is how people and line-based tools read it best.
+pub fn to_text(document: &Value) -> String {
+    let Value::Object(fields) = document else {
+        return document.to_string();
+    };
+    let fields = fields.iter().map(|(name, value)| match value {
+        Value::Array(items) if !items.is_empty() => {
+            let items: Vec<String> = items.iter().map(|i| format!("    {i}")).collect();
+            format!("  \"{name}\": [\n{}\n  ]", items.join(",\n"))
+        }
+        other => format!("  \"{name}\": {other}"),
+    });
+    format!("{{\n{}\n}}\n", fields.collect::<Vec<_>>().join(",\n"))
+}
+
 fn port(port: &Port) -> Value {
     let domain = match &port.domain {
         Domain::Bool => json!({"type": "bool"}),
