@@ -71,6 +71,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let folder = arguments.out.as_deref().unwrap_or(&default);
     let mut libraries = Vec::new();
     for plan in planned.iter().filter_map(|p| p.controlled(&checked)) {
+        let misfits = connect::compose(&plan).findings;
+        let fits = !has_errors(&misfits);
+        findings.extend(misfits);
+        if !fits {
+            continue;
+        }
         for target in &arguments.target {
             match connect::build(&plan, *target, folder, arguments.rebuild) {
                 Ok(files) => libraries.push(Built {

@@ -1,5 +1,6 @@
 //! `linewright check`: the consistency of every contract, machine and line found.
 
+use super::connect;
 use super::console::{Console, schema};
 use super::exit::ExitCode;
 use super::files::{self, Loaded, StandardLibrary};
@@ -11,6 +12,7 @@ use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes, has_errors, json, sarif};
 use crate::gr1::{Specification, VarId};
 use crate::source::{FileId, SourceMap};
+use crate::station::composition::By;
 use clap::Args;
 use serde::Serialize;
 
@@ -71,6 +73,8 @@ struct MachineEntry {
     codes: Vec<String>,
     verdict: &'static str,
     components: Vec<ComponentEntry>,
+    /// How each assumption of a component is met, where the composition was checked.
+    discharges: Vec<DischargeEntry>,
     findings: Vec<json::Finding>,
 }
 
@@ -79,6 +83,13 @@ struct ComponentEntry {
     name: String,
     contract: String,
     verdict: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct DischargeEntry {
+    component: String,
+    assumption: String,
+    by: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -383,7 +394,16 @@ impl Assembly<'_> {
         if let Some(planned) = planned {
             findings.extend(planned.findings(self.jobs, self.checked));
         }
-        let verdict = planned.map_or(Verdict::Invalid, |p| p.verdict(self.checked));
+        let composition = planned
+            .and_then(|p| p.controlled(self.checked))
+            .map(|c| connect::compose(&c))
+            .unwrap_or_default();
+        let fits = !has_errors(&composition.findings);
+        findings.extend(composition.findings);
+        let verdict = match planned {
+            Some(planned) if fits => planned.verdict(self.checked),
+            _ => Verdict::Invalid,
+        };
         MachineEntry {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
@@ -401,6 +421,20 @@ impl Assembly<'_> {
                         .collect()
                 })
                 .unwrap_or_default(),
+            discharges: composition
+                .discharges
+                .into_iter()
+                .map(|d| DischargeEntry {
+                    by: match d.by {
+                        By::Guarantee(name) => name,
+                        By::Coordinator => "the coordinator's reachable states".to_owned(),
+                        By::Plant => "what the machine's file fixes".to_owned(),
+                        By::Line => "the line, checked at every call".to_owned(),
+                    },
+                    component: d.component,
+                    assumption: d.assumption,
+                })
+                .collect(),
             findings: json::findings(&self.loaded.library.sources, findings),
         }
     }

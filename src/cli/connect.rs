@@ -11,6 +11,7 @@ use crate::line::{Options, Plant};
 use crate::mealy;
 use crate::report;
 use crate::source::Span;
+use crate::station::composition::{self, Composition};
 use crate::station::load::Library;
 use crate::station::{self, Controller, Package, Toolchain};
 use rayon::prelude::*;
@@ -127,6 +128,11 @@ pub struct Controlled<'a> {
     pub machine: &'a Machine,
     /// One controller a component.
     pub controllers: Vec<&'a mealy::Machine>,
+}
+
+/// Whether a machine's coordinator and actions fit together.
+pub fn compose(controlled: &Controlled<'_>) -> Composition {
+    composition::check(controlled.machine, &controlled.controllers)
 }
 
 /// What `build` makes.

@@ -87,6 +87,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut findings = loaded.findings.clone();
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
     let controlled: Option<Vec<_>> = planned.iter().map(|p| p.controlled(&checked)).collect();
+    for machine in controlled.iter().flatten() {
+        findings.extend(connect::compose(machine).findings);
+    }
     let Some(controlled) = controlled.filter(|_| !has_errors(&findings)) else {
         console.failed("run", sources, &findings)?;
         return Ok(options.exit_code(&findings));

@@ -10,7 +10,7 @@ use crate::gr1::{Domain, Owner, Side, Specification, Timing, VarId, Variable};
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{self, ContractItem, Ownership};
 use crate::taxonomy;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// An argument: its value, and where it stands.
@@ -237,6 +237,8 @@ pub(super) fn instantiate(
         };
         classify(&mut e, expr, &label, &mut sides[side]);
     }
+    unused(&mut e, &variables, &sides);
+    unused_defines(&mut e, contract);
     let broken = crate::diagnostics::has_errors(&e.findings);
     findings.append(&mut e.findings);
     if broken {
@@ -269,6 +271,64 @@ pub(super) fn instantiate(
         }),
         span: contract.header.name.span,
     })
+}
+
+/// Defines that neither a formula nor another define mentions.
+fn unused_defines(e: &mut Elaborator<'_>, contract: &ast::Contract) {
+    let mut mentioned: BTreeSet<&str> = BTreeSet::new();
+    for item in &contract.items {
+        if let ContractItem::Formula { expr: body, .. } | ContractItem::Define { value: body, .. } =
+            item
+        {
+            body.for_each_path(&mut |names| {
+                mentioned.insert(&names[0].text);
+            });
+        }
+    }
+    for item in &contract.items {
+        if let ContractItem::Define { name, .. } = item
+            && !mentioned.contains(name.text.as_str())
+        {
+            e.findings.push(
+                Diagnostic::warning(
+                    codes::UNUSED,
+                    name.span,
+                    format!("nothing uses the definition `{}`", name.text),
+                )
+                .with_help("use it, or drop it"),
+            );
+        }
+    }
+}
+
+/// Variables that no formula mentions; an array counts as mentioned when one of its elements is.
+fn unused(e: &mut Elaborator<'_>, variables: &[Variable], sides: &[Side; 2]) {
+    let base = |v: &Variable| v.name.split('[').next().unwrap_or("").to_owned();
+    let mut mentioned: BTreeSet<String> = BTreeSet::new();
+    for formula in sides.iter().flat_map(Side::all) {
+        formula.expr.for_each_var(&mut |v, _| {
+            mentioned.insert(base(&variables[v.index()]));
+        });
+    }
+    let mut told: BTreeSet<String> = BTreeSet::new();
+    for variable in variables {
+        let name = base(variable);
+        if mentioned.contains(&name) || !told.insert(name.clone()) {
+            continue;
+        }
+        let help = match variable.owner {
+            Owner::Environment => "drop it, or say what the machine does with it",
+            Owner::System => "say with a guarantee what value it has, or drop it",
+        };
+        e.findings.push(
+            Diagnostic::warning(
+                codes::UNUSED,
+                variable.span,
+                format!("no formula mentions `{name}`"),
+            )
+            .with_help(help),
+        );
+    }
 }
 
 /// Brings the contract's own types, constants, variables and defines into sight.

@@ -59,7 +59,6 @@ codes! {
     SAME_STEP_LOOP = "LW302", "components wait for each other in the same step";
     ASSUMPTION_OPEN = "LW303", "an assumption is not discharged";
     REQUEST_INCOMPLETE = "LW304", "an accepted request may never complete";
-    COMPOSITION_DEADLOCK = "LW305", "the composed machine can get stuck";
     OPERATION = "LW306", "an operation does not fit its coordinator";
     COORDINATOR_KIND = "LW307", "a coordinator must be a moore contract";
     PROPERTY = "LW308", "a property of the part is used wrongly";

@@ -170,4 +170,56 @@ impl Expr {
             ),
         }
     }
+
+    /// The same value with constants folded: operators whose operands are known, connectives and choices that are decided by one of
+    /// them. Arithmetic that would leave an `i64` or divide by zero is left as it is.
+    #[must_use]
+    pub fn simplify(&self) -> Self {
+        use BinaryOp as B;
+        match self {
+            Self::Const(_) | Self::Var(..) => self.clone(),
+            Self::Unary(op, a) => match a.simplify() {
+                Self::Const(a) if a != i64::MIN => Self::Const(super::eval::unary(*op, a)),
+                a => Self::Unary(*op, Box::new(a)),
+            },
+            Self::If(c, a, b) => match c.simplify() {
+                Self::Const(0) => b.simplify(),
+                Self::Const(_) => a.simplify(),
+                c => {
+                    let (a, b) = (a.simplify(), b.simplify());
+                    if a == b {
+                        a
+                    } else {
+                        Self::If(Box::new(c), Box::new(a), Box::new(b))
+                    }
+                }
+            },
+            Self::Binary(op, a, b) => {
+                let a = a.simplify();
+                match (op, &a) {
+                    (B::And, Self::Const(0)) => return Self::FALSE,
+                    (B::Or, Self::Const(1)) | (B::Implies, Self::Const(0)) => return Self::TRUE,
+                    (B::And | B::Implies, Self::Const(1)) | (B::Or, Self::Const(0)) => {
+                        return b.simplify();
+                    }
+                    _ => {}
+                }
+                let b = b.simplify();
+                match (op, &a, &b) {
+                    (B::And, _, Self::Const(0)) => Self::FALSE,
+                    (B::Or | B::Implies, _, Self::Const(1)) => Self::TRUE,
+                    (B::And, _, Self::Const(1)) | (B::Or, _, Self::Const(0)) => a,
+                    (B::Eq | B::Le | B::Ge, _, _) if a == b => Self::TRUE,
+                    (B::Ne | B::Lt | B::Gt, _, _) if a == b => Self::FALSE,
+                    (B::Div | B::Mod, _, Self::Const(0)) => Self::binary(*op, a, b),
+                    (_, Self::Const(x), Self::Const(y))
+                        if x.unsigned_abs() < 1 << 31 && y.unsigned_abs() < 1 << 31 =>
+                    {
+                        Self::Const(super::eval::binary(*op, *x, *y))
+                    }
+                    _ => Self::binary(*op, a, b),
+                }
+            }
+        }
+    }
 }

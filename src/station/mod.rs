@@ -8,6 +8,7 @@
 //!      ─Library::instance→ Instance
 //! ```
 
+pub mod composition;
 pub mod emit;
 pub mod interpret;
 pub mod load;

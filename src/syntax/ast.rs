@@ -190,6 +190,42 @@ pub struct Expr {
     pub span: Span,
 }
 
+impl Expr {
+    /// Calls `visit` with every dotted name that occurs.
+    pub fn for_each_path<'a>(&'a self, visit: &mut impl FnMut(&'a [Name])) {
+        match &self.kind {
+            ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) => {}
+            ExprKind::Path(names) => visit(names),
+            ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => {
+                a.for_each_path(visit);
+                b.for_each_path(visit);
+            }
+            ExprKind::Next(a)
+            | ExprKind::Always(a)
+            | ExprKind::Eventually(a)
+            | ExprKind::Not(a)
+            | ExprKind::Neg(a)
+            | ExprKind::Quantifier(_, _, _, a) => a.for_each_path(visit),
+            ExprKind::If(a, b, c) | ExprKind::Within(a, b, c) => {
+                a.for_each_path(visit);
+                b.for_each_path(visit);
+                c.for_each_path(visit);
+            }
+            ExprKind::Call(_, list) | ExprKind::List(list) => {
+                for e in list {
+                    e.for_each_path(visit);
+                }
+            }
+            ExprKind::Member(a, list) => {
+                a.for_each_path(visit);
+                for e in list {
+                    e.for_each_path(visit);
+                }
+            }
+        }
+    }
+}
+
 /// The kinds of expressions.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExprKind {

@@ -70,6 +70,9 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         text.push('\n');
     }
     text.push_str(&summary(document));
+    if verbose {
+        text.push_str(&discharges(document));
+    }
     text
 }
 
@@ -157,6 +160,34 @@ fn interface(inputs: Option<u32>, outputs: Option<u32>) -> String {
         (Some(i), Some(o)) => format!("{i} in, {o} out"),
         _ => String::new(),
     }
+}
+
+/// For every machine, how the assumptions of its components are met.
+fn discharges(document: &Document) -> String {
+    let mut text = String::new();
+    for machine in document
+        .machines
+        .iter()
+        .filter(|m| !m.discharges.is_empty())
+    {
+        let _ = writeln!(text, "\n{}: how each assumption is met", machine.name);
+        let name = |d: &super::DischargeEntry| format!("{}: {}", d.component, d.assumption);
+        let width = machine
+            .discharges
+            .iter()
+            .map(|d| name(d).chars().count())
+            .max();
+        for d in &machine.discharges {
+            let _ = writeln!(
+                text,
+                "  {:width$}  {}",
+                name(d),
+                d.by,
+                width = width.unwrap_or(0)
+            );
+        }
+    }
+    text
 }
 
 fn count(n: usize, what: &str) -> String {
