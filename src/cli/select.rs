@@ -83,9 +83,7 @@ impl Selection {
             let instead = match names.as_slice() {
                 [] => "give a file that declares one".to_owned(),
                 [only] => format!("write {path}::{only}"),
-                [first, others @ ..] => {
-                    format!("write {path}::{first} or another of {}", others.join(", "))
-                }
+                names => format!("write one of {} behind {path}::", names.join(", ")),
             };
             match &self.name {
                 Some(name) => anyhow::bail!("{path} has no {kind} `{name}`: {instead}"),
