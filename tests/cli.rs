@@ -11,6 +11,8 @@ mod exits;
 mod inputs;
 #[path = "cli/libraries.rs"]
 mod libraries;
+#[path = "cli/outside.rs"]
+mod outside;
 #[path = "cli/session.rs"]
 mod session;
 mod support;

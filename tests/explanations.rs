@@ -38,9 +38,6 @@ fn check(text: &str) -> Vec<(String, String, String)> {
 
 #[test]
 fn examples_show_what_their_pages_explain() {
-    if support::stages_missing() {
-        return support::skip("stages", "the program cannot read contracts yet");
-    }
     let (mut report, mut count) = (String::new(), 0);
     for code in codes::ALL {
         let page = explanations::page(*code).unwrap_or_default();
@@ -61,9 +58,6 @@ fn examples_show_what_their_pages_explain() {
 /// A plain ```` ```lw ```` block on a page is the repaired contract.
 #[test]
 fn repaired_contracts_have_no_errors() {
-    if support::stages_missing() {
-        return support::skip("stages", "the program cannot read contracts yet");
-    }
     let (mut report, mut count) = (String::new(), 0);
     for code in codes::ALL {
         let page = explanations::page(*code).unwrap_or_default();

@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 /// The arguments of `build`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-    linewright build examples/ice-lab/machines.lw
-    linewright build examples/ice-lab/machines.lw::QualityCheck --target source --out station
+    linewright build examples/ice-lab/cell.lw
+    linewright build examples/ice-lab/camera.lw::QualityCheck --target source --out station
 
 A C compiler is needed for `linux`, none for `source`.")]
 pub struct Arguments {

@@ -113,7 +113,7 @@ pub fn write(emit: Emit, machine: &mealy::Machine) -> Result<String, Box<Diagnos
     };
     let pretty = |value: &serde_json::Value| format!("{value:#}\n");
     Ok(match emit {
-        Emit::Json => pretty(&mealy::json::to_json(machine, true)),
+        Emit::Json => mealy::json::to_text(&mealy::json::to_json(machine, true)),
         Emit::Gr1c => pretty(&mealy::gr1c::to_json(machine).map_err(too_large)?),
         Emit::Dot => mealy::dot::to_dot(machine),
         Emit::Svg => mealy::svg::to_svg(machine),

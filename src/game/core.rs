@@ -1,6 +1,6 @@
 //! A minimal core: guarantees that clash, none of which can be left out.
 //!
-//! QuickXplain (Junker, AAAI 2004): halves are tried first, so a core of `k` among `n` guarantees costs about `k · log2(n / k)`
+//! `QuickXplain` (Junker, AAAI 2004): halves are tried first, so a core of `k` among `n` guarantees costs about `k · log2(n / k)`
 //! games instead of `n`. It is sound here because leaving out a guarantee never makes a specification unrealizable.
 
 use super::GuaranteeRef;

@@ -2,15 +2,17 @@
 //!
 //! The memory of the machine between two steps is what it will do next. So a state *is* the residual function
 //! `R(x′, y′, g)`: the strategy of the pursued goal with the current outputs fixed, and the current inputs fixed as far as
-//! it depends on them. Canonical diagrams make equal residuals equal. From a state the machine knows exactly those next
+//! it depends on them. Canonical diagrams make equal residuals equal. From a state the machine has to know those next
 //! inputs that some reachable valuation behind it allows; they are split by output and by the residual they lead to.
+//! Inputs that neither matters for are left out of the guards, so that these also hold on some inputs that break an
+//! assumption: a guard says what the machine looks at, not what the environment has promised.
 
 use super::arena::Arena;
 use super::cover::{Condition, Cover};
 use super::strategy::Strategy;
 use crate::gr1::{Specification, Time, VarId};
 use crate::symbolic::{Bit, BitSet, Function, Limit, Limits, Manager};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// More rows than this are not written down.
 const MOST_ROWS: usize = 200_000;
@@ -43,14 +45,18 @@ struct State {
     legal: Function,
 }
 
-/// Which state the machine is in, by its current inputs: their values as a set over *next* bits, and the state.
+/// Which state the machine is in, by its current inputs: what it looks at of them, over *next* bits, and the state. Disjoint.
 type Classes = Vec<(Function, usize)>;
+
+/// An output that is given: its values, the bits that say so, and the classes of what follows.
+type Answer<'a> = (Vec<i64>, Vec<(Bit, bool)>, &'a Classes);
 
 struct Explorer<'a> {
     arena: &'a Arena,
     m: &'a Manager,
     strategy: &'a Strategy,
     environment: Function,
+    inputs: Vec<VarId>,
     outputs: Vec<VarId>,
     limits: &'a Limits,
     states: Vec<State>,
@@ -71,6 +77,7 @@ pub fn explore(
         m,
         strategy,
         environment: arena.environment_moves()?,
+        inputs: specification.inputs().collect(),
         outputs: specification.outputs().collect(),
         limits,
         states: Vec::new(),
@@ -82,11 +89,18 @@ pub fn explore(
     let cover = Cover::new(m, &arena.encoding, specification);
     let mut room = MOST_ROWS;
     let first = m.prime(&strategy.initial)?;
-    let initial = explorer.rows(first, None, &cover, &mut room)?;
+    let legal = m.prime(&arena.env_initial)?;
+    let initial = explorer.rows(&first, &legal, None, &cover, &mut room)?;
     let mut states = Vec::new();
     for state in &explorer.states {
-        let moves = m.and(&state.residual, &state.legal)?;
-        states.push(explorer.rows(moves, Some(state.goal), &cover, &mut room)?);
+        let rows = explorer.rows(
+            &state.residual,
+            &state.legal,
+            Some(state.goal),
+            &cover,
+            &mut room,
+        )?;
+        states.push(rows);
     }
     Ok(Explicit { initial, states })
 }
@@ -107,7 +121,15 @@ impl Explorer<'_> {
                 let inputs = self.m.restrict(&reachable, &fixed)?;
                 let environment = self.m.restrict(&self.environment, &fixed)?;
                 let mut classes = Vec::new();
-                self.split(goal, &residual, &inputs, &environment, &mut classes)?;
+                let anything = self.m.constant(true);
+                self.split(
+                    goal,
+                    &residual,
+                    &inputs,
+                    &anything,
+                    &environment,
+                    &mut classes,
+                )?;
                 for (inputs, _) in &mut classes {
                     *inputs = self.m.prime(inputs)?;
                 }
@@ -117,12 +139,13 @@ impl Explorer<'_> {
         Ok(())
     }
 
-    /// Splits the current `inputs` by the residual they lead to.
+    /// Splits the current `inputs`, which lie on `path`, by the residual they lead to.
     fn split(
         &mut self,
         goal: usize,
         residual: &Function,
         inputs: &Function,
+        path: &Function,
         environment: &Function,
         classes: &mut Classes,
     ) -> Result<(), Limit> {
@@ -132,9 +155,11 @@ impl Explorer<'_> {
         let bits = residual.support();
         if let Some(bit) = bits.iter().find(|b| self.arena.inputs_now.contains(**b)) {
             for value in [false, true] {
-                let part = self.m.and(inputs, &self.m.literal(*bit, value))?;
+                let literal = self.m.literal(*bit, value);
+                let part = self.m.and(inputs, &literal)?;
+                let path = self.m.and(path, &literal)?;
                 let fixed = self.m.restrict(residual, &[(*bit, value)])?;
-                self.split(goal, &fixed, &part, environment, classes)?;
+                self.split(goal, &fixed, &part, &path, environment, classes)?;
             }
             return Ok(());
         }
@@ -157,43 +182,41 @@ impl Explorer<'_> {
             *known = self.m.or(known, &legal)?;
         }
         match classes.iter_mut().find(|(_, n)| *n == number) {
-            Some((known, _)) => *known = self.m.or(known, inputs)?,
-            None => classes.push((inputs.clone(), number)),
+            Some((known, _)) => *known = self.m.or(known, path)?,
+            None => classes.push((path.clone(), number)),
         }
         Ok(())
     }
 
-    /// The rows of `moves` over (x′, y′, g); `goal` is the pursued one, or `None` in step 0.
+    /// The rows of a residual (x′, y′, g) for the legal inputs; `goal` is the pursued one, or `None` in step 0.
     fn rows(
         &self,
-        moves: Function,
+        residual: &Function,
+        legal: &Function,
         goal: Option<usize>,
         cover: &Cover<'_>,
         room: &mut usize,
     ) -> Result<Vec<Row>, Limit> {
-        let goals = self.strategy.moves.len();
-        let flag = self.strategy.flag;
-        let mut answers = self.arena.outputs_next.clone();
-        answers.insert(flag);
-        let mut rest = moves;
-        let mut rows = Vec::new();
-        while let Some(bits) = rest.witness() {
-            self.limits.check_time()?;
-            let output = self.output_of(&bits, Time::Next);
-            let mut fixed = self.assignment(&output, Time::Next);
-            let mut to_goal = 0;
-            if let Some(goal) = goal {
-                let reached = bits[usize::from(flag.0)];
-                fixed.push((flag, reached));
-                to_goal = if reached { (goal + 1) % goals } else { goal };
+        let answers = self.answers(residual, legal, goal)?;
+        let mut matters: BTreeSet<Bit> = residual.support().into_iter().collect();
+        for (_, _, classes) in &answers {
+            matters.extend(classes.iter().flat_map(|(class, _)| class.support()));
+        }
+        let mut idle = BitSet::default();
+        for input in &self.inputs {
+            let bits: Vec<Bit> = self.arena.encoding.bits(*input, Time::Next).collect();
+            if !bits.iter().any(|b| matters.contains(b)) {
+                for bit in bits {
+                    idle.insert(bit);
+                }
             }
-            let inputs = self.m.restrict(&rest, &fixed)?;
-            let inputs = self.forget_flag(&inputs)?;
-            rest = self.m.and_not(&rest, &self.cube(&fixed)?)?;
-            let classes = self
-                .classes
-                .get(&(to_goal, output.clone()))
-                .expect("a successor was not found reachable; please report this");
+        }
+        let legal = self.m.exists(legal, &idle)?;
+
+        let mut rows = Vec::new();
+        for (output, fixed, classes) in answers {
+            let inputs = self.m.restrict(residual, &fixed)?;
+            let inputs = self.m.and(&self.forget_flag(&inputs)?, &legal)?;
             for (class, to) in classes {
                 let guard = self.m.and(&inputs, class)?;
                 if guard.is_false() {
@@ -209,6 +232,39 @@ impl Explorer<'_> {
             }
         }
         Ok(rows)
+    }
+
+    /// The outputs that a residual gives on legal inputs.
+    fn answers(
+        &self,
+        residual: &Function,
+        legal: &Function,
+        goal: Option<usize>,
+    ) -> Result<Vec<Answer<'_>>, Limit> {
+        let goals = self.strategy.moves.len();
+        let flag = self.strategy.flag;
+        let mut rest = self
+            .m
+            .and_exists(residual, legal, &self.arena.inputs_next)?;
+        let mut answers = Vec::new();
+        while let Some(bits) = rest.witness() {
+            self.limits.check_time()?;
+            let output = self.output_of(&bits, Time::Next);
+            let mut fixed = self.assignment(&output, Time::Next);
+            let mut to_goal = 0;
+            if let Some(goal) = goal {
+                let reached = bits[usize::from(flag.0)];
+                fixed.push((flag, reached));
+                to_goal = if reached { (goal + 1) % goals } else { goal };
+            }
+            rest = self.m.and_not(&rest, &self.cube(&fixed)?)?;
+            let classes = self
+                .classes
+                .get(&(to_goal, output.clone()))
+                .expect("a successor was not found reachable; please report this");
+            answers.push((output, fixed, classes));
+        }
+        Ok(answers)
     }
 
     /// In step 0 there is no flag, and nothing depends on it; later it has been fixed.

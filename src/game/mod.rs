@@ -38,11 +38,17 @@ pub enum Outcome {
 /// What is known of a specification that is realizable. [`Won::explore`] makes a strategy of it.
 #[derive(Debug)]
 pub struct Won {
+    game: Box<WonGame>,
+    /// The largest number of nodes that were alive at once.
+    pub peak_nodes: u64,
+}
+
+/// The game that was won.
+#[derive(Debug)]
+struct WonGame {
     arena: Arena,
     /// The states from which the machine wins.
     region: Function,
-    /// The largest number of nodes that were alive at once.
-    pub peak_nodes: u64,
 }
 
 /// What is known of a specification that is not.
@@ -105,8 +111,8 @@ impl Won {
         specification: &Specification,
         limits: &Limits,
     ) -> Result<Explicit, Limit> {
-        let arena = self.arena.with_limits(limits);
-        let strategy = strategy::strategy(&arena, specification, &self.region)?;
+        let arena = self.game.arena.with_limits(limits);
+        let strategy = strategy::strategy(&arena, specification, &self.game.region)?;
         explore::explore(&arena, specification, &strategy, limits)
     }
 }
@@ -118,11 +124,8 @@ pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
         let arena = formulas.arena(&Selection::All)?;
         if let Some(region) = fixpoint::winning_region(&arena)? {
             let peak_nodes = formulas.peak_nodes();
-            return Ok(Err(Won {
-                arena,
-                region,
-                peak_nodes,
-            }));
+            let game = Box::new(WonGame { arena, region });
+            return Ok(Err(Won { game, peak_nodes }));
         }
         drop(arena);
         let core = core::minimal_core(&formulas).ok();

@@ -4,9 +4,9 @@
 //!
 //! 1. *Preference.* Of the winning moves, the best kind that is possible (Bloem et al. 2012, section 4): reach the goal, and as
 //!    near to the next goal as can be; else get as near to this goal as can be; else wait for an assumption.
-//! 2. *Forgetting.* A move should depend on as few current inputs as possible, since what it depends on the machine has to
-//!    remember. Input by input, moves that are right whatever that input was are preferred, where every combination that
-//!    cannot occur in play counts as right.
+//! 2. *Forgetting.* A move should depend on as few inputs as possible: current ones the machine would have to remember, next
+//!    ones make its guards longer. Input by input, moves that are right whatever that input is are preferred, where every
+//!    combination that cannot occur in play counts as right.
 //! 3. *Choice.* Outputs keep their value where they can and are as small as possible where they cannot, one after the other.
 //! 4. *Reachability*, to leave out what is never met.
 //!
@@ -180,7 +180,7 @@ impl<'a> Maker<'a> {
         Ok(moves)
     }
 
-    /// Prefers moves that do not depend on current inputs, one input after the other. Only `possible` states, and inputs
+    /// Prefers moves that do not depend on inputs, one input after the other. Only `possible` states, and inputs
     /// that keep the assumptions, matter.
     fn forget(&self, moves: &Function, possible: &Function) -> Result<Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.manager);
@@ -189,13 +189,23 @@ impl<'a> Maker<'a> {
             care = m.and(&care, &self.environment)?;
         }
         let mut allowed = m.implies(&care, moves)?;
-        for input in self.specification.inputs() {
-            let bits = arena.encoding.bit_set([input], Time::Now);
+        // The next inputs, too: what an answer does not need makes no guard longer. They come last, since an answer had
+        // better look at an input than remember it.
+        //
+        // Current inputs are first forgotten only where that is right whatever comes next: or else one would forget a command
+        // and remember all that tells what the command must have been. After that there is nothing left to tell it by.
+        let rounds = [(Time::Now, true), (Time::Now, false), (Time::Next, false)];
+        let inputs = |round| self.specification.inputs().map(move |v| (v, round));
+        for (input, (time, blindly)) in rounds.into_iter().flat_map(inputs) {
+            let bits = arena.encoding.bit_set([input], time);
             if !bits.iter().any(|b| allowed.depends_on(b)) {
                 continue;
             }
             let always = m.forall(&allowed, &bits)?;
-            let offers = m.exists(&always, &arena.outputs_next)?;
+            let mut offers = m.exists(&always, &arena.outputs_next)?;
+            if blindly {
+                offers = m.forall(&offers, &arena.inputs_next)?;
+            }
             allowed = m.ite(&offers, &always, &allowed)?;
         }
         Ok(allowed)

@@ -226,6 +226,24 @@ impl Diagrams {
         }
     }
 
+    /// How many cubes a diagram reads as.
+    pub fn cubes(&self, node: Ref, seen: &mut HashMap<Ref, u64>) -> u64 {
+        match &self.nodes[node as usize] {
+            Node::Nothing => 0,
+            Node::Leaf(_) => 1,
+            Node::Ask { edges, .. } => {
+                if let Some(known) = seen.get(&node) {
+                    return *known;
+                }
+                let sum = edges
+                    .iter()
+                    .fold(0u64, |sum, e| sum.saturating_add(self.cubes(e.1, seen)));
+                seen.insert(node, sum);
+                sum
+            }
+        }
+    }
+
     /// Calls `visit` for every leaf, in order, once each.
     pub fn leaves(&self, node: Ref, visit: &mut impl FnMut(Leaf)) {
         let mut seen = std::collections::HashSet::new();

@@ -4,6 +4,7 @@
 //! enters does not already say it: what all edges into a state agree on is written into the state, once.
 //! Transitions between the same two states are one edge, and long guards are broken into lines.
 
+use super::text::guard_parts;
 use super::{Guard, Machine, Transition};
 use crate::gr1::Domain;
 use std::collections::BTreeMap;
@@ -36,7 +37,7 @@ const MOST_LINES: usize = 3;
 const MOST_GROUPS: usize = 3;
 
 /// A line longer than this is broken at a conjunction.
-const WIDTH: usize = 34;
+const WIDTH: usize = 40;
 
 /// States and edges with their labels.
 pub fn graph(machine: &Machine) -> Graph {
@@ -90,7 +91,11 @@ pub fn to_dot(machine: &Machine) -> String {
     let graph = graph(machine);
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = writeln!(text, "digraph {} {{", quoted(&[machine.name.clone()]));
+    let _ = writeln!(
+        text,
+        "digraph {} {{",
+        quoted(std::slice::from_ref(&machine.name))
+    );
     text.push_str(
         "  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\", fontsize=11];\n",
     );
@@ -151,12 +156,14 @@ fn assignment(name: &str, domain: &Domain, value: i64) -> String {
 
 /// One line a cube, broken where it is too long.
 fn guard_lines(machine: &Machine, guards: &[&Guard]) -> Vec<String> {
-    let cubes: Vec<_> = guards.iter().flat_map(|g| &g.0).collect();
+    let cubes = guard_parts(machine, guards);
     let mut lines = Vec::new();
-    for (i, cube) in cubes.iter().take(MOST_LINES).enumerate() {
-        let text = machine.show_cube(cube);
-        let tests: Vec<String> = text.split(" & ").map(str::to_owned).collect();
-        let mut broken = wrap(&tests, " & ");
+    for (i, tests) in cubes.iter().take(MOST_LINES).enumerate() {
+        let mut broken = if tests.is_empty() {
+            vec!["true".to_owned()]
+        } else {
+            wrap(tests, " & ")
+        };
         if i > 0 {
             broken[0].insert_str(0, "| ");
         }

@@ -4,8 +4,9 @@
 //! entered, and `trans` lists where the next step may lead. So every guard is written out letter by letter, and above
 //! [`MOST_NODES`] this gives up. gr1c's variables are boolean or `[0, n]`; a range that begins elsewhere is shifted to 0, and
 //! labels are their numbers. What the shift was, and the labels, stand in `extra`. `mode` (the goal pursued) and `rgrad` (the
-//! distance to it) are not known of a minimised machine: every node has mode 0 and gr1c's own "not available", -1. `gr1c` and
-//! `date`, which name the run that wrote the file, are constant, so that the same machine gives the same bytes.
+//! distance to it) are not known of a minimised machine: every node has mode 0 and gr1c's own "not available", -1. `gr1c` (the
+//! version whose format this is) and `date` are constant, so that the same machine gives the same bytes; `extra` also says who
+//! wrote it.
 
 use super::{Machine, Port, Transition};
 use crate::game::Limit;
@@ -53,12 +54,11 @@ pub fn to_json(machine: &Machine) -> Result<Value, Limit> {
     let mut room = MOST_EDGES;
     while edges.len() < nodes.list.len() {
         let state = nodes.list[edges.len()].0;
-        let targets = match &known[state] {
-            Some(targets) => targets.clone(),
-            None => {
-                let targets = successors(machine, &machine.states[state], &mut nodes)?;
-                known[state].insert(targets).clone()
-            }
+        let targets = if let Some(targets) = &known[state] {
+            targets.clone()
+        } else {
+            let targets = successors(machine, &machine.states[state], &mut nodes)?;
+            known[state].insert(targets).clone()
         };
         room = room.checked_sub(targets.len()).ok_or(Limit::Size)?;
         edges.push(targets);
@@ -147,5 +147,6 @@ fn extra(machine: &Machine) -> String {
         Domain::Enum { .. } => Some(format!("{}: {}", port.name, port.domain.describe())),
         _ => None,
     });
-    notes.collect::<Vec<_>>().join("; ")
+    let written = std::iter::once("written by linewright".to_owned());
+    written.chain(notes).collect::<Vec<_>>().join("; ")
 }

@@ -1,7 +1,7 @@
 //! A machine as JSON: the schema `linewright/machine/1` of `synth --emit json`.
 //!
-//! A guard is given twice: as text for people, and under `cubes` as data, a disjunction of conjunctions of
-//! `{"input", "low", "high"}` over the values as written. Outputs are objects from name to value.
+//! A guard is given twice: as text for people, and under `cubes` as data: a disjunction of objects, each a conjunction that
+//! gives the lowest and the highest value of every input it names. Outputs are objects from name to value.
 
 use super::{Cube, Guard, Machine, Port, Transition};
 use crate::gr1::{Domain, Timing};
@@ -27,6 +27,21 @@ pub fn to_json(machine: &Machine, verified: bool) -> Value {
     })
 }
 
+/// The document as text: one line a port and a transition, which is how people and line-based tools read it best.
+pub fn to_text(document: &Value) -> String {
+    let Value::Object(fields) = document else {
+        return document.to_string();
+    };
+    let fields = fields.iter().map(|(name, value)| match value {
+        Value::Array(items) if !items.is_empty() => {
+            let items: Vec<String> = items.iter().map(|i| format!("    {i}")).collect();
+            format!("  \"{name}\": [\n{}\n  ]", items.join(",\n"))
+        }
+        other => format!("  \"{name}\": {other}"),
+    });
+    format!("{{\n{}\n}}\n", fields.collect::<Vec<_>>().join(",\n"))
+}
+
 fn port(port: &Port) -> Value {
     let domain = match &port.domain {
         Domain::Bool => json!({"type": "bool"}),
@@ -45,29 +60,28 @@ fn transition(machine: &Machine, from: Option<usize>, transition: &Transition) -
     let output: Map<String, Value> = pairs
         .map(|(port, v)| (port.name.clone(), value(&port.domain, *v)))
         .collect();
-    let mut result = json!({
-        "guard": machine.show_guard(&transition.guard),
-        "cubes": cubes(machine, &transition.guard),
-        "output": output,
-        "to": transition.to,
-    });
+    let mut result = Map::new();
     if let Some(from) = from {
-        result["from"] = json!(from);
+        result.insert("from".to_owned(), json!(from));
     }
-    result
+    result.insert(
+        "guard".to_owned(),
+        json!(machine.show_guard(&transition.guard)),
+    );
+    result.insert("cubes".to_owned(), json!(cubes(machine, &transition.guard)));
+    result.insert("output".to_owned(), Value::Object(output));
+    result.insert("to".to_owned(), json!(transition.to));
+    Value::Object(result)
 }
 
 fn cubes(machine: &Machine, guard: &Guard) -> Vec<Value> {
     let cube = |cube: &Cube| -> Value {
         let tests = cube.0.iter().map(|t| {
             let port = &machine.inputs[t.input];
-            json!({
-                "input": port.name,
-                "low": value(&port.domain, t.low),
-                "high": value(&port.domain, t.high),
-            })
+            let range = [value(&port.domain, t.low), value(&port.domain, t.high)];
+            (port.name.clone(), json!(range))
         });
-        tests.collect()
+        Value::Object(tests.collect())
     };
     guard.0.iter().map(cube).collect()
 }

@@ -157,6 +157,7 @@ impl Work {
             moore,
         };
         let mut steps = MERGE_STEPS;
+        let mut sizes = HashMap::new();
         'states: for b in 1..count as u32 {
             limits.check_time()?;
             for a in 0..b {
@@ -166,7 +167,9 @@ impl Work {
                 if merged.find(a) != a {
                     continue;
                 }
-                if let Some(better) = merged.try_merge(&mut self.diagrams, a, b, &mut steps) {
+                if let Some(better) =
+                    merged.try_merge(&mut self.diagrams, a, b, &mut steps, &mut sizes)
+                {
                     merged = better;
                 }
                 if steps == 0 {
@@ -240,7 +243,14 @@ impl Merged {
     }
 
     /// With `a` and `b` in one class, and all that follows from it; `None` if they do not agree.
-    fn try_merge(&self, diagrams: &mut Diagrams, a: u32, b: u32, steps: &mut u64) -> Option<Self> {
+    fn try_merge(
+        &self,
+        diagrams: &mut Diagrams,
+        a: u32,
+        b: u32,
+        steps: &mut u64,
+        sizes: &mut HashMap<Ref, u64>,
+    ) -> Option<Self> {
         let mut result: Option<Self> = None;
         let mut pairs = vec![(a, b)];
         while let Some((a, b)) = pairs.pop() {
@@ -265,6 +275,11 @@ impl Merged {
                 Some(x)
             };
             let joined = diagrams.overlay(left, right, &mut join, &mut HashMap::new(), steps)?;
+            // A state less is no gain if its rows become more.
+            let mut count = |node| diagrams.cubes(node, sizes);
+            if count(joined) > count(left).saturating_add(count(right)) {
+                return None;
+            }
             let next = result.get_or_insert_with(|| self.clone());
             next.parent[b as usize] = a;
             next.diagram[a as usize] = joined;

@@ -12,6 +12,7 @@ pub mod gr1c;
 pub mod json;
 pub mod minimise;
 pub mod svg;
+mod text;
 pub mod verify;
 
 use crate::gr1::{Domain, Timing};
@@ -118,13 +119,20 @@ impl Machine {
         self.initial.len() + self.states.iter().map(Vec::len).sum::<usize>()
     }
 
-    /// A guard as a person reads it: `command = turn & desired = 3 | command = none`.
+    /// A guard as a person reads it: `command = turn & desired = 3 | command != turn`.
     pub fn show_guard(&self, guard: &Guard) -> String {
         if guard.0.is_empty() {
             return "false".to_owned();
         }
-        let cubes: Vec<String> = guard.0.iter().map(|c| self.show_cube(c)).collect();
-        cubes.join(" | ")
+        let show = |tests: Vec<String>| {
+            if tests.is_empty() {
+                "true".to_owned()
+            } else {
+                tests.join(" & ")
+            }
+        };
+        let cubes = text::guard_parts(self, &[guard]).into_iter();
+        cubes.map(show).collect::<Vec<_>>().join(" | ")
     }
 
     /// A cube as a person reads it: `command = turn & 2 <= desired <= 4 & !grip`.

@@ -102,7 +102,9 @@ impl Canvas {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
              viewBox=\"{left:.0} 0 {width:.0} {height:.0}\">\n<title>{}</title>\n\
              <defs><marker id=\"head\" markerWidth=\"9\" markerHeight=\"7\" refX=\"9\" refY=\"3.5\" orient=\"auto\">\
-             <polygon points=\"0 0, 9 3.5, 0 7\" fill=\"dimgray\"/></marker></defs>\n\
+             <polygon points=\"0 0, 9 3.5, 0 7\" fill=\"dimgray\"/></marker>\
+             <marker id=\"tail\" markerWidth=\"9\" markerHeight=\"7\" refX=\"0\" refY=\"3.5\" orient=\"auto\">\
+             <polygon points=\"9 0, 0 3.5, 9 7\" fill=\"dimgray\"/></marker></defs>\n\
              <style>text {{ font-family: Helvetica, Arial, sans-serif; text-anchor: middle }}</style>\n\
              <rect x=\"{left:.0}\" width=\"{width:.0}\" height=\"{height:.0}\" fill=\"white\"/>\n{}{}</svg>\n",
             escape(title),
@@ -166,11 +168,14 @@ impl RenderBackend for Canvas {
         if lines.is_empty() {
             return;
         }
-        let font = look.font_size as f64;
-        let size = text_size(&lines, look.font_size);
+        // On a long edge the package does not hand the label's style on.
+        let state = look.font_size == STATE_FONT;
+        let font_size = if state { STATE_FONT } else { EDGE_FONT };
+        let font = font_size as f64;
+        let size = text_size(&lines, font_size);
         let corner = Point::new(xy.x - size.x / 2., xy.y - size.y / 2.);
         self.cover(corner, corner.add(size));
-        if look.font_size == EDGE_FONT {
+        if !state {
             // A ground of its own, so that lines behind it do not cross the text.
             let _ = writeln!(
                 self.shapes,
@@ -183,7 +188,7 @@ impl RenderBackend for Canvas {
         }
         let first = xy.y - (lines.len() as f64 - 1.) * 0.6 * font + 0.35 * font;
         for (i, line) in lines.iter().enumerate() {
-            let weight = if look.font_size == STATE_FONT && i == 0 {
+            let weight = if state && i == 0 {
                 " font-weight=\"bold\""
             } else {
                 ""
@@ -193,7 +198,7 @@ impl RenderBackend for Canvas {
                 "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{}\"{weight}>{}</text>",
                 xy.x,
                 first + i as f64 * 1.2 * font,
-                look.font_size,
+                font_size,
                 escape(line)
             );
         }
@@ -227,7 +232,7 @@ impl RenderBackend for Canvas {
             );
         }
         let marker = match head {
-            (true, _) => " marker-start=\"url(#head)\"",
+            (true, _) => " marker-start=\"url(#tail)\"",
             (_, true) => " marker-end=\"url(#head)\"",
             _ => "",
         };

@@ -89,7 +89,7 @@ impl Encoding {
             return Ok(m.constant(true));
         }
         let last = Number::constant(m, layout.high - layout.low);
-        m.not(&last.less(m, &self.code(m, layout, time))?)
+        m.not(&last.less(m, &code(m, layout, time))?)
     }
 
     /// That a variable has the same value now and next.
@@ -137,14 +137,6 @@ impl Encoding {
         interval(expr, &domain).map_err(|_| Limit::Size)
     }
 
-    /// The bits of a variable as an unsigned number.
-    fn code(&self, m: &Manager, layout: &Layout, time: Time) -> Number {
-        let bits = layout.bits.iter().rev();
-        let mut bits: Vec<_> = bits.map(|b| m.literal(at(*b, time), true)).collect();
-        bits.push(m.constant(false));
-        Number::new(bits)
-    }
-
     fn truth(&self, m: &Manager, expr: &Expr) -> Result<Function, Limit> {
         match expr {
             Expr::Const(c) => Ok(m.constant(*c != 0)),
@@ -171,7 +163,7 @@ impl Encoding {
             Expr::Const(c) => return Ok(Number::constant(m, *c)),
             Expr::Var(v, time) => {
                 let layout = &self.variables[v.index()];
-                let code = self.code(m, layout, *time);
+                let code = code(m, layout, *time);
                 if layout.low == 0 {
                     code
                 } else {
@@ -215,6 +207,14 @@ impl Encoding {
         let range = self.interval(expr)?;
         Ok(result.resize(width(range.low, range.high)))
     }
+}
+
+/// The bits of a variable as an unsigned number.
+fn code(m: &Manager, layout: &Layout, time: Time) -> Number {
+    let bits = layout.bits.iter().rev();
+    let mut bits: Vec<_> = bits.map(|b| m.literal(at(*b, time), true)).collect();
+    bits.push(m.constant(false));
+    Number::new(bits)
 }
 
 fn at(bit: Bit, time: Time) -> Bit {

@@ -8,7 +8,7 @@
 //! enough that their product is harmless, and beyond that conjunction and quantification are done apart, each with a limit.
 
 use super::{Limit, Limits};
-use biodivine_lib_bdd::{Bdd, BddNode, BddVariable, BddVariableSet, op_function};
+use biodivine_lib_bdd::{Bdd, BddNode, BddValuation, BddVariable, BddVariableSet, op_function};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -140,7 +140,7 @@ impl Function {
 
     /// Some assignment to all bits that satisfies it, indexed by bit.
     pub fn witness(&self) -> Option<Vec<bool>> {
-        self.0.bdd.first_valuation().map(|v| v.into_vector())
+        self.0.bdd.first_valuation().map(BddValuation::into_vector)
     }
 }
 

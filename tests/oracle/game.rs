@@ -38,6 +38,7 @@ pub enum Subset<'a> {
 }
 
 /// What the real `examine_environment` is compared with.
+#[expect(clippy::struct_excessive_bools, reason = "four yes-or-no questions")]
 pub struct Environment {
     pub cannot_start: bool,
     pub stuck_at_start: bool,
@@ -299,10 +300,10 @@ impl<'a> Board<'a> {
                         .filter(|x| x & legal != 0)
                         .collect();
                     let y = groups.outputs.iter();
-                    good = y
+                    let blind: Set = y
                         .filter(|y| x.iter().all(|x| x & *y & good != 0))
-                        .fold(0, |a, b| a | b)
-                        & good;
+                        .fold(0, |a, b| a | b);
+                    good &= blind;
                 }
                 more |= legal & good;
             }
@@ -344,11 +345,11 @@ pub fn value(expr: &Expr, now: &[i64], next: &[i64]) -> i64 {
         Expr::If(c, a, b) => of(if of(c) == 1 { a } else { b }),
         Expr::Binary(op, a, b) => {
             let (a, b) = (of(a), of(b));
-            let truth = |t: bool| if t { 1 } else { 0 };
+            let truth = i64::from;
             match op {
-                BinaryOp::And => a * b,
+                BinaryOp::And => truth(a + b == 2),
                 BinaryOp::Or => truth(a + b > 0),
-                BinaryOp::Implies => truth(a <= b),
+                BinaryOp::Implies => truth(b >= a),
                 BinaryOp::Eq => truth(a == b),
                 BinaryOp::Ne => truth(a != b),
                 BinaryOp::Lt => truth(a < b),

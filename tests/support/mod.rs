@@ -39,15 +39,6 @@ pub fn linewright(folder: &Path, arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-/// Whether stages of the program are still missing, so that it can do nothing with a contract.
-pub fn stages_missing() -> bool {
-    let folder = tempfile::tempdir().expect("a folder");
-    let contract = "contract A { output a: bool guarantee g: always a }";
-    std::fs::write(folder.path().join("a.lw"), contract).expect("a file");
-    let output = linewright(folder.path(), &["check", "a.lw"]);
-    String::from_utf8_lossy(&output.stderr).contains("not yet implemented")
-}
-
 /// A new folder with copies of `contracts` and `examples`, without what was built there.
 pub fn sandbox() -> tempfile::TempDir {
     let sandbox = tempfile::tempdir().expect("a folder");

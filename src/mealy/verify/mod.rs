@@ -2,13 +2,13 @@
 //! against justice.
 //!
 //! The product of the machine with its environment is built explicitly. A node is a state of the machine and a *context*: what
-//! the formulas that speak of two steps still say once the current values are known ([`residual`]). So current inputs that no
+//! the formulas that speak of two steps still say once the current values are known (`residual.rs`). So current inputs that no
 //! formula mentions, or that matter only while something else holds, do not multiply the nodes. Next inputs are enumerated
 //! variable by variable, and a branch is left as soon as an assumption is known to be broken.
 //!
 //! Justice: if the machine breaks goal `j`, some play stays for ever in transitions that do not satisfy it and yet sees every
 //! assumption again and again; that is a strongly connected part of the graph without the transitions that satisfy `j`, in
-//! which every assumption's justice occurs ([`fair`]).
+//! which every assumption's justice occurs (`fair.rs`).
 
 mod fair;
 mod residual;

@@ -7,7 +7,44 @@
 use crate::gr1::eval;
 use crate::gr1::{BinaryOp, Expr, Time, UnaryOp};
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::rc::Rc;
+
+/// A quick hash for small keys of our own making; the default one guards against attackers, of which there are none here.
+#[derive(Debug, Default)]
+pub struct Mixer(u64);
+
+type Mix = BuildHasherDefault<Mixer>;
+
+impl Hasher for Mixer {
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for chunk in bytes.chunks(8) {
+            let mut word = [0; 8];
+            word[..chunk.len()].copy_from_slice(chunk);
+            self.write_u64(u64::from_le_bytes(word));
+        }
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(0x517C_C1B7_2722_0A95);
+    }
+
+    fn write_u32(&mut self, word: u32) {
+        self.write_u64(u64::from(word));
+    }
+
+    fn write_i64(&mut self, word: i64) {
+        self.write_u64(word as u64);
+    }
+
+    fn write_usize(&mut self, word: usize) {
+        self.write_u64(word as u64);
+    }
+}
 
 /// The number of an expression in its pool.
 pub type Id = u32;
@@ -35,8 +72,8 @@ pub struct Pool {
     nodes: Vec<Node>,
     /// The keys each expression mentions, in order.
     keys: Vec<Rc<[Key]>>,
-    ids: HashMap<Node, Id>,
-    fixed: HashMap<(Id, Key, i64), Id>,
+    ids: HashMap<Node, Id, Mix>,
+    fixed: HashMap<(Id, Key, i64), Id, Mix>,
 }
 
 impl Pool {
@@ -115,8 +152,9 @@ impl Pool {
             (And, Some(0), _) | (And, _, Some(0)) => self.constant(0),
             (And, Some(_), _) | (Or, Some(0), _) | (Implies, Some(1), _) => b,
             (And, _, Some(_)) | (Or, _, Some(0)) => a,
-            (Or, Some(_), _) | (Or, _, Some(_)) | (Implies, Some(0), _) => self.constant(1),
-            (Implies, _, Some(1)) => self.constant(1),
+            (Or, Some(_), _) | (Or, _, Some(_)) | (Implies, Some(0), _) | (Implies, _, Some(1)) => {
+                self.constant(1)
+            }
             (Implies, _, Some(0)) => self.unary(UnaryOp::Not, a),
             (Eq, ..) if a == b => self.constant(1),
             _ => self.intern(Node::Binary(op, a, b)),
@@ -204,22 +242,33 @@ struct Branch {
 pub struct Tree {
     /// What may be asked for, with its smallest and largest value, in this order.
     order: Vec<(Key, i64, i64)>,
+    /// By key, its place in the order.
+    ranks: Vec<u32>,
     /// Whether the lists are conjunctions: then what is true is left out, and what is false leaves nothing else.
     pub conjunction: bool,
     branches: Vec<Branch>,
-    places: HashMap<Rc<[Id]>, Place>,
+    places: HashMap<Rc<[Id]>, Place, Mix>,
 }
 
 const UNKNOWN: Place = u32::MAX;
 
+/// The rank of a key that is not asked for.
+const NEVER: u32 = u32::MAX;
+
 impl Tree {
     /// A tree that asks for these keys.
     pub fn new(order: Vec<(Key, i64, i64)>) -> Self {
+        let keys = order.iter().map(|(k, ..)| *k as usize);
+        let mut ranks = vec![NEVER; keys.max().map_or(0, |k| k + 1)];
+        for (rank, (key, ..)) in order.iter().enumerate() {
+            ranks[*key as usize] = rank as u32;
+        }
         Self {
             order,
+            ranks,
             conjunction: false,
             branches: Vec::new(),
-            places: HashMap::new(),
+            places: HashMap::default(),
         }
     }
 
@@ -238,11 +287,9 @@ impl Tree {
         if let Some(place) = self.places.get(&formulas) {
             return *place;
         }
-        let mentioned = |k: Key| {
-            let mut ids = formulas.iter();
-            ids.any(|id| pool.keys(*id).binary_search(&k).is_ok())
-        };
-        let question = self.order.iter().position(|(k, ..)| mentioned(*k));
+        let keys = formulas.iter().flat_map(|id| pool.keys(*id));
+        let ranks = keys.map(|k| self.ranks.get(*k as usize).copied().unwrap_or(NEVER));
+        let question = ranks.min().filter(|r| *r != NEVER).map(|r| r as usize);
         let children = question.map_or(0, |q| (self.order[q].2 - self.order[q].1 + 1) as usize);
         let place = self.branches.len() as Place;
         self.branches.push(Branch {
