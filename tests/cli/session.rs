@@ -2,6 +2,7 @@
 
 use crate::support::{PROGRAM, root};
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -162,7 +163,7 @@ impl Printed {
             ("standard error", &self.err),
         ] {
             if !stream.is_empty() {
-                text += &format!("--- {name}\n{stream}");
+                let _ = write!(text, "--- {name}\n{stream}");
             }
         }
         text
