@@ -78,14 +78,16 @@ impl Selection {
             None => all.iter().filter(|i| own(i)).collect(),
         };
         if picked.is_empty() {
+            let path = &self.path;
             let names: Vec<&str> = all.iter().map(|i| describe(i).0).collect();
-            let there = match names.as_slice() {
-                [] => String::new(),
-                names => format!("; it knows {}", names.join(", ")),
+            let instead = match names.as_slice() {
+                [] => "give a file that declares one".to_owned(),
+                [only] => format!("write {path}::{only}"),
+                names => format!("write one of {} behind {path}::", names.join(", ")),
             };
             match &self.name {
-                Some(name) => anyhow::bail!("{} has no {kind} `{name}`{there}", self.path),
-                None => anyhow::bail!("{} declares no {kind} itself{there}", self.path),
+                Some(name) => anyhow::bail!("{path} has no {kind} `{name}`: {instead}"),
+                None => anyhow::bail!("{path} declares no {kind} itself: {instead}"),
             }
         }
         Ok(picked)

@@ -182,15 +182,11 @@ fn uses_units(e: &ast::Expr) -> bool {
 
 /// A name that is there already.
 pub(super) fn double(name: &ast::Name, first: Span) -> Diagnostic {
-    let finding = Diagnostic::error(
+    Diagnostic::error(
         codes::NAME_DOUBLE,
         name.span,
         format!("`{}` is declared twice", name.text),
     )
-    .with_help("give one of the two another name");
-    if first.file == name.span.file {
-        finding.with_label(first, "first declared here")
-    } else {
-        finding
-    }
+    .with_label(first, "first declared here")
+    .with_help("give one of the two another name")
 }

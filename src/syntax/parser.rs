@@ -221,7 +221,7 @@ fn finding_of(
     };
     let end = at + word.len();
     let message = if word.is_empty() {
-        "the text ends too early".to_owned()
+        "something is missing here".to_owned()
     } else {
         format!("`{word}` does not fit here")
     };

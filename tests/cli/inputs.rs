@@ -1,0 +1,114 @@
+//! Files that are missing or wrong, names that are not there, and lines that stand still.
+
+use crate::session::{Session, assert_shown};
+
+/// Runs every command, compares it with its snapshot, and its exit code.
+fn check(cases: &[(&str, &str, i32)]) {
+    let session = Session::new();
+    for (name, line, code) in cases {
+        let printed = session.run(line);
+        assert_eq!(printed.code, *code, "{line}\n{}", printed.err);
+        assert_shown!(*name, printed);
+    }
+}
+
+#[test]
+fn missing_files() {
+    check(&[
+        ("missing_check", "check missing.lw --no-timing", 2),
+        ("missing_run", "run missing.lw --parts 1", 2),
+        (
+            "missing_json",
+            "check missing.lw --format json --no-timing",
+            2,
+        ),
+        ("missing_synth", "synth missing.lw", 2),
+        ("missing_build", "build missing.lw", 2),
+    ]);
+}
+
+#[test]
+fn what_does_not_parse() {
+    check(&[
+        ("syntax_check", "check syntax.lw --no-timing", 2),
+        ("syntax_synth", "synth syntax.lw", 2),
+    ]);
+}
+
+#[test]
+fn what_does_not_fit() {
+    check(&[
+        ("type_check", "check type.lw --no-timing", 1),
+        ("type_synth", "synth type.lw", 1),
+        ("unbound_check", "check unbound.lw --no-timing", 1),
+        ("unbound_build", "build unbound.lw", 1),
+        ("unrealizable_check", "check unrealizable.lw --no-timing", 1),
+        ("unrealizable_synth", "synth unrealizable.lw", 1),
+    ]);
+}
+
+#[test]
+fn names_that_are_not_there() {
+    check(&[
+        ("unknown_machine", "build lamp.lw::Ghost", 2),
+        ("unknown_contract", "synth lamp.lw::Ghost", 2),
+        ("unknown_line", "run lamp.lw::Ghost", 2),
+        ("no_line", "run type.lw", 1),
+        ("no_machine", "build unrealizable.lw", 2),
+    ]);
+}
+
+#[test]
+fn imports() {
+    check(&[
+        ("import_circular", "check circle_a.lw --no-timing", 1),
+        ("import_missing", "check import_missing.lw --no-timing", 2),
+        ("double", "check double.lw --no-timing", 1),
+    ]);
+}
+
+#[test]
+fn bad_arguments() {
+    check(&[
+        ("argument_parts", "run lamp.lw --parts none", 2),
+        ("argument_until", "run lamp.lw --until tomorrow", 2),
+        ("argument_timeout", "check lamp.lw --timeout soon", 2),
+    ]);
+}
+
+#[test]
+fn a_line_that_blocks_itself() {
+    let session = Session::new();
+    let printed = session.run("run blocked.lw");
+    assert_eq!(printed.code, 1);
+    // Every place of the ring waits for the next, and the last for the first.
+    for wait in [
+        "belt_in waits for first",
+        "first waits for room on belt_out",
+        "belt_out waits for second",
+        "second waits for room on belt_in",
+    ] {
+        assert!(printed.err.contains(wait), "{wait}: {}", printed.err);
+    }
+    assert!(
+        printed
+            .err
+            .starts_with("error[LW403]: the line can no longer advance")
+    );
+    assert_shown!("blocked", printed);
+    let document = session.run("run blocked.lw --format json --no-timing");
+    assert_eq!(document.code, 1);
+    let document: serde_json::Value = serde_json::from_str(&document.out).expect("a document");
+    assert_eq!(document["products"], 0);
+}
+
+#[test]
+fn a_line_without_an_end() {
+    let session = Session::new();
+    session.edit("lamp.lw", "    limit 5 products\n", "");
+    let printed = session.run("run lamp.lw");
+    assert_eq!(printed.code, 2);
+    assert_shown!("endless", printed);
+    assert_eq!(session.run("run lamp.lw --parts 2").code, 0);
+    assert_eq!(session.run("run lamp.lw --until 10").code, 0);
+}

@@ -1,0 +1,19 @@
+//! The laboratory's line, from its files in `examples/ice-lab` to 50 products: what is shipped, not a fixture.
+//!
+//! Four questions, one file each: whether a compiler has anything to say about the C of its machines ([`compile`]), whether
+//! library and interpreter agree on random steps ([`steps`]), whether every operation does what its machine's file says
+//! ([`operations`]), and what a run prints ([`run`]).
+
+#[path = "ice_lab/compile.rs"]
+mod compile;
+#[path = "station/differential.rs"]
+mod differential;
+#[path = "ice_lab/laboratory.rs"]
+mod laboratory;
+#[path = "ice_lab/operations.rs"]
+mod operations;
+#[path = "ice_lab/run.rs"]
+mod run;
+#[path = "ice_lab/steps.rs"]
+mod steps;
+mod support;

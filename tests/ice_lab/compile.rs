@@ -1,0 +1,51 @@
+//! The generated C of every machine of the line, under the warnings that a careful project compiles with.
+
+use crate::laboratory::machines;
+use linewright::station::Package;
+use std::process::Command;
+
+#[test]
+fn no_machine_of_the_line_has_a_warning() {
+    // What is wrong with the warnings would not be seen where `cc` ignored them.
+    let folder = tempfile::tempdir().unwrap();
+    let narrowing = folder.path().join("narrowing.c");
+    std::fs::write(&narrowing, "int f(long a);\nint f(long a) { return a; }\n").unwrap();
+    assert!(
+        compile("cc", &narrowing, "-O0").is_err(),
+        "the compiler warns"
+    );
+    let compilers = ["cc", "gcc", "clang"];
+    let compilers = compilers
+        .into_iter()
+        .filter(|c| Command::new(c).arg("--version").output().is_ok());
+    for compiler in compilers {
+        for controlled in machines() {
+            let package = Package::emit(&controlled.machine, &controlled.controllers);
+            let file = package.write_source(folder.path()).unwrap();
+            // The optimiser sees more: what is used before it is set, and what never ends.
+            for level in ["-O0", "-O2"] {
+                if let Err(errors) = compile(compiler, &file, level) {
+                    panic!("{} with {compiler} {level}:\n{errors}", package.name);
+                }
+            }
+        }
+    }
+}
+
+fn compile(compiler: &str, file: &std::path::Path, level: &str) -> Result<(), String> {
+    let output = Command::new(compiler)
+        .args(["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror"])
+        .args([level, "-fPIC", "-c"])
+        .arg(file)
+        .arg("-o")
+        .arg(file.with_extension("o"))
+        .output()
+        .expect("the compiler starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    // `-Werror` makes each warning an error; none may be left that is not.
+    if output.status.success() && text.is_empty() {
+        Ok(())
+    } else {
+        Err(text)
+    }
+}

@@ -1,0 +1,77 @@
+//! The machines of `examples/ice-lab` with their controllers, made once for all tests: load → solve → extract → verify.
+
+use linewright::cli::files::{self, StandardLibrary};
+use linewright::cli::machines::of_line;
+use linewright::contract::machine::Machine;
+use linewright::diagnostics::has_errors;
+use linewright::game::{Limits, Outcome, solve};
+use linewright::gr1::Specification;
+use linewright::mealy::{self, extract::extract, verify::verify};
+use std::sync::{Arc, OnceLock};
+
+/// The line of the paper's product, and the one with the milled part.
+pub const LINES: [&str; 2] = ["examples/ice-lab/line.lw", "examples/ice-lab/milled.lw"];
+
+/// A machine and one controller a component.
+pub struct Controlled {
+    pub machine: Arc<Machine>,
+    pub controllers: Arc<Vec<mealy::Machine>>,
+}
+
+/// Every machine of both lines, each once, by the order of their places.
+pub fn machines() -> &'static [Controlled] {
+    static MACHINES: OnceLock<Vec<Controlled>> = OnceLock::new();
+    MACHINES.get_or_init(|| {
+        let mut done: Vec<(Arc<Specification>, mealy::Machine)> = Vec::new();
+        let mut machines: Vec<Controlled> = Vec::new();
+        for path in LINES {
+            let file = crate::support::root().join(path).display().to_string();
+            let loaded = files::load(&[file], &StandardLibrary::default());
+            assert!(
+                !has_errors(&loaded.findings),
+                "{path}: {:?}",
+                loaded.findings
+            );
+            let [line] = loaded.library.lines.as_slice() else {
+                panic!("{path} declares one line");
+            };
+            for machine in of_line(line) {
+                if machines.iter().any(|m| m.machine.name == machine.name) {
+                    continue;
+                }
+                let controllers = machine.components.iter();
+                let controllers = controllers
+                    .map(|c| controller(&c.specification, &mut done))
+                    .collect();
+                machines.push(Controlled {
+                    machine: Arc::clone(machine),
+                    controllers: Arc::new(controllers),
+                });
+            }
+        }
+        let mut names: Vec<&str> = machines.iter().map(|m| m.machine.name.as_str()).collect();
+        names.sort_unstable();
+        let wanted = ["AssemblyCell", "Belt", "Milling", "Printer", "QualityCheck"];
+        assert_eq!(names, wanted);
+        machines
+    })
+}
+
+/// A verified controller; equal contracts are solved once.
+fn controller(
+    specification: &Arc<Specification>,
+    done: &mut Vec<(Arc<Specification>, mealy::Machine)>,
+) -> mealy::Machine {
+    if let Some((_, machine)) = done.iter().find(|(s, _)| s == specification) {
+        return machine.clone();
+    }
+    let limits = Limits::default();
+    let Outcome::Realizable(won) = solve(specification, &limits) else {
+        panic!("{} is realizable", specification.name);
+    };
+    let machine = extract(specification, &won, &limits).expect("no limit");
+    let verdict = verify(specification, &machine, &limits).expect("no limit");
+    assert_eq!(verdict, Ok(()), "{}", specification.name);
+    done.push((Arc::clone(specification), machine.clone()));
+    machine
+}
