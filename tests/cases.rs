@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 
 /// Codes that the parser and the resolver raise, each of which a case has to show.
 const RAISED: &[&str] = &[
-    "LW002", "LW003", "LW004", "LW101", "LW102", "LW103", "LW104", "LW105", "LW106", "LW107", "LW108",
-    "LW109", "LW110", "LW112", "LW201", "LW202", "LW207", "LW301", "LW302", "LW306", "LW307",
-    "LW308", "LW401", "LW402",
+    "LW002", "LW003", "LW004", "LW101", "LW102", "LW103", "LW104", "LW105", "LW106", "LW107",
+    "LW108", "LW109", "LW110", "LW112", "LW201", "LW202", "LW207", "LW301", "LW302", "LW306",
+    "LW307", "LW308", "LW401", "LW402",
 ];
 
 fn folder() -> PathBuf {
@@ -109,7 +109,12 @@ fn findings_stand_where_they_are_expected() {
         let (expected, found) = (expected(&library), found(&library, &findings));
         if expected != found {
             let human = plain(&library, &findings);
-            let _ = writeln!(report, "{name}:\n  missing {:?}\n  extra {:?}\n{human}", without(&expected, &found), without(&found, &expected));
+            let _ = writeln!(
+                report,
+                "{name}:\n  missing {:?}\n  extra {:?}\n{human}",
+                without(&expected, &found),
+                without(&found, &expected)
+            );
         }
     }
     assert!(report.is_empty(), "{report}");
@@ -169,7 +174,11 @@ fn messages_as_a_person_reads_them() {
         for name in cases() {
             let (library, findings) = check(&name);
             let mut text = String::new();
-            for (_, file) in library.sources.files().filter(|(_, f)| !f.name.starts_with("std/")) {
+            for (_, file) in library
+                .sources
+                .files()
+                .filter(|(_, f)| !f.name.starts_with("std/"))
+            {
                 let _ = writeln!(text, "--- {}\n{}", file.name, file.text);
             }
             let _ = write!(text, "--- findings\n{}", plain(&library, &findings));

@@ -1,10 +1,7 @@
 //! "Did you mean ...?": the known word closest to a misspelt one.
 
 /// The known name closest to a misspelt one, if any is close.
-pub fn nearest<'n>(
-    name: &str,
-    known: impl Iterator<Item = &'n str>,
-) -> Option<&'n str> {
+pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     known
         .map(|k| (distance(name, k), k))
         .filter(|(d, k)| *d <= name.len().min(k.len()).div_ceil(4).min(name.len() / 2))

@@ -190,6 +190,27 @@ pub struct Expr {
     pub span: Span,
 }
 
+impl Expr {
+    /// The expressions directly within, in the order in which they stand; those of a quantifier's type are left out.
+    pub fn children(&self) -> Vec<&Self> {
+        match &self.kind {
+            ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) | ExprKind::Path(_) => {
+                Vec::new()
+            }
+            ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => vec![a, b],
+            ExprKind::Next(a)
+            | ExprKind::Always(a)
+            | ExprKind::Eventually(a)
+            | ExprKind::Not(a)
+            | ExprKind::Neg(a)
+            | ExprKind::Quantifier(_, _, _, a) => vec![a],
+            ExprKind::If(a, b, c) | ExprKind::Within(a, b, c) => vec![a, b, c],
+            ExprKind::Call(_, list) | ExprKind::List(list) => list.iter().collect(),
+            ExprKind::Member(a, list) => std::iter::once(&**a).chain(list).collect(),
+        }
+    }
+}
+
 /// The kinds of expressions.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExprKind {

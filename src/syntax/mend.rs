@@ -252,7 +252,8 @@ impl Scanner<'_> {
     }
 
     fn copy(&mut self) -> &mut Vec<u8> {
-        self.copy.get_or_insert_with(|| self.text.as_bytes().to_vec())
+        self.copy
+            .get_or_insert_with(|| self.text.as_bytes().to_vec())
     }
 
     fn unclosed_comment(&mut self, start: usize) {

@@ -38,9 +38,7 @@ pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
         let mut builder = Builder::new(file, text.len());
         match Grammar::parse(Rule::file, source) {
             Ok(pairs) => builder.file(pairs),
-            Err(error) => builder
-                .findings
-                .push(finding_of(file, 0, source, &error)),
+            Err(error) => builder.findings.push(finding_of(file, 0, source, &error)),
         }
         (builder.tree, builder.findings)
     };
@@ -139,7 +137,7 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         return finding_of(file, start, text, &error);
     }
     let operator = word_at(text);
-    if begins_with_operator(text) {
+    if begins_with_operator(text) && !text.starts_with([')', ']']) {
         return Diagnostic::error(
             codes::SYNTAX,
             Span::new(file, start, start + operator.len()),
@@ -165,12 +163,22 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
             Span::new(file, start, start + line.len()),
             "this describes nothing: no declaration follows",
         )
-        .with_help("a doc comment `///` stands before what it describes; other comments begin with `//`");
+        .with_help(
+            "a doc comment `///` stands before what it describes; other comments begin with `//`",
+        );
     }
     let span = Span::new(file, at, at + word.len());
-    if word == "}" {
-        return Diagnostic::error(codes::SYNTAX, span, "this `}` closes nothing")
-            .with_help("leave it out, or look for a `{` that is missing before it");
+    let opening = match word.as_str() {
+        ")" => Some("("),
+        "]" => Some("["),
+        "}" => Some("{"),
+        _ => None,
+    };
+    if let Some(opening) = opening {
+        let message = format!("this `{word}` closes nothing");
+        return Diagnostic::error(codes::SYNTAX, span, message).with_help(format!(
+            "leave it out, or look for a `{opening}` that is missing before it"
+        ));
     }
     let (place, words) = allowed(context);
     let list = format!(
@@ -194,10 +202,11 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     .with_help(help)
 }
 
-/// Whether a piece goes on where an expression has broken off.
+/// Whether a piece goes on where an expression has broken off, so that the expression is not what was meant.
 pub(super) fn begins_with_operator(text: &str) -> bool {
-    text.starts_with(['&', '|', '+', '-', '*', '<', '>', '=', '!', '∧', '∨', '→', '↔', '⇒', '⇔'])
-        || text.starts_with('/') && !text.starts_with("//") && !text.starts_with("/*")
+    text.starts_with([
+        ')', ']', '&', '|', '+', '-', '*', '<', '>', '=', '!', '∧', '∨', '→', '↔', '⇒', '⇔',
+    ]) || text.starts_with('/') && !text.starts_with("//") && !text.starts_with("/*")
         || ["and", "or", "xor", "implies", "iff", "mod"].contains(&word_at(text).as_str())
 }
 
@@ -265,6 +274,25 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
     }
 }
 
+/// Where the last thing that is neither blank nor comment ends.
+fn code_end(text: &str) -> usize {
+    let (mut end, mut i) = (0, 0);
+    while i < text.len() {
+        let rest = after_comments(&text[i..]);
+        i = text.len() - rest.len();
+        let quoted = rest
+            .strip_prefix('"')
+            .and_then(|r| r.find('"'))
+            .map(|n| n + 2);
+        let step = quoted.or_else(|| rest.chars().next().map(char::len_utf8));
+        i += step.unwrap_or(0);
+        if step.is_some() {
+            end = i;
+        }
+    }
+    end
+}
+
 /// What stands behind the blanks and comments at the beginning of a text.
 fn after_comments(text: &str) -> &str {
     let mut rest = text.trim_start();
@@ -289,8 +317,9 @@ fn finding_of(
     let at = match error.location {
         InputLocation::Pos(p) | InputLocation::Span((p, _)) => p,
     };
-    // Point at the word that does not fit, not at the blank before it.
-    let at = at + text[at..].len() - text[at..].trim_start().len();
+    // Point at the word that does not fit, not at the blanks and comments before it; at the end, right behind the last word.
+    let at = text.len() - after_comments(&text[at..]).len();
+    let at = if at == text.len() { code_end(text) } else { at };
     let word: String = word_at(&text[at..]);
     let expected = match &error.variant {
         ErrorVariant::ParsingError { positives, .. } => expectations(positives),
@@ -308,9 +337,16 @@ fn finding_of(
         start + end.max(at + usize::from(at < text.len())),
     );
     let finding = Diagnostic::error(codes::SYNTAX, span, message);
-    if RESERVED.contains(&word.as_str()) && expected.contains("a name") {
+    if RESERVED.contains(&word.as_str())
+        && !expected.contains("an expression")
+        && expected.contains("a name") {
         return finding.with_help(format!(
             "expected {expected}; `{word}` is a word of the language and cannot be a name"
+        ));
+    }
+    if expected.contains("an expression") && WIDE.contains(&word.as_str()) {
+        return finding.with_help(format!(
+            "put brackets around it: `{word}` reaches as far to the right as it can, and may not follow an operator that binds tighter"
         ));
     }
     if expected.is_empty() {
@@ -319,6 +355,17 @@ fn finding_of(
         finding.with_help(format!("expected {expected}"))
     }
 }
+
+/// Words that take all that follows.
+const WIDE: &[&str] = &[
+    "always",
+    "eventually",
+    "if",
+    "forall",
+    "exists",
+    "count",
+    "sum",
+];
 
 const RESERVED: &[&str] = &[
     "always",
@@ -447,6 +494,10 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::EOI => "the end of the item",
             Rule::set => "a set `{a, b}` or a range",
             Rule::string => "a path in quotes",
+            Rule::open_brace => "`{`",
+            Rule::open_bracket => "`[`",
+            Rule::arrow => "`->`",
+            Rule::dots => "`..`",
             Rule::close_paren => "`)`",
             Rule::close_bracket => "`]`",
             Rule::close_brace => "`}`",

@@ -360,12 +360,8 @@ impl Builder {
                 if !value.is_finite() {
                     let span = self.span(&number);
                     self.findings.push(
-                        Diagnostic::error(
-                            codes::NUMBER_RANGE,
-                            span,
-                            "this number is too large",
-                        )
-                        .with_help("the largest number is about 1.8e308"),
+                        Diagnostic::error(codes::NUMBER_RANGE, span, "this number is too large")
+                            .with_help("the largest number is about 1.8e308"),
                     );
                     return ExprKind::Quantity(0.0, String::new());
                 }
@@ -384,31 +380,13 @@ const MAX_TREE: usize = 256;
 /// The middle of `a < b < c` has at most so many operators and operands.
 const MAX_MIDDLE: usize = 64;
 
-fn children(e: &Expr) -> Vec<&Expr> {
-    match &e.kind {
-        ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) | ExprKind::Path(_) => {
-            Vec::new()
-        }
-        ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => vec![a, b],
-        ExprKind::Next(a)
-        | ExprKind::Always(a)
-        | ExprKind::Eventually(a)
-        | ExprKind::Not(a)
-        | ExprKind::Neg(a)
-        | ExprKind::Quantifier(_, _, _, a) => vec![a],
-        ExprKind::If(a, b, c) | ExprKind::Within(a, b, c) => vec![a, b, c],
-        ExprKind::Call(_, list) | ExprKind::List(list) => list.iter().collect(),
-        ExprKind::Member(a, list) => std::iter::once(&**a).chain(list).collect(),
-    }
-}
-
 fn deeper_than(e: &Expr, levels: usize) -> bool {
     let mut open = vec![(e, 0)];
     while let Some((e, depth)) = open.pop() {
         if depth > levels {
             return true;
         }
-        open.extend(children(e).into_iter().map(|c| (c, depth + 1)));
+        open.extend(e.children().into_iter().map(|c| (c, depth + 1)));
     }
     false
 }
@@ -421,7 +399,7 @@ fn smaller_than(e: &Expr, nodes: usize) -> bool {
         if count >= nodes {
             return false;
         }
-        open.extend(children(e));
+        open.extend(e.children());
     }
     true
 }

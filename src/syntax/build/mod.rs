@@ -36,7 +36,11 @@ impl<'a> Children<'a> {
             .filter(|p| {
                 !matches!(
                     p.as_rule(),
-                    Rule::close_paren
+                    Rule::open_brace
+                        | Rule::open_bracket
+                        | Rule::arrow
+                        | Rule::dots
+                        | Rule::close_paren
                         | Rule::close_bracket
                         | Rule::close_brace
                         | Rule::colon
