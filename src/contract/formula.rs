@@ -79,13 +79,10 @@ fn visit<'a>(
                     Value::Scalar(super::value::Term::Int(i), _) => i.to_string(),
                     _ => String::new(),
                 };
-                let shadowed = e.constants.insert(name.text.clone(), value);
                 let instance = format!("{instance} [{} = {shown}]", name.text);
-                visit(e, body, place, &instance, label, side);
-                match shadowed {
-                    Some(old) => e.constants.insert(name.text.clone(), old),
-                    None => e.constants.remove(&name.text),
-                };
+                e.with_bound(&name.text, value, |e| {
+                    visit(e, body, place, &instance, label, side);
+                });
             }
         }
         _ => e.findings.push(refusal(formula, place)),
@@ -187,7 +184,9 @@ fn leaf<'a>(
     let Some(term) = e.boolean(formula, Time::Now) else {
         return;
     };
-    let Some(expr) = term.to_expr() else { return };
+    let Some(expr) = e.formula(&term, formula.span) else {
+        return;
+    };
     let primed = expr.mentions_next();
     if place == Place::Top && primed {
         e.error_with(

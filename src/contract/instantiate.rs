@@ -2,7 +2,7 @@
 
 use super::elaborate::{Elaborator, Entry};
 use super::formula::{Label, classify};
-use super::scope::{self, Scope, double};
+use super::scope::{self, Decl, Scope, double};
 use super::value::{Term, Type, Value};
 use super::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes};
@@ -49,7 +49,17 @@ pub(super) fn arguments<'a>(
             caller.findings.push(double(name, first));
             continue;
         }
-        if let Some(value) = caller.value(&argument.value, None, crate::gr1::Time::Now) {
+        // A label is looked up in the type of the parameter.
+        let declared = parameters.iter().find(|p| p.name.text == name.text);
+        let expected = declared.and_then(|p| match &p.domain.kind {
+            ast::DomainKind::Labels(labels) => {
+                Some(Type::Enum(labels.iter().map(|l| l.text.clone()).collect()))
+            }
+            ast::DomainKind::Named(ty) => caller.types.get(&ty.text).cloned(),
+            _ => None,
+        });
+        if let Some(value) = caller.value(&argument.value, expected.as_ref(), crate::gr1::Time::Now)
+        {
             result.insert(name.text.clone(), (value, argument.value.span));
         }
     }
@@ -73,10 +83,11 @@ pub(super) fn bind<'a>(
             continue;
         };
         if length.is_some() {
-            e.error(
+            e.error_with(
                 codes::TYPE_MISMATCH,
                 p.domain.span,
                 "a parameter is a number, a truth value or a label",
+                "declare a constant array, or one parameter for each element",
             );
         }
         let ty = Type::of(&domain);
@@ -135,10 +146,11 @@ fn checked(
                 format!("its range is {}", domain.describe()),
             );
         }
-        Value::Scalar(Term::Int(_), found) => e.error(
+        Value::Scalar(Term::Int(_) | Term::Real(_), found) if found != ty => e.error_with(
             codes::ARGUMENT,
             place,
             format!("`{name}` is {}, not {}", ty.describe(), found.describe()),
+            format!("its values are {}", domain.describe()),
         ),
         _ => e.error_with(
             codes::NOT_CONSTANT,
@@ -239,7 +251,7 @@ pub(super) fn instantiate(
     }
     unused(&mut e, &variables, &sides);
     unused_defines(&mut e, contract);
-    let broken = crate::diagnostics::has_errors(&e.findings);
+    let broken = e.refused();
     findings.append(&mut e.findings);
     if broken {
         return None;
@@ -346,12 +358,17 @@ fn declare<'a>(
         places.insert(&name.text, name.span);
         true
     };
+    let mut decls = Vec::new();
     for item in &contract.items {
         match item {
-            ContractItem::Type(decl) if fresh(e, &decl.name) => scope::type_decl(e, decl),
-            ContractItem::Const(decl) if fresh(e, &decl.name) => {
-                scope::constant(e, decl, &mut Vec::new());
-            }
+            ContractItem::Type(decl) if fresh(e, &decl.name) => decls.push(Decl::Type(decl)),
+            ContractItem::Const(decl) if fresh(e, &decl.name) => decls.push(Decl::Constant(decl)),
+            _ => {}
+        }
+    }
+    scope::settle(e, decls);
+    for item in &contract.items {
+        match item {
             ContractItem::Variables {
                 ownership,
                 names,
@@ -364,7 +381,14 @@ fn declare<'a>(
                     }
                     // A variable hides a constant of the same name from outside.
                     e.constants.remove(&name.text);
-                    let (domain, length) = resolved.clone().unwrap_or((Domain::Bool, None));
+                    let Some((domain, length)) = resolved.clone() else {
+                        e.broken.insert(name.text.clone());
+                        continue;
+                    };
+                    // A variable is a good deal more than a node to all later stages.
+                    if e.spend(name.span, 32 * length.unwrap_or(1)).is_none() {
+                        continue;
+                    }
                     let mut add = |label: String| {
                         let id = VarId(variables.len() as u32);
                         variables.push(Variable {

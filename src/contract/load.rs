@@ -6,7 +6,7 @@ use super::{Library, Loader, lines, machines};
 use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::source::{FileId, SourceMap, Span};
 use crate::syntax::{self, ast};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 struct File {
     id: FileId,
@@ -58,12 +58,11 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
     library.sources = sources;
     library.unsound = files.iter().filter(|f| !f.sound).map(|f| f.id).collect();
     // A file that several others import, or a contract that several machines use, says everything once.
-    let mut unique: Vec<Diagnostic> = Vec::new();
-    for finding in findings {
-        if !unique.contains(&finding) {
-            unique.push(finding);
-        }
-    }
+    let mut seen = BTreeSet::new();
+    let mut unique: Vec<Diagnostic> = findings
+        .into_iter()
+        .filter(|f| seen.insert((f.span, f.code, f.message.clone())))
+        .collect();
     unique.sort_by_key(|f| f.span);
     (library, unique)
 }

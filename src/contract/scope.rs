@@ -6,7 +6,7 @@ use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{Domain, Time};
 use crate::source::Span;
 use crate::syntax::ast;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Declarations by name.
 #[derive(Default, Clone)]
@@ -21,6 +21,8 @@ pub(super) struct Scope<'a> {
     pub values: BTreeMap<String, Value>,
     pub named_types: BTreeMap<String, Type>,
     pub named_domains: BTreeMap<String, Domain>,
+    /// Types and constants that have no value; the findings say why.
+    broken: BTreeSet<String>,
 }
 
 impl<'a> Scope<'a> {
@@ -54,27 +56,17 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// Evaluates types and constants, in the order in which they were added.
+    /// Evaluates types and constants, each after those that it needs.
     pub fn settle(&mut self, findings: &mut Vec<Diagnostic>) {
         let mut e = Elaborator::new();
-        let mut types = self.types.clone();
-        // A range may use a constant, an array of labels may use a type: constants that fail are tried again after the types.
-        let mut waiting = Vec::new();
-        for decl in &self.constants {
-            constant(&mut e, decl, &mut waiting);
-        }
-        e.findings.clear();
-        for decl in types.drain(..) {
-            type_decl(&mut e, decl);
-        }
-        let mut again = Vec::new();
-        for decl in waiting {
-            constant(&mut e, decl, &mut again);
-        }
+        let types = self.types.iter().copied().map(Decl::Type);
+        let constants = self.constants.iter().copied().map(Decl::Constant);
+        settle(&mut e, types.chain(constants).collect());
         findings.append(&mut e.findings);
         self.values = std::mem::take(&mut e.constants);
         self.named_types = std::mem::take(&mut e.types);
         self.named_domains = std::mem::take(&mut e.named_domains);
+        self.broken = std::mem::take(&mut e.broken);
     }
 
     /// An elaborator with this scope's types and constants in sight.
@@ -83,49 +75,165 @@ impl<'a> Scope<'a> {
         e.constants.clone_from(&self.values);
         e.types.clone_from(&self.named_types);
         e.named_domains.clone_from(&self.named_domains);
+        e.broken.clone_from(&self.broken);
         e
     }
 }
 
-/// Declares a type within an elaborator.
-pub(super) fn type_decl<'a>(e: &mut Elaborator<'a>, decl: &'a ast::TypeDecl) {
-    if let Some((domain, length)) = e.domain(&decl.domain) {
-        if length.is_some() {
-            e.error_with(
-                codes::TYPE_MISMATCH,
-                decl.domain.span,
-                "a named type is a range or a set of labels",
-                "write `array[n] of ...` where the variable is declared",
-            );
-            return;
+/// A declaration that has a value before anything runs.
+#[derive(Clone, Copy)]
+pub(super) enum Decl<'a> {
+    Type(&'a ast::TypeDecl),
+    Constant(&'a ast::ConstDecl),
+}
+
+impl<'a> Decl<'a> {
+    fn name(self) -> &'a ast::Name {
+        match self {
+            Self::Type(d) => &d.name,
+            Self::Constant(d) => &d.name,
         }
-        let domain = match domain {
-            Domain::Enum { labels, .. } => Domain::Enum {
-                name: Some(decl.name.text.clone()),
-                labels,
-            },
-            other => other,
-        };
-        e.types.insert(decl.name.text.clone(), Type::of(&domain));
-        e.named_domains.insert(decl.name.text.clone(), domain);
+    }
+
+    /// The names that it mentions.
+    fn mentioned(self) -> Vec<&'a str> {
+        let mut names = Vec::new();
+        match self {
+            Self::Type(d) => names_of_domain(&d.domain, &mut names),
+            Self::Constant(d) => {
+                if let Some(domain) = &d.domain {
+                    names_of_domain(domain, &mut names);
+                }
+                names_of(&d.value, &mut names);
+            }
+        }
+        names
     }
 }
 
-/// Declares a constant within an elaborator; what cannot be evaluated goes to `waiting`.
-pub(super) fn constant<'a>(
-    e: &mut Elaborator<'a>,
-    decl: &'a ast::ConstDecl,
-    waiting: &mut Vec<&'a ast::ConstDecl>,
-) {
-    let real = std::mem::replace(&mut e.real, uses_units(&decl.value));
+fn names_of_domain<'a>(domain: &'a ast::Domain, names: &mut Vec<&'a str>) {
+    match &domain.kind {
+        ast::DomainKind::Range(low, high) => {
+            names_of(low, names);
+            names_of(high, names);
+        }
+        ast::DomainKind::Array(length, of) => {
+            names_of(length, names);
+            names_of_domain(of, names);
+        }
+        ast::DomainKind::Named(name) => names.push(&name.text),
+        ast::DomainKind::Labels(_) | ast::DomainKind::Unit(_) => {}
+    }
+}
+
+fn names_of<'a>(e: &'a ast::Expr, names: &mut Vec<&'a str>) {
+    if let ast::ExprKind::Path(path) = &e.kind
+        && let Some(first) = path.first()
+    {
+        names.push(&first.text);
+    }
+    if let ast::ExprKind::Quantifier(_, _, domain, _) = &e.kind {
+        names_of_domain(domain, names);
+    }
+    for child in e.children() {
+        names_of(child, names);
+    }
+}
+
+/// Evaluates declarations, each after those that it needs, whatever their order. One that needs itself is a finding; one that could
+/// not be evaluated is `broken` from then on.
+pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: Vec<Decl<'a>>) {
+    let by_name: BTreeMap<&str, usize> = decls
+        .iter()
+        .enumerate()
+        .map(|(i, d)| (d.name().text.as_str(), i))
+        .collect();
+    let needs: Vec<Vec<usize>> = decls
+        .iter()
+        .map(|d| {
+            let names = d.mentioned();
+            names
+                .iter()
+                .filter_map(|n| by_name.get(n).copied())
+                .collect()
+        })
+        .collect();
+    // Depth first, without recursion: a chain of constants may be long.
+    let mut entered = vec![false; decls.len()];
+    let mut finished = vec![false; decls.len()];
+    for start in 0..decls.len() {
+        let mut path = vec![(start, 0)];
+        while let Some((at, next)) = path.pop() {
+            if finished[at] {
+                continue;
+            }
+            entered[at] = true;
+            if let Some(needed) = needs[at].get(next).copied() {
+                path.push((at, next + 1));
+                if !entered[needed] {
+                    path.push((needed, 0));
+                } else if !finished[needed] {
+                    let name = decls[needed].name();
+                    if e.broken.insert(name.text.clone()) {
+                        e.error_with(
+                            codes::NAME_DOUBLE,
+                            name.span,
+                            format!("`{}` is defined by itself", name.text),
+                            "break the circle: one of these needs a value of its own",
+                        );
+                    }
+                }
+                continue;
+            }
+            finished[at] = true;
+            let name = decls[at].name();
+            if e.broken.contains(&name.text) {
+                continue;
+            }
+            let done = match decls[at] {
+                Decl::Type(d) => type_decl(e, d),
+                Decl::Constant(d) => constant(e, d),
+            };
+            if done.is_none() {
+                e.broken.insert(name.text.clone());
+                e.constants.remove(&name.text);
+            }
+        }
+    }
+    // What is broken was reported here; what uses it from now on cannot be trusted.
+    e.tainted = false;
+}
+
+fn type_decl<'a>(e: &mut Elaborator<'a>, decl: &'a ast::TypeDecl) -> Option<()> {
+    let (domain, length) = e.domain(&decl.domain)?;
+    if length.is_some() {
+        e.error_with(
+            codes::TYPE_MISMATCH,
+            decl.domain.span,
+            "a named type is a range or a set of labels",
+            "write `array[n] of ...` where the variable is declared",
+        );
+        return None;
+    }
+    let domain = match domain {
+        Domain::Enum { labels, .. } => Domain::Enum {
+            name: Some(decl.name.text.clone()),
+            labels,
+        },
+        other => other,
+    };
+    e.types.insert(decl.name.text.clone(), Type::of(&domain));
+    e.named_domains.insert(decl.name.text.clone(), domain);
+    Some(())
+}
+
+fn constant<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Option<()> {
+    let plant = uses_units(e, &decl.value);
+    let real = std::mem::replace(&mut e.real, plant);
     let value = constant_value(e, decl);
     e.real = real;
-    match value {
-        Some(value) => {
-            e.constants.insert(decl.name.text.clone(), value);
-        }
-        None => waiting.push(decl),
-    }
+    e.constants.insert(decl.name.text.clone(), value?);
+    Some(())
 }
 
 fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Option<Value> {
@@ -139,15 +247,7 @@ fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Optio
     };
     let value = e.value(&decl.value, Some(&expected), Time::Now)?;
     if value.ty() != expected {
-        e.error(
-            codes::TYPE_MISMATCH,
-            decl.value.span,
-            format!(
-                "expected {}, found {}",
-                expected.describe(),
-                value.ty().describe()
-            ),
-        );
+        e.mismatch(decl.value.span, &expected.describe(), &value.ty());
         return None;
     }
     let members = match &value {
@@ -158,10 +258,11 @@ fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Optio
         if let Value::Scalar(Term::Int(i), _) = member
             && !base.contains(*i)
         {
-            e.error(
+            e.error_with(
                 codes::ARGUMENT,
                 decl.value.span,
-                format!("{i} is outside {}", base.describe()),
+                format!("{} is outside {}", base.show(*i), base.describe()),
+                "use a value of that range, or make the range larger",
             );
             return None;
         }
@@ -169,14 +270,17 @@ fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Optio
     Some(value)
 }
 
-/// Whether a constant is a plant's quantity.
-fn uses_units(e: &ast::Expr) -> bool {
-    match &e.kind {
+/// Whether a constant is a quantity of the plant: a unit occurs in it, or another such constant.
+fn uses_units(e: &Elaborator<'_>, value: &ast::Expr) -> bool {
+    match &value.kind {
         ast::ExprKind::Quantity(..) => true,
-        ast::ExprKind::Binary(_, a, b) => uses_units(a) || uses_units(b),
-        ast::ExprKind::Neg(a) => uses_units(a),
-        ast::ExprKind::List(members) => members.iter().any(uses_units),
-        _ => false,
+        ast::ExprKind::Path(names) => {
+            let [name] = names.as_slice() else {
+                return false;
+            };
+            e.constants.get(&name.text).is_some_and(Value::is_real)
+        }
+        _ => value.children().iter().any(|c| uses_units(e, c)),
     }
 }
 

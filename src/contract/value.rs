@@ -11,6 +11,9 @@ use crate::gr1::{BinaryOp, Domain, Expr, Time, UnaryOp, VarId};
 pub(super) enum Dimension {
     /// A bare number.
     None,
+    /// Hundredths (`%`) as a share of 1. It may stand where a bare number is asked for, but does not mix with one: `1 - 5 %` would
+    /// leave open whether 1 is a hundredth.
+    Share,
     /// Seconds.
     Time,
     /// Metres.
@@ -28,9 +31,35 @@ pub(super) enum Dimension {
 }
 
 impl Dimension {
+    /// The dimension of a product. `None` where it has none that is known here.
+    pub fn times(self, other: Self) -> Option<Self> {
+        use Dimension as D;
+        match (self, other) {
+            (D::None, d) | (d, D::None) | (D::Share, d) | (d, D::Share) => Some(d),
+            (D::Speed, D::Time) | (D::Time, D::Speed) => Some(D::Length),
+            (D::Power, D::Time) | (D::Time, D::Power) => Some(D::Energy),
+            _ => None,
+        }
+    }
+
+    /// The dimension of a quotient.
+    pub fn over(self, other: Self) -> Option<Self> {
+        use Dimension as D;
+        match (self, other) {
+            (d, D::None) => Some(d),
+            (a, b) if a == b => Some(D::None),
+            (d, D::Share) => Some(d),
+            (D::Length, D::Speed) | (D::Energy, D::Power) => Some(D::Time),
+            (D::Length, D::Time) => Some(D::Speed),
+            (D::Energy, D::Time) => Some(D::Power),
+            _ => None,
+        }
+    }
+
     pub fn word(self) -> &'static str {
         match self {
             Self::None => "a bare number",
+            Self::Share => "a share (`%`)",
             Self::Time => "a time (`s`, `min`, `h`)",
             Self::Length => "a length (`mm`, `m`)",
             Self::Angle => "an angle (`deg`)",
@@ -65,7 +94,7 @@ pub(super) fn unit(name: &str) -> (Dimension, f64) {
         "kg" => (D::Mass, 1.0),
         "mm/s" => (D::Speed, 0.001),
         "m/s" => (D::Speed, 1.0),
-        "%" => (D::None, 0.01),
+        "%" => (D::Share, 0.01),
         _ => (D::None, 1.0),
     }
 }
@@ -157,12 +186,45 @@ impl Term {
             (B::And, _, Self::Int(1)) | (B::Or, _, Self::Int(0)) => return a,
             (B::Implies, _, Self::Int(0)) => return Self::unary(UnaryOp::Not, a),
             (B::Div | B::Mod, _, Self::Int(0)) => {}
-            (_, Self::Int(x), Self::Int(y)) if x.abs() < 1 << 31 && y.abs() < 1 << 31 => {
-                return Self::Int(crate::gr1::eval::binary(op, *x, *y));
+            (_, Self::Int(x), Self::Int(y)) => {
+                if let Some(value) = exact(op, *x, *y) {
+                    return Self::Int(value);
+                }
+            }
+            (_, Self::Int(_) | Self::Real(_), Self::Int(_) | Self::Real(_)) => {
+                let (x, y) = (a.to_real(0), b.to_real(0));
+                let whole = RealExpr::Binary(real_op(op), Box::new(x), Box::new(y));
+                let value = whole.eval(&[], &[]);
+                return match op {
+                    B::Add | B::Sub | B::Mul | B::Div | B::Mod | B::Min | B::Max => {
+                        Self::Real(value)
+                    }
+                    _ => Self::truth(value != 0.0),
+                };
             }
             _ => {}
         }
         Self::Binary(op, Box::new(a), Box::new(b))
+    }
+
+    /// How many nodes it has.
+    pub fn size(&self) -> usize {
+        1 + match self {
+            Self::Int(_) | Self::Real(_) | Self::Var(..) => 0,
+            Self::Unary(_, a) | Self::Rounded(_, a) => a.size(),
+            Self::Binary(_, a, b) => a.size() + b.size(),
+            Self::If(c, a, b) => c.size() + a.size() + b.size(),
+        }
+    }
+
+    /// How deep its tree is.
+    pub fn depth(&self) -> usize {
+        1 + match self {
+            Self::Int(_) | Self::Real(_) | Self::Var(..) => 0,
+            Self::Unary(_, a) | Self::Rounded(_, a) => a.depth(),
+            Self::Binary(_, a, b) => a.depth().max(b.depth()),
+            Self::If(c, a, b) => c.depth().max(a.depth()).max(b.depth()),
+        }
     }
 
     pub fn choose(c: Self, a: Self, b: Self) -> Self {
@@ -244,6 +306,21 @@ impl Term {
     }
 }
 
+/// Constant arithmetic on whole numbers, where the result stays within the limits that [`interval`](crate::gr1::interval) sets.
+fn exact(op: BinaryOp, x: i64, y: i64) -> Option<i64> {
+    const LIMIT: u64 = 1 << 62;
+    if x.unsigned_abs() > LIMIT || y.unsigned_abs() > LIMIT {
+        return None;
+    }
+    let value = match op {
+        BinaryOp::Add => x.checked_add(y)?,
+        BinaryOp::Sub => x.checked_sub(y)?,
+        BinaryOp::Mul => x.checked_mul(y)?,
+        _ => crate::gr1::eval::binary(op, x, y),
+    };
+    (value.unsigned_abs() <= LIMIT).then_some(value)
+}
+
 fn real_op(op: BinaryOp) -> RealBinary {
     match op {
         BinaryOp::And => RealBinary::And,
@@ -273,6 +350,22 @@ pub(super) enum Value {
 }
 
 impl Value {
+    /// How many nodes its terms have.
+    pub fn size(&self) -> usize {
+        match self {
+            Self::Scalar(term, _) => term.size(),
+            Self::Array(values) => values.iter().map(Self::size).sum(),
+        }
+    }
+
+    /// Whether it is a quantity of the plant.
+    pub fn is_real(&self) -> bool {
+        match self {
+            Self::Scalar(_, ty) => matches!(ty, Type::Number(_)),
+            Self::Array(values) => values.iter().any(Self::is_real),
+        }
+    }
+
     pub fn ty(&self) -> Type {
         match self {
             Self::Scalar(_, ty) => ty.clone(),

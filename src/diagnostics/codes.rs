@@ -45,6 +45,7 @@ codes! {
     TAXONOMY_UNKNOWN = "LW109", "a taxonomy code does not exist";
     NUMBER_RANGE = "LW110", "a number is too large";
     UNUSED = "LW111", "a declaration is never used";
+    TOO_LARGE = "LW112", "a formula becomes too large";
 
     NOT_GR1 = "LW201", "a formula is outside GR(1)";
     NOT_CONTROLLED = "LW202", "a formula constrains what its side does not control";

@@ -6,6 +6,7 @@
 pub mod codes;
 pub mod explanations;
 pub mod json;
+mod nearest;
 pub mod render;
 #[cfg(test)]
 mod sample;
@@ -13,6 +14,7 @@ pub mod sarif;
 
 use crate::source::Span;
 pub use codes::Code;
+pub use nearest::nearest;
 
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -191,37 +191,33 @@ pub struct Expr {
 }
 
 impl Expr {
-    /// Calls `visit` with every dotted name that occurs.
-    pub fn for_each_path<'a>(&'a self, visit: &mut impl FnMut(&'a [Name])) {
+    /// The expressions directly within, in the order in which they stand; those of a quantifier's type are left out.
+    pub fn children(&self) -> Vec<&Self> {
         match &self.kind {
-            ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) => {}
-            ExprKind::Path(names) => visit(names),
-            ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => {
-                a.for_each_path(visit);
-                b.for_each_path(visit);
+            ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) | ExprKind::Path(_) => {
+                Vec::new()
             }
+            ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => vec![a, b],
             ExprKind::Next(a)
             | ExprKind::Always(a)
             | ExprKind::Eventually(a)
             | ExprKind::Not(a)
             | ExprKind::Neg(a)
-            | ExprKind::Quantifier(_, _, _, a) => a.for_each_path(visit),
-            ExprKind::If(a, b, c) | ExprKind::Within(a, b, c) => {
-                a.for_each_path(visit);
-                b.for_each_path(visit);
-                c.for_each_path(visit);
+            | ExprKind::Quantifier(_, _, _, a) => vec![a],
+            ExprKind::If(a, b, c) | ExprKind::Within(a, b, c) => vec![a, b, c],
+            ExprKind::Call(_, list) | ExprKind::List(list) => list.iter().collect(),
+            ExprKind::Member(a, list) => std::iter::once(&**a).chain(list).collect(),
+        }
+    }
+
+    /// Calls `visit` with every dotted name that occurs.
+    pub fn for_each_path<'a>(&'a self, visit: &mut impl FnMut(&'a [Name])) {
+        let mut open = vec![self];
+        while let Some(e) = open.pop() {
+            if let ExprKind::Path(names) = &e.kind {
+                visit(names);
             }
-            ExprKind::Call(_, list) | ExprKind::List(list) => {
-                for e in list {
-                    e.for_each_path(visit);
-                }
-            }
-            ExprKind::Member(a, list) => {
-                a.for_each_path(visit);
-                for e in list {
-                    e.for_each_path(visit);
-                }
-            }
+            open.extend(e.children());
         }
     }
 }

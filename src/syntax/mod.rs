@@ -5,6 +5,7 @@
 
 pub mod ast;
 mod build;
+mod mend;
 mod parser;
 
 pub use parser::parse;

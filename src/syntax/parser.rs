@@ -6,7 +6,8 @@
 
 use super::ast::File;
 use super::build::Builder;
-use crate::diagnostics::{Diagnostic, codes};
+use super::mend;
+use crate::diagnostics::{Diagnostic, codes, nearest};
 use crate::source::{FileId, Span};
 use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
@@ -21,25 +22,51 @@ pub(super) use grammar::{Grammar, Rule};
 
 /// Brackets, conditionals and prefixes within one item may nest so deep, which bounds the stack that parsing needs.
 const MAX_DEPTH: usize = 200;
+/// So many levels fit the stack of any thread.
+const SMALL_DEPTH: usize = 12;
 /// Enough for `MAX_DEPTH` levels of the grammar's recursion, with a margin.
 const STACK_BYTES: usize = 256 << 20;
 
 /// Parses one file. What could not be understood is in the findings, the tree holds the rest.
 pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
-    if let Some(finding) = too_deep(file, text) {
-        return (File::default(), vec![finding]);
+    let scan = mend::scan(file, text);
+    if scan.depth > MAX_DEPTH {
+        return (File::default(), vec![too_deep(file, scan.deepest)]);
     }
+    let source = scan.mended.as_deref().unwrap_or(text);
     let run = || {
-        let mut builder = Builder::new(file);
-        match Grammar::parse(Rule::file, text) {
+        let mut builder = Builder::new(file, text.len());
+        match Grammar::parse(Rule::file, source) {
             Ok(pairs) => builder.file(pairs),
-            Err(error) => builder.findings.push(finding_of(file, 0, text, &error)),
+            Err(error) => builder.findings.push(finding_of(file, 0, source, &error)),
         }
         (builder.tree, builder.findings)
     };
-    if text.len() < 512 || !needs_stack(text) {
-        return run();
+    let (tree, found) = if scan.depth <= SMALL_DEPTH {
+        run()
+    } else {
+        on_large_stack(run).unwrap_or_else(|| {
+            let finding = Diagnostic::error(
+                codes::SYNTAX,
+                Span::new(file, 0, 0),
+                "there is not enough memory to parse this file",
+            )
+            .with_help("nest its formulas less, or give parts of them names with `define`");
+            (File::default(), vec![finding])
+        })
+    };
+    let mut findings = scan.findings;
+    findings.extend(found.into_iter().filter(|f| {
+        let start = f.span.map_or(0, |s| s.start as usize);
+        !scan.silenced.iter().any(|r| r.contains(&start))
+    }));
+    for finding in &mut findings {
+        finding.span = finding.span.map(|s| within(s, text));
     }
+    (tree, findings)
+}
+
+fn on_large_stack<T: Send>(run: impl FnOnce() -> T + Send) -> Option<T> {
     std::thread::scope(|scope| {
         std::thread::Builder::new()
             .stack_size(STACK_BYTES)
@@ -47,85 +74,34 @@ pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
             .ok()
             .and_then(|handle| handle.join().ok())
     })
-    .unwrap_or_else(|| {
-        let finding = Diagnostic::error(
-            codes::SYNTAX,
-            Span::new(file, 0, 0),
-            "there is not enough memory to parse this file",
-        );
-        (File::default(), vec![finding])
-    })
 }
 
-/// Whether nesting goes beyond what a small stack holds.
-fn needs_stack(text: &str) -> bool {
-    nesting(text).0 > 12
+/// The part of a span that lies within the text: a mended copy can be longer.
+fn within(span: Span, text: &str) -> Span {
+    let boundary = |offset: u32| {
+        let mut offset = (offset as usize).min(text.len());
+        while !text.is_char_boundary(offset) {
+            offset += 1;
+        }
+        offset
+    };
+    let start = boundary(span.start);
+    Span::new(span.file, start, boundary(span.end).max(start))
 }
 
-fn too_deep(file: FileId, text: &str) -> Option<Diagnostic> {
-    let (depth, offset) = nesting(text);
-    (depth > MAX_DEPTH).then(|| {
-        Diagnostic::error(
-            codes::SYNTAX,
-            Span::new(file, offset, offset + 1),
-            format!("this is nested more than {MAX_DEPTH} levels deep"),
-        )
-        .with_help("give the inner parts names with `define`, or use a constant array instead of a long `if ... else if`")
-    })
-}
-
-/// A bound on how deep the grammar recurses: open brackets, plus the prefix words, signs and implications since the last
-/// item word. Returns the largest value and where it was reached.
-fn nesting(text: &str) -> (usize, usize) {
-    let bytes = text.as_bytes();
-    let (mut open, mut prefixes) = (0usize, 0usize);
-    let (mut worst, mut place) = (0, 0);
-    let mut i = 0;
-    while i < bytes.len() {
-        let rest = &text.as_bytes()[i..];
-        if rest.starts_with(b"//") {
-            i += rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
-            continue;
-        }
-        if rest.starts_with(b"/*") {
-            let end = rest.windows(2).position(|w| w == b"*/");
-            i += end.map_or(rest.len(), |e| e + 2);
-            continue;
-        }
-        match bytes[i] {
-            b'(' | b'[' | b'{' => open += 1,
-            b')' | b']' | b'}' => open = open.saturating_sub(1),
-            b if b.is_ascii_alphabetic() || b == b'_' => {
-                let end = rest
-                    .iter()
-                    .position(|b| !b.is_ascii_alphanumeric() && *b != b'_')
-                    .unwrap_or(rest.len());
-                match &text[i..i + end] {
-                    "if" | "always" | "eventually" | "forall" | "exists" | "count" | "sum" => {
-                        prefixes += 1;
-                    }
-                    "assume" | "guarantee" | "define" | "input" | "output" | "internal"
-                    | "action" | "operation" | "write" | "abstract" | "const" | "contract"
-                    | "machine" | "station" | "route" => prefixes = 0,
-                    _ => {}
-                }
-                i += end - 1;
-            }
-            _ => {}
-        }
-        if open + prefixes > worst {
-            (worst, place) = (open + prefixes, i);
-        }
-        i += 1;
-    }
-    (worst, place)
+fn too_deep(file: FileId, offset: usize) -> Diagnostic {
+    Diagnostic::error(
+        codes::SYNTAX,
+        Span::new(file, offset, offset + 1),
+        format!("this is nested more than {MAX_DEPTH} levels deep"),
+    )
+    .with_help("give the inner parts names with `define`, or use a constant array instead of a long `if ... else if`")
 }
 
 /// What is wrong with a piece that matched no item. `context` is the `bad_*` rule that took it.
 pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) -> Diagnostic {
     let text = piece.trim_end();
-    let first: String = text
-        .trim_start_matches(|c: char| c.is_whitespace())
+    let first: String = after_comments(text)
         .chars()
         .take_while(|c| c.is_alphanumeric() || *c == '_')
         .collect();
@@ -160,13 +136,8 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     {
         return finding_of(file, start, text, &error);
     }
-    let shown: String = text.chars().take_while(|c| *c != '\n').take(30).collect();
-    let width = shown.len().max(1);
-    let span = Span::new(file, start, start + width);
     let operator = word_at(text);
-    if text.starts_with(['&', '|', '+', '-', '*', '/', '<', '>', '=', '!'])
-        || ["and", "or", "xor", "implies", "iff", "mod", "not"].contains(&operator.as_str())
-    {
+    if begins_with_operator(text) && !text.starts_with([')', ']']) {
         return Diagnostic::error(
             codes::SYNTAX,
             Span::new(file, start, start + operator.len()),
@@ -177,30 +148,164 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     if text.starts_with('[') {
         return Diagnostic::error(
             codes::SYNTAX,
-            span,
+            Span::new(file, start, start + 1),
             "an index or length does not belong here",
         )
         .with_help("an array's type is written `array[3] of bool`");
     }
+    let code = after_comments(text);
+    let at = start + text.len() - code.len();
+    let word = word_at(code);
+    if word.is_empty() {
+        let line = text.lines().next().unwrap_or_default().trim_end();
+        return Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(file, start, start + line.len()),
+            "this describes nothing: no declaration follows",
+        )
+        .with_help(
+            "a doc comment `///` stands before what it describes; other comments begin with `//`",
+        );
+    }
+    let span = Span::new(file, at, at + word.len());
+    let opening = match word.as_str() {
+        ")" => Some("("),
+        "]" => Some("["),
+        "}" => Some("{"),
+        _ => None,
+    };
+    if let Some(opening) = opening {
+        let message = format!("this `{word}` closes nothing");
+        return Diagnostic::error(codes::SYNTAX, span, message).with_help(format!(
+            "leave it out, or look for a `{opening}` that is missing before it"
+        ));
+    }
+    let (place, words) = allowed(context);
+    let list = format!(
+        "{place} holds {}",
+        words
+            .iter()
+            .map(|w| format!("`{w}`"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    );
+    let help = match nearest(&word, words.iter().copied()) {
+        Some(near) if near != word => format!("did you mean `{near}`? {list}"),
+        _ if word.starts_with(|c: char| c.is_alphanumeric() || c == '_') => list,
+        _ => format!("{list}; is something missing before this?"),
+    };
     Diagnostic::error(
         codes::SYNTAX,
         span,
-        format!("`{}` does not belong here", shown.trim_end()),
+        format!("`{word}` does not begin anything that {place} can hold"),
     )
-    .with_help(match context {
-        Rule::bad_contract_item => {
-            "a contract holds `input`, `output`, `internal`, `define`, `assume` and `guarantee`; is an operator missing before this?"
+    .with_help(help)
+}
+
+/// Whether a piece goes on where an expression has broken off, so that the expression is not what was meant.
+pub(super) fn begins_with_operator(text: &str) -> bool {
+    text.starts_with([
+        ')', ']', '&', '|', '+', '-', '*', '<', '>', '=', '!', '∧', '∨', '→', '↔', '⇒', '⇔',
+    ]) || text.starts_with('/') && !text.starts_with("//") && !text.starts_with("/*")
+        || ["and", "or", "xor", "implies", "iff", "mod"].contains(&word_at(text).as_str())
+}
+
+/// What the place that a `bad_*` rule stands for is called, and the words that begin an item in it.
+fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
+    match context {
+        Rule::bad_contract_item => (
+            "a contract",
+            &[
+                "input",
+                "output",
+                "internal",
+                "define",
+                "assume",
+                "guarantee",
+                "type",
+                "const",
+            ],
+        ),
+        Rule::bad_machine_item => (
+            "a machine",
+            &[
+                "property",
+                "parameter",
+                "signal",
+                "abstract",
+                "coordinator",
+                "action",
+                "operation",
+                "done",
+                "write",
+                "step",
+                "power",
+                "idle power",
+                "limit",
+                "failures",
+                "type",
+                "const",
+            ],
+        ),
+        Rule::bad_component_item => ("a component", &["input = ...", "time", "power"]),
+        Rule::bad_line_item => (
+            "a line",
+            &[
+                "part",
+                "product",
+                "source",
+                "store",
+                "sink",
+                "buffer",
+                "conveyor",
+                "station",
+                "route",
+                "requirement",
+                "shift",
+                "limit",
+                "const",
+            ],
+        ),
+        Rule::bad_station_item => ("a station", &["perform", "setup", "defect", "failures"]),
+        _ => (
+            "a file",
+            &["import", "type", "const", "contract", "machine", "line"],
+        ),
+    }
+}
+
+/// Where the last thing that is neither blank nor comment ends.
+fn code_end(text: &str) -> usize {
+    let (mut end, mut i) = (0, 0);
+    while i < text.len() {
+        let rest = after_comments(&text[i..]);
+        i = text.len() - rest.len();
+        let quoted = rest
+            .strip_prefix('"')
+            .and_then(|r| r.find('"'))
+            .map(|n| n + 2);
+        let step = quoted.or_else(|| rest.chars().next().map(char::len_utf8));
+        i += step.unwrap_or(0);
+        if step.is_some() {
+            end = i;
         }
-        Rule::bad_machine_item => {
-            "a machine holds `property`, `parameter`, `signal`, `abstract`, `coordinator`, `action`, `operation`, `done`, `write`, `step`, `power`, `idle power`, `limit` and `failures`"
+    }
+    end
+}
+
+/// What stands behind the blanks and comments at the beginning of a text.
+fn after_comments(text: &str) -> &str {
+    let mut rest = text.trim_start();
+    loop {
+        rest = if rest.starts_with("//") {
+            rest.find(['\n', '\r']).map_or("", |n| &rest[n..])
+        } else if let Some(comment) = rest.strip_prefix("/*") {
+            comment.split_once("*/").map_or("", |(_, after)| after)
+        } else {
+            return rest;
         }
-        Rule::bad_component_item => "a component holds bindings `input = ...`, `time` and `power`",
-        Rule::bad_line_item => {
-            "a line holds `part`, `product`, `source`, `store`, `sink`, `buffer`, `conveyor`, `station`, `route`, `requirement`, `shift` and `limit`"
-        }
-        Rule::bad_station_item => "a station holds `perform`, `setup`, `defect` and `failures`",
-        _ => "a file holds `import`, `type`, `const`, `contract`, `machine` and `line`",
-    })
+        .trim_start();
+    }
 }
 
 fn finding_of(
@@ -212,8 +317,9 @@ fn finding_of(
     let at = match error.location {
         InputLocation::Pos(p) | InputLocation::Span((p, _)) => p,
     };
-    // Point at the word that does not fit, not at the blank before it.
-    let at = at + text[at..].len() - text[at..].trim_start().len();
+    // Point at the word that does not fit, not at the blanks and comments before it; at the end, right behind the last word.
+    let at = text.len() - after_comments(&text[at..]).len();
+    let at = if at == text.len() { code_end(text) } else { at };
     let word: String = word_at(&text[at..]);
     let expected = match &error.variant {
         ErrorVariant::ParsingError { positives, .. } => expectations(positives),
@@ -231,17 +337,36 @@ fn finding_of(
         start + end.max(at + usize::from(at < text.len())),
     );
     let finding = Diagnostic::error(codes::SYNTAX, span, message);
-    if RESERVED.contains(&word.as_str()) && expected.contains("a name") {
+    if RESERVED.contains(&word.as_str())
+        && !expected.contains("an expression")
+        && expected.contains("a name")
+    {
         return finding.with_help(format!(
             "expected {expected}; `{word}` is a word of the language and cannot be a name"
         ));
     }
+    if expected.contains("an expression") && WIDE.contains(&word.as_str()) {
+        return finding.with_help(format!(
+            "put brackets around it: `{word}` reaches as far to the right as it can, and may not follow an operator that binds tighter"
+        ));
+    }
     if expected.is_empty() {
-        finding
+        finding.with_help("`linewright explain LW002` shows what a declaration looks like")
     } else {
         finding.with_help(format!("expected {expected}"))
     }
 }
+
+/// Words that take all that follows.
+const WIDE: &[&str] = &[
+    "always",
+    "eventually",
+    "if",
+    "forall",
+    "exists",
+    "count",
+    "sum",
+];
 
 const RESERVED: &[&str] = &[
     "always",
@@ -370,6 +495,10 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::EOI => "the end of the item",
             Rule::set => "a set `{a, b}` or a range",
             Rule::string => "a path in quotes",
+            Rule::open_brace => "`{`",
+            Rule::open_bracket => "`[`",
+            Rule::arrow => "`->`",
+            Rule::dots => "`..`",
             Rule::close_paren => "`)`",
             Rule::close_bracket => "`]`",
             Rule::close_brace => "`}`",

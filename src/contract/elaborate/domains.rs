@@ -13,10 +13,11 @@ impl<'a> Elaborator<'a> {
                 let mut labels: Vec<String> = Vec::new();
                 for name in names {
                     if labels.contains(&name.text) {
-                        self.error(
+                        self.error_with(
                             codes::NAME_DOUBLE,
                             name.span,
                             format!("the label `{}` is there already", name.text),
+                            "leave it out, or give it another name",
                         );
                     } else {
                         labels.push(name.text.clone());
@@ -36,7 +37,7 @@ impl<'a> Elaborator<'a> {
                     );
                     return None;
                 }
-                if high - low >= MAX_DOMAIN {
+                if high.saturating_sub(low) >= MAX_DOMAIN {
                     self.error_with(
                         codes::DOMAIN_EMPTY,
                         domain.span,
@@ -50,10 +51,11 @@ impl<'a> Elaborator<'a> {
             ast::DomainKind::Array(length, of) => {
                 let length_value = self.constant_int(length)?;
                 if !(1..=MAX_EXPANSION).contains(&length_value) {
-                    self.error(
+                    self.error_with(
                         codes::DOMAIN_EMPTY,
                         length.span,
                         format!("an array has 1 to {MAX_EXPANSION} elements, not {length_value}"),
+                        "give the array a length in that range",
                     );
                     return None;
                 }
@@ -73,6 +75,10 @@ impl<'a> Elaborator<'a> {
             ast::DomainKind::Named(name) => {
                 if let Some(domain) = self.named_domains.get(&name.text) {
                     return Some((domain.clone(), None));
+                }
+                if self.broken.contains(&name.text) {
+                    self.tainted = true;
+                    return None;
                 }
                 let known: Vec<String> = self
                     .named_domains

@@ -10,16 +10,24 @@ mod operators;
 mod quantifiers;
 
 use super::value::{Dimension, Term, Type, Value};
-use crate::diagnostics::{Code, Diagnostic, codes};
-use crate::gr1::{BinaryOp, Domain, Time, UnaryOp, VarId};
+pub(in crate::contract) use crate::diagnostics::nearest;
+use crate::diagnostics::{Code, Diagnostic, codes, has_errors};
+use crate::gr1::{BinaryOp, Domain, Expr, Time, UnaryOp, VarId};
 use crate::source::Span;
 use crate::syntax::ast::{self, ExprKind};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Quantifiers and arrays expand to at most so many instances.
 pub(super) const MAX_EXPANSION: i64 = 4096;
 /// A domain has at most so many values.
 pub(super) const MAX_DOMAIN: i64 = 1 << 20;
+
+/// Expressions nest so deep at most, defines written out: later stages walk formulas by recursion.
+const MAX_NESTED: usize = 400;
+/// A formula's tree is at most so deep once arrays are written out.
+const MAX_FORMULA_DEPTH: usize = 600;
+/// What one contract or machine may cost to write out: nodes that are made, copied or looked at.
+const MAX_WORK: usize = 4_000_000;
 
 /// A variable in sight.
 #[derive(Debug, Clone)]
@@ -55,8 +63,19 @@ pub(super) struct Elaborator<'a> {
     pub next: bool,
     /// What was found.
     pub findings: Vec<Diagnostic>,
+    /// Names whose declaration was reported: their uses are not, ...
+    pub broken: BTreeSet<String>,
+    /// ... but nothing that used one can be trusted.
+    pub tainted: bool,
     defining: Vec<String>,
+    /// Quantified names in sight, innermost last, with what each one hides.
+    bound: Vec<(String, Option<Value>)>,
     expansions: i64,
+    nested: usize,
+    work: usize,
+    exhausted: bool,
+    /// The expression that all those at hand stand within, where it was asked for.
+    root: Option<Span>,
 }
 
 impl<'a> Elaborator<'a> {
@@ -72,17 +91,103 @@ impl<'a> Elaborator<'a> {
             real: false,
             next: false,
             findings: Vec::new(),
+            broken: BTreeSet::new(),
+            tainted: false,
             defining: Vec::new(),
+            bound: Vec::new(),
             expansions: 0,
+            nested: 0,
+            work: 0,
+            exhausted: false,
+            root: None,
         }
     }
 
-    /// Records an error.
-    pub fn error(&mut self, code: Code, span: Span, message: impl Into<String>) {
-        self.findings.push(Diagnostic::error(code, span, message));
+    /// Whether something is wrong, here or with a name that was used.
+    pub fn refused(&self) -> bool {
+        self.tainted || has_errors(&self.findings)
     }
 
-    /// Records an error with a next step.
+    /// Counts work; `None` and one finding where there is too much of it.
+    pub fn spend(&mut self, span: Span, amount: usize) -> Option<()> {
+        self.work = self.work.saturating_add(amount);
+        if self.work > MAX_WORK {
+            self.too_large(span);
+            return None;
+        }
+        Some(())
+    }
+
+    /// Reports that a formula grows too large, once.
+    pub fn too_large(&mut self, span: Span) {
+        self.tainted = true;
+        if !std::mem::replace(&mut self.exhausted, true) {
+            let span = self.root.filter(|_| self.nested > 0).unwrap_or(span);
+            self.error_with(
+                codes::TOO_LARGE,
+                span,
+                "this becomes too large once defines, quantifiers and arrays are written out",
+                "use smaller ranges and arrays, fewer nested quantifiers, or an internal variable that holds a value for reuse",
+            );
+        }
+    }
+
+    /// A term as a formula of whole numbers; reports what is none.
+    pub fn formula(&mut self, term: &Term, span: Span) -> Option<Expr> {
+        if term.depth() > MAX_FORMULA_DEPTH {
+            self.too_large(span);
+            return None;
+        }
+        let expr = term.to_expr();
+        if expr.is_none() {
+            self.error_with(
+                codes::TYPE_MISMATCH,
+                span,
+                "whole numbers without units are counted here, and this is a quantity of the plant",
+                "say in the machine what the numbers mean in the plant: `abstract`, `time`, `write`",
+            );
+        }
+        expr
+    }
+
+    /// Does something with a quantified name in sight.
+    pub fn with_bound<T>(
+        &mut self,
+        name: &str,
+        value: Value,
+        run: impl FnOnce(&mut Self) -> T,
+    ) -> T {
+        let hidden = self.constants.insert(name.to_owned(), value);
+        self.bound.push((name.to_owned(), hidden));
+        let result = run(self);
+        if let Some((name, hidden)) = self.bound.pop() {
+            self.replace_constant(name, hidden);
+        }
+        result
+    }
+
+    fn replace_constant(&mut self, name: String, value: Option<Value>) -> Option<Value> {
+        match value {
+            Some(value) => self.constants.insert(name, value),
+            None => self.constants.remove(&name),
+        }
+    }
+
+    /// Does something without the quantified names: a define means the same wherever it is used.
+    fn unbound<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+        let mut bound = std::mem::take(&mut self.bound);
+        for (name, value) in bound.iter_mut().rev() {
+            *value = self.replace_constant(name.clone(), value.take());
+        }
+        let result = run(self);
+        for (name, value) in &mut bound {
+            *value = self.replace_constant(name.clone(), value.take());
+        }
+        self.bound = bound;
+        result
+    }
+
+    /// Records an error. There is none without a next step.
     pub fn error_with(
         &mut self,
         code: Code,
@@ -94,8 +199,14 @@ impl<'a> Elaborator<'a> {
             .push(Diagnostic::error(code, span, message).with_help(help));
     }
 
-    pub(super) fn mismatch(&mut self, span: Span, expected: &str, found: &Type) {
+    pub(in crate::contract) fn mismatch(&mut self, span: Span, expected: &str, found: &Type) {
         let help = match found {
+            Type::Int | Type::Number(_) if expected != "a truth value" => {
+                "write a value of that kind, or give the declaration the other type"
+            }
+            Type::Array(..) if expected.starts_with("an array") => {
+                "give it as many elements, and of the same kind"
+            }
             Type::Bool => "a truth value counts as a number with `if ... then 1 else 0`",
             Type::Enum(_) => "a label is compared with `=`, `!=` or `in {...}`",
             Type::Array(..) => "name one element with `[i]`, or quantify over `forall i in 0..n-1`",
@@ -135,7 +246,6 @@ impl<'a> Elaborator<'a> {
 
     /// A whole number that is known now.
     pub fn constant_int(&mut self, e: &'a ast::Expr) -> Option<i64> {
-        let before = self.findings.len();
         match self.value(e, Some(&Type::Int), Time::Now) {
             Some(Value::Scalar(Term::Int(i), Type::Int)) => Some(i),
             Some(Value::Scalar(Term::Real(x), Type::Number(_))) if x.fract() == 0.0 => {
@@ -154,10 +264,7 @@ impl<'a> Elaborator<'a> {
                 self.mismatch(e.span, "a whole number", &other.ty());
                 None
             }
-            None => {
-                debug_assert!(self.findings.len() > before);
-                None
-            }
+            None => None,
         }
     }
 
@@ -182,7 +289,8 @@ impl<'a> Elaborator<'a> {
         match ty {
             Type::Number(d) if d == dimension => Some(term),
             Type::Int if dimension == Dimension::None => Some(term),
-            Type::Int | Type::Number(Dimension::None) if term == Term::Int(0) => Some(term),
+            Type::Number(Dimension::Share) if dimension == Dimension::None => Some(term),
+            Type::Int | Type::Number(Dimension::None) if is_zero(&term) => Some(term),
             Type::Int | Type::Number(Dimension::None) => {
                 self.error_with(
                     codes::TYPE_MISMATCH,
@@ -206,6 +314,21 @@ impl<'a> Elaborator<'a> {
         expected: Option<&Type>,
         time: Time,
     ) -> Option<Value> {
+        self.spend(e.span, 1)?;
+        if self.nested == MAX_NESTED {
+            self.too_large(e.span);
+            return None;
+        }
+        if self.nested == 0 {
+            self.root = Some(e.span);
+        }
+        self.nested += 1;
+        let value = self.value_of(e, expected, time);
+        self.nested -= 1;
+        value
+    }
+
+    fn value_of(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Value> {
         match &e.kind {
             ExprKind::Bool(b) => Some(Value::Scalar(Term::truth(*b), Type::Bool)),
             ExprKind::Int(i) => Some(Value::Scalar(Term::Int(*i), Type::Int)),
@@ -293,6 +416,7 @@ impl<'a> Elaborator<'a> {
             }
             ExprKind::Member(x, members) => {
                 let (x, ty) = self.any_scalar(x, None, time)?;
+                self.spend(e.span, x.size().saturating_mul(members.len()))?;
                 let mut terms = Vec::new();
                 for m in members {
                     let (m_term, m_ty) = self.any_scalar(m, Some(&ty), time)?;
@@ -311,6 +435,9 @@ impl<'a> Elaborator<'a> {
                 let x = self.number(x, time)?;
                 let low = self.number(low, time)?;
                 let high = self.number(high, time)?;
+                self.same_dimension(e.span, &x.1, &x.0, &low.1, &low.0)?;
+                self.same_dimension(e.span, &x.1, &x.0, &high.1, &high.0)?;
+                self.spend(e.span, x.0.size())?;
                 Some(Value::Scalar(
                     Term::binary(
                         BinaryOp::And,
@@ -376,32 +503,4 @@ fn is_zero(term: &Term) -> bool {
 
 fn comparable(a: &Type, b: &Type) -> bool {
     a == b || a.is_numeric() && b.is_numeric()
-}
-
-/// The known name closest to a misspelt one, if any is close.
-pub(in crate::contract) fn nearest<'n>(
-    name: &str,
-    known: impl Iterator<Item = &'n str>,
-) -> Option<&'n str> {
-    known
-        .map(|k| (distance(name, k), k))
-        .filter(|(d, k)| *d <= name.len().min(k.len()).div_ceil(4).min(name.len() / 2))
-        .min()
-        .map(|(_, k)| k)
-}
-
-/// Levenshtein's edit distance.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -38,7 +38,18 @@ impl<'a> Elaborator<'a> {
             .collect::<Vec<_>>()
             .join(".");
         if let Some(value) = self.constants.get(&full) {
-            return Some(value.clone());
+            let value = value.clone();
+            if !self.real && value.is_real() {
+                self.error_with(
+                    codes::TYPE_MISMATCH,
+                    span,
+                    format!("`{full}` is a quantity of the plant, and whole numbers without units are counted here"),
+                    "say in the machine what the numbers mean in the plant: `abstract`, `time`, `write`",
+                );
+                return None;
+            }
+            self.spend(span, value.size())?;
+            return Some(value);
         }
         if let Some(body) = self.defines.get(&full).copied() {
             if self.defining.contains(&full) {
@@ -51,7 +62,7 @@ impl<'a> Elaborator<'a> {
                 return None;
             }
             self.defining.push(full);
-            let value = self.value(body, expected, time);
+            let value = self.unbound(|e| e.value(body, expected, time));
             self.defining.pop();
             return value;
         }
@@ -76,6 +87,10 @@ impl<'a> Elaborator<'a> {
                 Term::Int(index as i64),
                 Type::Enum(labels.clone()),
             ));
+        }
+        if self.broken.contains(&full) {
+            self.tainted = true;
+            return None;
         }
         self.unknown(span, &full, expected);
         None
@@ -191,10 +206,11 @@ impl<'a> Elaborator<'a> {
         let expected_array = expected.map(|t| Type::Array(Box::new(t.clone()), 0));
         let base_value = self.value(base, expected_array.as_ref(), time)?;
         let Value::Array(elements) = base_value else {
-            self.error(
+            self.error_with(
                 codes::TYPE_MISMATCH,
                 base.span,
                 format!("this is {}, not an array", base_value.ty().describe()),
+                "leave the index out, or declare it as `array[n] of ...`",
             );
             return None;
         };
@@ -206,18 +222,16 @@ impl<'a> Elaborator<'a> {
         let last = elements.len() as i64 - 1;
         let range = self.range_of(&index_term, index.span)?;
         if range.low < 0 || range.high > last {
+            let count = match elements.len() {
+                1 => "1 element".to_owned(),
+                n => format!("{n} elements"),
+            };
             let message = if range.low == range.high {
-                format!(
-                    "index {} leaves the array, which has {} elements",
-                    range.low,
-                    elements.len()
-                )
+                format!("index {} leaves the array, which has {count}", range.low)
             } else {
                 format!(
-                    "the index can be {}..{}, but the array has only {} elements",
-                    range.low,
-                    range.high,
-                    elements.len()
+                    "the index can be {}..{}, but the array has only {count}",
+                    range.low, range.high
                 )
             };
             self.error_with(
@@ -233,6 +247,22 @@ impl<'a> Elaborator<'a> {
         if let Term::Int(i) = index_term {
             return elements.into_iter().nth(i as usize);
         }
+        self.spend(span, index_term.size().saturating_mul(elements.len()))?;
+        let chosen = &elements[range.low as usize..=range.high as usize];
+        if chosen.len() > MAX_LINEAR {
+            let Some(terms) = scalars(chosen) else {
+                self.error_with(
+                    codes::TYPE_MISMATCH,
+                    span,
+                    "an array of arrays needs a constant first index",
+                    "use one array with `rows * columns` elements",
+                );
+                return None;
+            };
+            let (_, ty) = &terms[0];
+            let ty = ty.clone();
+            return Some(Value::Scalar(halved(&index_term, range.low, &terms), ty));
+        }
         let mut chosen: Option<Value> = None;
         for i in (range.low..=range.high).rev() {
             let element = elements[i as usize].clone();
@@ -243,15 +273,46 @@ impl<'a> Elaborator<'a> {
                     Value::Scalar(Term::choose(here, term, rest), ty)
                 }
                 _ => {
-                    self.error(
+                    self.error_with(
                         codes::TYPE_MISMATCH,
                         span,
                         "an array of arrays needs a constant first index",
+                        "use one array with `rows * columns` elements",
                     );
                     return None;
                 }
             });
         }
         chosen
+    }
+}
+
+/// Up to so many elements are chosen one by one; more by halves, which keeps formulas shallow.
+const MAX_LINEAR: usize = 16;
+
+fn scalars(values: &[Value]) -> Option<Vec<(Term, Type)>> {
+    values
+        .iter()
+        .map(|v| match v {
+            Value::Scalar(term, ty) => Some((term.clone(), ty.clone())),
+            Value::Array(_) => None,
+        })
+        .collect()
+}
+
+/// The term of `terms`, of which the first has the index `low`, that `index` names.
+fn halved(index: &Term, low: i64, terms: &[(Term, Type)]) -> Term {
+    match terms {
+        [(one, _)] => one.clone(),
+        _ => {
+            let (left, right) = terms.split_at(terms.len() / 2);
+            let middle = low + left.len() as i64;
+            let below = Term::binary(BinaryOp::Lt, index.clone(), Term::Int(middle));
+            Term::choose(
+                below,
+                halved(index, low, left),
+                halved(index, middle, right),
+            )
+        }
     }
 }

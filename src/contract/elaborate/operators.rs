@@ -105,11 +105,7 @@ impl<'a> Elaborator<'a> {
         match (a, b) {
             (Value::Scalar(a, at), Value::Scalar(b, bt)) => {
                 if !comparable(&at, &bt) {
-                    self.error(
-                        codes::TYPE_MISMATCH,
-                        span,
-                        format!("{} cannot equal {}", at.describe(), bt.describe()),
-                    );
+                    self.unequal(span, &at, &bt);
                     return None;
                 }
                 self.same_dimension(span, &at, &a, &bt, &b)?;
@@ -123,6 +119,7 @@ impl<'a> Elaborator<'a> {
                 Some(Term::fold(BinaryOp::And, terms, 1))
             }
             (Value::Array(a), b @ Value::Scalar(..)) => {
+                self.spend(span, b.size().saturating_mul(a.len()))?;
                 // An array equals a scalar when every element does: `h = 0`.
                 let mut terms = Vec::with_capacity(a.len());
                 for a in a {
@@ -131,14 +128,33 @@ impl<'a> Elaborator<'a> {
                 Some(Term::fold(BinaryOp::And, terms, 1))
             }
             (a, b) => {
-                self.error(
-                    codes::TYPE_MISMATCH,
-                    span,
-                    format!("{} cannot equal {}", a.ty().describe(), b.ty().describe()),
-                );
+                self.unequal(span, &a.ty(), &b.ty());
                 None
             }
         }
+    }
+
+    fn unequal(&mut self, span: Span, a: &Type, b: &Type) {
+        let help = match (a, b) {
+            (Type::Array(..), Type::Array(..)) => {
+                "compare arrays of one length, or single elements with `[i]`"
+            }
+            (Type::Array(..), _) | (_, Type::Array(..)) => {
+                "name one element with `[i]`, or quantify over `forall i in 0..n-1`"
+            }
+            (Type::Bool, _) | (_, Type::Bool) => {
+                "a truth value stands alone or after `not`; put brackets around a comparison that is compared again"
+            }
+            _ => {
+                "both sides must be of one type; does another declaration hide the label that was meant? Then write `Type.label`"
+            }
+        };
+        self.error_with(
+            codes::TYPE_MISMATCH,
+            span,
+            format!("{} cannot equal {}", a.describe(), b.describe()),
+            help,
+        );
     }
 
     /// Adding and comparing needs one dimension; 0 fits every one.
@@ -185,10 +201,24 @@ impl<'a> Elaborator<'a> {
         };
         let dimension = match op {
             A::Add | A::Sub | A::Mod => self.same_dimension(span, &at, &a, &bt, &b)?,
-            A::Mul if of(&at) == Dimension::None => of(&bt),
-            A::Mul | A::Div if of(&bt) == Dimension::None => of(&at),
-            A::Div if of(&at) == Dimension::Length && of(&bt) == Dimension::Speed => {
-                Dimension::Time
+            A::Mul | A::Div => {
+                let (x, y) = (of(&at), of(&bt));
+                let known = if op == A::Mul { x.times(y) } else { x.over(y) };
+                let Some(dimension) = known else {
+                    let word = if op == A::Mul {
+                        "multiplied"
+                    } else {
+                        "divided"
+                    };
+                    self.error_with(
+                        codes::TYPE_MISMATCH,
+                        span,
+                        format!("{} cannot be {word} by {}", x.word(), y.word()),
+                        "there is no unit for the result; divide by `1 s`, `1 m` or the like where a bare number is meant",
+                    );
+                    return None;
+                };
+                dimension
             }
             _ => Dimension::None,
         };
@@ -250,6 +280,7 @@ impl<'a> Elaborator<'a> {
                 None
             };
         }
+        self.spend(span, term.size())?;
         let expr = term.to_expr()?;
         let result = interval(&expr, &|v| {
             self.domains[v.index()]
@@ -268,7 +299,12 @@ impl<'a> Elaborator<'a> {
                 None
             }
             Err(Problem::DivisorZero) => {
-                self.error(codes::DIVISION, span, "a divisor can be 0");
+                self.error_with(
+                    codes::DIVISION,
+                    span,
+                    "a divisor can be 0",
+                    "divide by a constant, or by an expression that is never 0, such as `max(x, 1)`",
+                );
                 None
             }
         }
@@ -296,13 +332,15 @@ impl<'a> Elaborator<'a> {
                 Some(Value::Scalar(Term::choose(condition, l, r), ty))
             }
             (Value::Array(l), Value::Array(r)) if l.len() == r.len() => {
+                self.spend(c.span, condition.size().saturating_mul(l.len()))?;
                 let mut elements = Vec::with_capacity(l.len());
                 for (l, r) in l.into_iter().zip(r) {
                     let (Value::Scalar(l, lt), Value::Scalar(r, rt)) = (l, r) else {
-                        self.error(
+                        self.error_with(
                             codes::TYPE_MISMATCH,
                             a.span,
                             "arrays of arrays cannot be chosen",
+                            "use one array with `rows * columns` elements",
                         );
                         return None;
                     };

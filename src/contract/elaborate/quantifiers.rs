@@ -12,11 +12,12 @@ impl<'a> Elaborator<'a> {
     pub fn quantified(&mut self, domain: &'a ast::Domain) -> Option<Vec<Value>> {
         let values: Vec<Value> = if let ast::DomainKind::Range(low, high) = &domain.kind {
             let (low, high) = (self.constant_int(low)?, self.constant_int(high)?);
-            if high - low >= MAX_EXPANSION {
-                self.error(
+            if high.saturating_sub(low) >= MAX_EXPANSION {
+                self.error_with(
                     codes::DOMAIN_EMPTY,
                     domain.span,
                     format!("more than {MAX_EXPANSION} values"),
+                    "use a smaller range",
                 );
                 return None;
             }
@@ -26,10 +27,11 @@ impl<'a> Elaborator<'a> {
         } else {
             let (base, length) = self.domain(domain)?;
             if length.is_some() || base.size() as i64 > MAX_EXPANSION {
-                self.error(
+                self.error_with(
                     codes::DOMAIN_EMPTY,
                     domain.span,
                     "a quantifier ranges over numbers, labels or truth values",
+                    "write a range such as `0..3`, `bool`, or a set of labels",
                 );
                 return None;
             }
@@ -39,12 +41,7 @@ impl<'a> Elaborator<'a> {
         };
         self.expansions += values.len() as i64;
         if self.expansions > MAX_EXPANSION * 64 {
-            self.error_with(
-                codes::DOMAIN_EMPTY,
-                domain.span,
-                "the quantifiers expand to too many instances",
-                "use smaller ranges or fewer nested quantifiers",
-            );
+            self.too_large(domain.span);
             return None;
         }
         Some(values)
@@ -62,15 +59,10 @@ impl<'a> Elaborator<'a> {
         let values = self.quantified(domain)?;
         let mut terms = Vec::with_capacity(values.len());
         for value in values {
-            let shadowed = self.constants.insert(name.text.clone(), value);
-            let term = match kind {
-                Quantifier::Sum => self.number(body, time),
-                _ => self.boolean(body, time).map(|t| (t, Type::Bool)),
-            };
-            match shadowed {
-                Some(old) => self.constants.insert(name.text.clone(), old),
-                None => self.constants.remove(&name.text),
-            };
+            let term = self.with_bound(&name.text, value, |e| match kind {
+                Quantifier::Sum => e.number(body, time),
+                _ => e.boolean(body, time).map(|t| (t, Type::Bool)),
+            });
             terms.push(term?);
         }
         let real = terms.iter().find_map(|(_, t)| match t {
@@ -144,10 +136,11 @@ impl<'a> Elaborator<'a> {
         }
         let values: Vec<(Term, Type)> = values.into_iter().collect::<Option<_>>()?;
         if (name.text == "abs" || rounding.is_some()) && values.len() != 1 {
-            self.error(
+            self.error_with(
                 codes::ARGUMENT,
                 span,
                 format!("`{}` takes one argument", name.text),
+                "`min` and `max` take several",
             );
             return None;
         }

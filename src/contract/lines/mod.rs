@@ -9,11 +9,11 @@ use super::line::{Line, Node, NodeKind, PartType};
 use super::machine::Machine;
 use super::machines::PropertyType;
 use super::routes;
-use super::scope::{Scope, double};
-use crate::diagnostics::{Diagnostic, codes, has_errors};
+use super::scope::{self, Decl, Scope, double};
+use crate::diagnostics::{Diagnostic, codes};
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{self, LineItem};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// A part type with what expressions see of it.
@@ -32,6 +32,9 @@ struct Builder<'a, 's> {
     machines: BTreeMap<(String, String), Arc<Machine>>,
     part_index: BTreeMap<String, usize>,
     node_index: BTreeMap<String, usize>,
+    /// Which of the nodes are stations, and which are sources.
+    stations: BTreeSet<usize>,
+    sources_of_parts: BTreeSet<usize>,
 }
 
 /// A line. `None` when something is wrong; findings say what.
@@ -51,24 +54,26 @@ pub(super) fn line<'a>(
         machines: BTreeMap::new(),
         part_index: BTreeMap::new(),
         node_index: BTreeMap::new(),
+        stations: BTreeSet::new(),
+        sources_of_parts: BTreeSet::new(),
     };
     let model = builder.build(decl);
     let mut e = builder.e;
-    if !has_errors(&e.findings) {
+    if !e.refused() {
         routes::check(&model, &mut e.findings);
     }
-    let broken = has_errors(&e.findings);
+    let broken = e.refused();
     findings.append(&mut e.findings);
     (!broken).then_some(model)
 }
 
 impl<'a> Builder<'a, '_> {
     fn build(&mut self, decl: &'a ast::Line) -> Line {
-        for item in &decl.items {
-            if let LineItem::Const(c) = item {
-                super::scope::constant(&mut self.e, c, &mut Vec::new());
-            }
-        }
+        let constants = decl.items.iter().filter_map(|item| match item {
+            LineItem::Const(c) => Some(Decl::Constant(c)),
+            _ => None,
+        });
+        scope::settle(&mut self.e, constants.collect());
         self.declare_names(decl);
         self.declare_parts(decl);
         let mut model = Line {
@@ -129,6 +134,11 @@ impl<'a> Builder<'a, '_> {
                 self.e.findings.push(double(name, *first));
             }
             spans.insert(&name.text, name.span);
+            match item {
+                LineItem::Station { .. } => self.stations.insert(nodes),
+                LineItem::Source { .. } => self.sources_of_parts.insert(nodes),
+                _ => false,
+            };
             let (index, counter) = if node {
                 (&mut self.node_index, &mut nodes)
             } else {

@@ -25,10 +25,11 @@ impl<'a> Builder<'a, '_> {
             let mut first = 0;
             for p in properties {
                 if let Some((_, _, _)) = types.iter().find(|(n, ..)| *n == p.name.text) {
-                    self.e.error(
+                    self.e.error_with(
                         codes::NAME_DOUBLE,
                         p.name.span,
                         format!("`{}` is declared twice", p.name.text),
+                        "give one of the two another name",
                     );
                     continue;
                 }
@@ -41,10 +42,11 @@ impl<'a> Builder<'a, '_> {
             let mut resolved = Vec::new();
             for counted in bill {
                 if counted.count == 0 || counted.count > 10_000 {
-                    self.e.error(
+                    self.e.error_with(
                         codes::ARGUMENT,
                         counted.name.span,
                         "a bill of materials counts from 1 to 10000",
+                        "write how many of this part go into one: `from 2 Brick`",
                     );
                 }
                 if let Some(part) = self.find_part(&counted.name) {
@@ -108,12 +110,16 @@ impl<'a> Builder<'a, '_> {
             && let Some(from) = self.part_index.get(&component.text).copied()
         {
             if !self.parts[part].model.bill.iter().any(|(p, _)| *p == from) {
-                self.e.error(
+                self.e.error_with(
                     codes::PROPERTY,
                     *span,
                     format!(
                         "`{}` is not in the bill of materials of `{}`",
                         component.text, self.parts[part].model.name
+                    ),
+                    format!(
+                        "name a part that it is joined from, or add `{}` after `from`",
+                        component.text
                     ),
                 );
                 return None;
@@ -138,10 +144,11 @@ impl<'a> Builder<'a, '_> {
                 return None;
             };
             if found.unit != ty.unit || found.length != ty.length || found.domain != ty.domain {
-                self.e.error(
+                self.e.error_with(
                     codes::TYPE_MISMATCH,
                     *span,
                     "this property has another type",
+                    "declare both with the same unit, range or labels",
                 );
                 return None;
             }
@@ -162,6 +169,7 @@ impl<'a> Builder<'a, '_> {
         e.constants.clone_from(&self.e.constants);
         e.types.clone_from(&self.e.types);
         e.named_domains.clone_from(&self.e.named_domains);
+        e.broken.clone_from(&self.e.broken);
         for (name, _, ty) in &self.parts[part].types {
             see_property(&mut e, name, ty);
         }

@@ -56,7 +56,19 @@ impl<'a> Builder<'a, '_> {
             } => {
                 let reorder = match reorder {
                     None => None,
-                    Some(r) => Some(self.find_node(r)?),
+                    Some(r) => {
+                        let node = self.find_node(r)?;
+                        if !self.sources_of_parts.contains(&node) {
+                            self.e.error_with(
+                                codes::LINE_UNKNOWN,
+                                r.span,
+                                format!("`{}` is not a source", r.text),
+                                "a new part is ordered from a `source`",
+                            );
+                            return None;
+                        }
+                        Some(node)
+                    }
                 };
                 Some((
                     name,
@@ -134,12 +146,14 @@ impl<'a> Builder<'a, '_> {
             &mut found,
         );
         if model.is_none() {
+            self.e.tainted = true;
             self.e.findings.append(&mut found);
             if self.e.findings.len() == before {
-                self.e.error(
+                self.e.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
                     format!("the machine `{}` cannot be used", name.text),
+                    format!("see the findings of `{}`", name.text),
                 );
             }
         }
@@ -183,8 +197,12 @@ impl<'a> Builder<'a, '_> {
             (Some(belt), _) => belt.places.len() as i64,
             (None, Some((n, span))) => {
                 if !(1..=100_000).contains(&n) {
-                    self.e
-                        .error(codes::ARGUMENT, span, "a conveyor has 1 to 100000 places");
+                    self.e.error_with(
+                        codes::ARGUMENT,
+                        span,
+                        "a conveyor has 1 to 100000 places",
+                        "write how many parts fit on it: `places 3`",
+                    );
                     return None;
                 }
                 n
@@ -201,10 +219,11 @@ impl<'a> Builder<'a, '_> {
         };
         let (pitch, speed) = (pitch.unwrap_or(1.0), speed.unwrap_or(1.0));
         if pitch == 0.0 || speed == 0.0 {
-            self.e.error(
+            self.e.error_with(
                 codes::ARGUMENT,
                 name.span,
                 "pitch and speed of a conveyor are more than 0",
+                "write both with their unit: `pitch 0.5 m speed 0.25 m/s`",
             );
             return None;
         }
@@ -428,10 +447,11 @@ impl<'a> Builder<'a, '_> {
         let index = self.find_part(part)?;
         let p = positive(&mut self.e, probability, Dimension::None)?;
         if p > 1.0 {
-            self.e.error(
+            self.e.error_with(
                 codes::ARGUMENT,
                 probability.span,
                 "a probability is between 0 and 1",
+                "write a share: `probability 5 %`, or `probability 0.05`",
             );
             return None;
         }
@@ -441,10 +461,14 @@ impl<'a> Builder<'a, '_> {
             .find(|(n, ..)| *n == property.text)
             .cloned();
         let Some((_, first, ty)) = found else {
-            self.e.error(
+            self.e.error_with(
                 codes::PROPERTY,
                 property.span,
                 format!("`{}` has no property `{}`", part.text, property.text),
+                format!(
+                    "declare it: `part {} {{ property {}: ... }}`",
+                    part.text, property.text
+                ),
             );
             return None;
         };
@@ -455,6 +479,7 @@ impl<'a> Builder<'a, '_> {
         let mut scope = self.part_scope(index);
         see_property(&mut scope, "it", &element);
         let term = assigned(&mut scope, &element, value);
+        self.e.tainted |= scope.tainted;
         self.e.findings.append(&mut scope.findings);
         let count = self.parts[index].model.properties.len() + 1;
         Some(Defect {

@@ -34,10 +34,11 @@ impl<'a> Builder<'a, '_> {
             ),
         }
         if let Some(second) = named.next() {
-            self.e.error(
+            self.e.error_with(
                 codes::NAME_DOUBLE,
                 second.span,
                 "a line has one end product",
+                "keep the one that the run counts",
             );
         }
     }
@@ -66,8 +67,12 @@ impl<'a> Builder<'a, '_> {
             LineItem::Limit(value, true) => {
                 if let Some(n) = self.e.constant_int(value) {
                     if n < 1 {
-                        self.e
-                            .error(codes::ARGUMENT, value.span, "at least one product");
+                        self.e.error_with(
+                            codes::ARGUMENT,
+                            value.span,
+                            "at least one product",
+                            "write after how many end products a run ends: `limit 50 products`",
+                        );
                     }
                     model.limit = Some(Limit::Products(n.max(1) as u64));
                 }
@@ -108,10 +113,11 @@ impl<'a> Builder<'a, '_> {
                     ast::BinaryOp::Ge => Comparison::Ge,
                     ast::BinaryOp::Gt => Comparison::Gt,
                     _ => {
-                        self.e.error(
+                        self.e.error_with(
                             codes::TYPE_MISMATCH,
                             *span,
                             "a requirement compares with <, <=, =, >= or >",
+                            "turn it into one of these",
                         );
                         return;
                     }
@@ -154,7 +160,17 @@ impl<'a> Builder<'a, '_> {
             ("products", None) => (Metric::Products, Dimension::None, 1.0),
             ("violations", None) => (Metric::Violations, Dimension::None, 1.0),
             ("busy", Some(station)) => {
-                (Metric::Busy(self.find_node(station)?), Dimension::None, 1.0)
+                let node = self.find_node(station)?;
+                if !self.stations.contains(&node) {
+                    self.e.error_with(
+                        codes::LINE_UNKNOWN,
+                        station.span,
+                        format!("`{}` is not a station", station.text),
+                        "only stations are busy; name one of them",
+                    );
+                    return None;
+                }
+                (Metric::Busy(node), Dimension::None, 1.0)
             }
             (other, _) => {
                 let help = match nearest(other, NAMES.into_iter()) {
@@ -186,6 +202,7 @@ impl<'a> Builder<'a, '_> {
         let condition = when.and_then(|c| {
             let mut scope = self.part_scope(index);
             let term = scope.boolean(c, Time::Now);
+            self.e.tainted |= scope.tainted;
             self.e.findings.append(&mut scope.findings);
             Some(term?.to_real(self.parts[index].model.properties.len()))
         });

@@ -6,7 +6,8 @@ use crate::contract::machine::{ActionTime, Component, RealExpr, Role};
 use crate::contract::value::{Dimension, Term, Type, Value};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::interval::{Interval, interval};
-use crate::gr1::{Expr, Time, Timing, VarId};
+use crate::gr1::{Expr, Specification, Time, Timing, VarId};
+use crate::source::Span;
 use crate::syntax::ast;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,6 +18,7 @@ pub(super) fn scope_of_wires<'a>(e: &Elaborator<'a>, parts: &Parts<'a>) -> Elabo
     w.constants.clone_from(&e.constants);
     w.types.clone_from(&e.types);
     w.named_domains.clone_from(&e.named_domains);
+    w.broken.clone_from(&e.broken);
     for input in &parts.plant {
         w.domains.push(Some(input.domain.clone()));
     }
@@ -27,6 +29,8 @@ pub(super) fn scope_of_wires<'a>(e: &Elaborator<'a>, parts: &Parts<'a>) -> Elabo
         } else {
             Entry::One(VarId(wires[0] as u32))
         };
+        // A wire hides a constant of the same name from outside.
+        w.constants.remove(name);
         w.variables.insert(name.clone(), entry);
     }
     for (c, s) in &parts.components {
@@ -90,6 +94,7 @@ pub(super) fn component<'a>(
             );
         }
     }
+    bindings_once(wires, decl, specification);
     let mut bindings = Vec::new();
     for id in specification.inputs() {
         let variable = specification.variable(id);
@@ -101,12 +106,15 @@ pub(super) fn component<'a>(
         return None;
     }
     let active = match (&decl.when, decl.coordinator) {
-        (Some(when), false) => wires.boolean(when, Time::Now).and_then(|t| t.to_expr()),
+        (Some(when), false) => wires
+            .boolean(when, Time::Now)
+            .and_then(|t| wires.formula(&t, when.span)),
         (Some(when), true) => {
-            wires.error(
+            wires.error_with(
                 codes::OPERATION,
                 when.span,
                 "a coordinator is never active itself; `when` belongs to actions",
+                "leave it out here, and write it with each action",
             );
             None
         }
@@ -198,6 +206,44 @@ pub(super) fn component<'a>(
     })
 }
 
+/// Every input is bound once, and an index names an element that there is.
+fn bindings_once(wires: &mut Elaborator<'_>, decl: &ast::Component, specification: &Specification) {
+    let mut seen: BTreeMap<(&str, Option<i64>), Span> = BTreeMap::new();
+    for b in &decl.bindings {
+        let name = &b.name;
+        if let Some(first) = seen.insert((&name.text, b.index), name.span) {
+            let message = format!("`{}` is bound twice", name.text);
+            wires.findings.push(
+                Diagnostic::error(codes::NAME_DOUBLE, name.span, message)
+                    .with_label(first, "first here")
+                    .with_help("leave one of the two out"),
+            );
+        }
+        let Some(index) = b.index else { continue };
+        let inputs = specification
+            .inputs()
+            .map(|id| &specification.variable(id).name);
+        let own: Vec<_> = inputs
+            .filter(|v| v.split('[').next() == Some(name.text.as_str()))
+            .collect();
+        if own.len() == 1 && *own[0] == name.text {
+            wires.error_with(
+                codes::TYPE_MISMATCH,
+                name.span,
+                format!("the input `{}` is not an array", name.text),
+                format!("write `{} = ...`", name.text),
+            );
+        } else if !own.is_empty() && index >= own.len() as i64 {
+            wires.error_with(
+                codes::INDEX_RANGE,
+                name.span,
+                format!("`{}` has no element {index}", name.text),
+                format!("its elements are 0..{}", own.len() - 1),
+            );
+        }
+    }
+}
+
 /// What an input is bound to: what the file says, else the plant's wire of its name, else the coordinator's output of its name.
 pub(super) fn binding<'a>(
     wires: &mut Elaborator<'a>,
@@ -229,7 +275,7 @@ pub(super) fn binding<'a>(
                     Value::Array(values) => match values.into_iter().nth(i) {
                         Some(Value::Scalar(term, found)) if found == ty => term,
                         Some(other) => {
-                            wires.error(
+                            wires.error_with(
                                 codes::TYPE_MISMATCH,
                                 b.value.span,
                                 format!(
@@ -238,21 +284,23 @@ pub(super) fn binding<'a>(
                                     ty.describe(),
                                     other.ty().describe()
                                 ),
+                                "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`",
                             );
                             return None;
                         }
                         None => {
-                            wires.error(
+                            wires.error_with(
                                 codes::TYPE_MISMATCH,
                                 b.value.span,
                                 format!("there is no element {i} for `{}`", variable.name),
+                                "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`",
                             );
                             return None;
                         }
                     },
                     Value::Scalar(term, found) if found == ty => term,
                     other @ Value::Scalar(..) => {
-                        wires.error(
+                        wires.error_with(
                             codes::TYPE_MISMATCH,
                             b.value.span,
                             format!(
@@ -260,6 +308,7 @@ pub(super) fn binding<'a>(
                                 ty.describe(),
                                 other.ty().describe()
                             ),
+                            "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`",
                         );
                         return None;
                     }
@@ -311,7 +360,7 @@ pub(super) fn binding<'a>(
         }
         (Term::Var(id, Time::Now), decl.name.span)
     };
-    let expr = term.to_expr()?;
+    let expr = wires.formula(&term, span)?;
     let range = interval(&expr, &|v| {
         wires.domains[v.index()]
             .as_ref()

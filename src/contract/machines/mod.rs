@@ -14,8 +14,8 @@ use super::TaxonomyCode;
 use super::elaborate::{Elaborator, nearest};
 use super::instantiate::{self, Arguments, instantiate};
 use super::machine::{Machine, PlantInput, Property, PropertyKind};
-use super::scope::{Scope, double};
-use crate::diagnostics::{Diagnostic, codes, has_errors};
+use super::scope::{self, Decl, Scope, double};
+use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{Domain, Specification, Timing};
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{self, MachineItem};
@@ -53,13 +53,12 @@ pub(super) fn machine(
         findings.append(&mut e.findings);
         return None;
     }
-    for item in &machine.items {
-        match item {
-            MachineItem::Const(decl) => super::scope::constant(&mut e, decl, &mut Vec::new()),
-            MachineItem::Type(decl) => super::scope::type_decl(&mut e, decl),
-            _ => {}
-        }
-    }
+    let decls = machine.items.iter().filter_map(|item| match item {
+        MachineItem::Const(decl) => Some(Decl::Constant(decl)),
+        MachineItem::Type(decl) => Some(Decl::Type(decl)),
+        _ => None,
+    });
+    scope::settle(&mut e, decls.collect());
     let mut parts = Parts {
         machine,
         properties: Vec::new(),
@@ -69,7 +68,7 @@ pub(super) fn machine(
         components: Vec::new(),
     };
     let result = build(&mut e, &mut parts, scope, sources);
-    let broken = has_errors(&e.findings);
+    let broken = e.refused();
     findings.append(&mut e.findings);
     if broken { None } else { result }
 }
@@ -85,7 +84,7 @@ fn build<'a>(
     declare_properties(e, parts);
     instantiate_components(e, parts, scope, sources);
     let operations = operations(e, parts);
-    declare_plant(e, parts, &operations);
+    declare_plant(e, parts);
     let mut model = Machine {
         name: machine.header.name.text.clone(),
         doc: machine.header.doc.clone(),
@@ -112,7 +111,7 @@ fn build<'a>(
         span: machine.header.name.span,
     };
     settings::numbers(e, machine, &mut model);
-    if has_errors(&e.findings) {
+    if e.refused() {
         return None;
     }
     let properties = parts.properties.len();
@@ -134,6 +133,7 @@ fn build<'a>(
         let component = component(e, &mut wires, parts, index, &firsts);
         components.extend(component);
     }
+    e.tainted |= wires.tainted;
     e.findings.append(&mut wires.findings);
 
     model.components = components;
@@ -141,6 +141,7 @@ fn build<'a>(
     model.properties = parts.properties.iter().map(|(p, _)| p.clone()).collect();
     model.operations = operations;
     settings(e, parts, &mut model, &mut wires, properties);
+    e.tainted |= wires.tainted;
     e.findings.append(&mut wires.findings);
     if model.operations.is_empty() != model.done.is_none() {
         e.error_with(
@@ -159,9 +160,16 @@ fn build<'a>(
 
 /// Statements that may stand once, and names that may be declared once.
 fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
+    let parameters = machine.header.parameters.iter().map(|p| &p.name);
     let mut names: BTreeMap<&str, Span> = BTreeMap::new();
+    for name in parameters {
+        if let Some(first) = names.insert(&name.text, name.span) {
+            e.findings.push(double(name, first));
+        }
+    }
+    // Operations have names of their own: one that is a single action is called like it.
     let mut operations: BTreeMap<&str, Span> = BTreeMap::new();
-    let mut done: Option<Span> = None;
+    let mut once: BTreeMap<&str, Span> = BTreeMap::new();
     for item in &machine.items {
         let name = match item {
             MachineItem::Property(t)
@@ -169,24 +177,39 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
             | MachineItem::Signal(t)
             | MachineItem::Abstract(t) => &t.name,
             MachineItem::Component(c) => &c.name,
+            MachineItem::Const(c) => &c.name,
+            MachineItem::Type(t) => &t.name,
             MachineItem::Operation { name, .. } => {
                 if let Some(first) = operations.insert(&name.text, name.span) {
                     e.findings.push(double(name, first));
                 }
                 continue;
             }
-            MachineItem::Done(expr) => {
-                if let Some(first) = done {
+            MachineItem::Done(x)
+            | MachineItem::Step(x)
+            | MachineItem::IdlePower(x)
+            | MachineItem::Power(x)
+            | MachineItem::Limit(x)
+            | MachineItem::Failures(x, _) => {
+                let (word, help) = match item {
+                    MachineItem::Done(_) => ("done", "join the two with `or`"),
+                    MachineItem::Step(_) => ("step", "leave one of the two out"),
+                    MachineItem::IdlePower(_) => ("idle power", "leave one of the two out"),
+                    MachineItem::Power(_) => ("power", "add the two numbers up"),
+                    MachineItem::Limit(_) => ("limit", "leave one of the two out"),
+                    _ => ("failures", "leave one of the two out"),
+                };
+                if let Some(first) = once.insert(word, x.span) {
+                    let message = format!("`{word}` stands twice");
                     e.findings.push(
-                        Diagnostic::error(codes::NAME_DOUBLE, expr.span, "`done` stands twice")
+                        Diagnostic::error(codes::NAME_DOUBLE, x.span, message)
                             .with_label(first, "first here")
-                            .with_help("join the two with `or`"),
+                            .with_help(help),
                     );
                 }
-                done = Some(expr.span);
                 continue;
             }
-            _ => continue,
+            MachineItem::Write { .. } => continue,
         };
         if let Some(first) = names.insert(&name.text, name.span) {
             e.findings.push(double(name, first));
@@ -202,9 +225,11 @@ fn declare_properties<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
             _ => continue,
         };
         let Some(ty) = property_type(e, &typed.domain) else {
+            e.broken.insert(typed.name.text.clone());
             continue;
         };
         let Some(values) = property_values(e, &ty, typed.values.first()) else {
+            e.broken.insert(typed.name.text.clone());
             continue;
         };
         let first = parts.properties.len();
@@ -291,16 +316,15 @@ fn instantiate_components<'a>(
             &mut found,
         );
         let calls = found.into_iter().filter(|d| {
-            d.span.is_some_and(|s| {
-                s.file == c.contract.span.file
-                    && s.start >= c.name.span.start
-                    && parts.machine.header.name.span.start < s.start
-            }) && d.code == codes::ARGUMENT
+            let argument = |s: Span| c.arguments.iter().any(|a| a.value.span == s);
+            d.code == codes::ARGUMENT && d.span.is_some_and(|s| s == c.contract.span || argument(s))
         });
         let before = e.findings.len();
         e.findings.extend(calls);
         match instance {
             Some(instance) => parts.components.push((c, instance.specification)),
+            // Then the contract is wrong by itself.
+            None if c.arguments.is_empty() => e.tainted = true,
             None if e.findings.len() == before => e.error_with(
                 codes::NAME_UNKNOWN,
                 c.contract.span,

@@ -1,14 +1,14 @@
 //! What the plant gives: the operation, signals, and abstractions of properties.
 
 use super::Parts;
-use super::properties::{PropertyType, assigned};
+use super::properties::{PropertyType, assigned, assigned_array};
 use crate::contract::elaborate::Elaborator;
 use crate::contract::instantiate::taxonomy_codes;
 use crate::contract::machine::{Operation, PlantInput, PlantSource};
-use crate::contract::value::{Term, Type, Value};
+use crate::contract::value::{Term, Type};
 use crate::diagnostics::{Diagnostic, codes};
-use crate::gr1::{Domain, Time};
-use crate::syntax::ast::{ExprKind, MachineItem};
+use crate::gr1::Domain;
+use crate::syntax::ast::{ExprKind, Machine, MachineItem};
 
 /// The jobs, and the plant wire that selects one: wire 0.
 pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> Vec<Operation> {
@@ -84,6 +84,7 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
                 .position(|(c, _)| c.name.text == action.text && !c.coordinator)
             {
                 Some(i) => indices.push(i),
+                None if is_action(parts.machine, &action.text) => e.tainted = true,
                 None => e.error_with(
                     codes::NAME_UNKNOWN,
                     action.span,
@@ -99,6 +100,7 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
                 .position(|(c, _)| c.name.text == name.text && !c.coordinator)
             {
                 Some(i) => indices.push(i),
+                None if is_action(parts.machine, &name.text) => e.tainted = true,
                 None => e.error_with(
                     codes::OPERATION,
                     name.span,
@@ -118,12 +120,7 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
     result
 }
 
-pub(super) fn declare_plant<'a>(
-    e: &mut Elaborator<'a>,
-    parts: &mut Parts<'a>,
-    operations: &[Operation],
-) {
-    let _ = operations;
+pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
     let properties = parts.properties.len();
     for item in &parts.machine.items {
         let (typed, signal) = match item {
@@ -132,6 +129,7 @@ pub(super) fn declare_plant<'a>(
             _ => continue,
         };
         let Some((domain, length)) = e.domain(&typed.domain) else {
+            e.broken.insert(typed.name.text.clone());
             continue;
         };
         let n = length.unwrap_or(1);
@@ -142,16 +140,14 @@ pub(super) fn declare_plant<'a>(
             for value in &typed.values {
                 match e.scalar(value, &ty) {
                     Some(Term::Int(i)) if domain.contains(i) => script.push(i),
-                    Some(Term::Int(i)) => e.error(
+                    Some(Term::Int(i)) => e.error_with(
                         codes::ARGUMENT,
                         value.span,
-                        format!("{} is outside {}", domain.show(i), domain.describe()),
-                    ),
-                    Some(_) => e.error(
+                        format!("{} is outside {}", domain.show(i), domain.describe()), "use a value of that range, or make the range larger"),
+                    Some(_) => e.error_with(
                         codes::NOT_CONSTANT,
                         value.span,
-                        "a signal's script is made of constants",
-                    ),
+                        "a signal's script is made of constants", "use numbers, constants and parameters; what depends on the part is an `abstract`"),
                     None => {}
                 }
             }
@@ -165,45 +161,16 @@ pub(super) fn declare_plant<'a>(
                 domain: Some(domain.clone()),
                 length: None,
             };
-            match (&value.kind, length) {
-                (_, None) => {
-                    if let Some(term) = assigned(e, &element, value) {
-                        sources.push(PlantSource::Property(term.to_real(properties)));
-                    }
-                }
-                (ExprKind::List(members), Some(_)) => {
-                    for m in members {
-                        if let Some(term) = assigned(e, &element, m) {
-                            sources.push(PlantSource::Property(term.to_real(properties)));
-                        }
-                    }
-                    if members.len() != n {
-                        e.error(
-                            codes::TYPE_MISMATCH,
-                            value.span,
-                            format!("{} values for {n} elements", members.len()),
-                        );
-                        continue;
-                    }
-                }
-                (_, Some(_)) => match e.value(value, None, Time::Now) {
-                    Some(Value::Array(values)) if values.len() == n => {
-                        for v in values {
-                            if let Value::Scalar(term, _) = v {
-                                sources.push(PlantSource::Property(term.to_real(properties)));
-                            }
-                        }
-                    }
-                    Some(other) => e.error(
-                        codes::TYPE_MISMATCH,
-                        value.span,
-                        format!("expected an array of {n}, found {}", other.ty().describe()),
-                    ),
-                    None => {}
-                },
+            let terms = match length {
+                None => assigned(e, &element, value).map(|t| vec![t]),
+                Some(n) => assigned_array(e, &element, n, value),
+            };
+            for term in terms.unwrap_or_default() {
+                sources.push(PlantSource::Property(term.to_real(properties)));
             }
         }
         if sources.len() != n {
+            e.broken.insert(typed.name.text.clone());
             continue;
         }
         let names = match length {
@@ -224,4 +191,12 @@ pub(super) fn declare_plant<'a>(
         }
         parts.plant_entries.insert(typed.name.text.clone(), entries);
     }
+}
+
+/// Whether the machine declares an action of this name, also one that could not be used.
+fn is_action(machine: &Machine, name: &str) -> bool {
+    machine
+        .items
+        .iter()
+        .any(|i| matches!(i, MachineItem::Component(c) if !c.coordinator && c.name.text == name))
 }

@@ -36,19 +36,21 @@ pub(in crate::contract) fn property_type<'a>(
         ast::DomainKind::Array(length, of) => {
             let n = e.constant_int(length)?;
             if !(1..=MAX_EXPANSION).contains(&n) {
-                e.error(
+                e.error_with(
                     codes::DOMAIN_EMPTY,
                     length.span,
-                    format!("an array has at least one element, not {n}"),
+                    format!("an array has 1 to {MAX_EXPANSION} elements, not {n}"),
+                    "give the array a length in that range",
                 );
                 return None;
             }
             let inner = property_type(e, of)?;
             if inner.length.is_some() {
-                e.error(
+                e.error_with(
                     codes::TYPE_MISMATCH,
                     of.span,
                     "arrays of arrays are not known",
+                    "use one array with `rows * columns` elements",
                 );
                 return None;
             }
@@ -86,10 +88,18 @@ pub(in crate::contract) fn property_values<'a>(
     let values = match e.value(value, expected.as_ref(), Time::Now)? {
         Value::Array(values) if values.len() == n && ty.length.is_some() => values,
         Value::Array(values) => {
-            e.error(
+            e.error_with(
                 codes::TYPE_MISMATCH,
                 value.span,
-                format!("{} values for {n} elements", values.len()),
+                if ty.length.is_some() {
+                    format!("{} values for {n} elements", values.len())
+                } else {
+                    format!(
+                        "{} values, but this is one value and no array",
+                        values.len()
+                    )
+                },
+                "write one value for each element, or a single value for all of them",
             );
             return None;
         }
@@ -102,10 +112,11 @@ pub(in crate::contract) fn property_values<'a>(
             return None;
         };
         let Some(number) = constant_real(&term) else {
-            e.error(
+            e.error_with(
                 codes::NOT_CONSTANT,
                 value.span,
-                "this has to be known beforehand",
+                "this has to be known before the line runs",
+                "use numbers, constants and parameters only",
             );
             return None;
         };
@@ -115,7 +126,11 @@ pub(in crate::contract) fn property_values<'a>(
                     || Type::of(d) == found
             }
             (None, Type::Int) => true,
-            (None, Type::Number(d)) => *d == dimension || *d == Dimension::None,
+            (None, Type::Number(d)) => {
+                *d == dimension
+                    || *d == Dimension::None
+                    || *d == Dimension::Share && dimension == Dimension::None
+            }
             _ => false,
         };
         if !fits {
@@ -123,20 +138,17 @@ pub(in crate::contract) fn property_values<'a>(
                 .domain
                 .as_ref()
                 .map_or_else(|| dimension.word().to_owned(), |d| Type::of(d).describe());
-            e.error(
-                codes::TYPE_MISMATCH,
-                value.span,
-                format!("expected {wanted}, found {}", found.describe()),
-            );
+            e.mismatch(value.span, &wanted, &found);
             return None;
         }
         if let Some(d) = &ty.domain
             && !d.contains(number as i64)
         {
-            e.error(
+            e.error_with(
                 codes::PROPERTY,
                 value.span,
                 format!("{number} is outside {}", d.describe()),
+                "use a value of that range, or make the range larger where the property is declared",
             );
             return None;
         }
@@ -169,6 +181,8 @@ pub(in crate::contract) fn see_property(
         None => Entry::One(ids[0]),
         Some(_) => Entry::Many(ids.clone()),
     };
+    // A property hides a constant of the same name from outside.
+    e.constants.remove(name);
     e.variables.insert(name.to_owned(), entry);
     ids
 }
@@ -190,13 +204,63 @@ pub(in crate::contract) fn assigned<'a>(
 ) -> Option<Term> {
     let expected = ty.domain.as_ref().map(Type::of);
     let (term, found) = e.any_scalar(value, expected.as_ref(), Time::Now)?;
+    converted(e, ty, term, &found, value)
+}
+
+/// Several values assigned to the elements of an array: `value` is an array of as many. What is wrong is reported.
+pub(in crate::contract) fn assigned_array<'a>(
+    e: &mut Elaborator<'a>,
+    ty: &PropertyType,
+    n: usize,
+    value: &'a ast::Expr,
+) -> Option<Vec<Term>> {
+    let expected = ty
+        .domain
+        .as_ref()
+        .map(|d| Type::Array(Box::new(Type::of(d)), n));
+    match e.value(value, expected.as_ref(), Time::Now)? {
+        Value::Array(values) if values.len() == n => values
+            .into_iter()
+            .map(|v| match v {
+                Value::Scalar(term, found) => converted(e, ty, term, &found, value),
+                inner @ Value::Array(_) => {
+                    e.mismatch(value.span, "one value for each element", &inner.ty());
+                    None
+                }
+            })
+            .collect(),
+        other => {
+            e.error_with(
+                codes::TYPE_MISMATCH,
+                value.span,
+                format!("expected an array of {n}, found {}", other.ty().describe()),
+                format!("write a list of {n} values"),
+            );
+            None
+        }
+    }
+}
+
+/// A term in the unit of a property.
+fn converted(
+    e: &mut Elaborator<'_>,
+    ty: &PropertyType,
+    term: Term,
+    found: &Type,
+    value: &ast::Expr,
+) -> Option<Term> {
+    let expected = ty.domain.as_ref().map(Type::of);
     let (dimension, factor) = unit(&ty.unit);
-    match (&expected, &found) {
-        (Some(want), _) if want == &found => Some(term),
+    match (&expected, found) {
+        (Some(want), _) if want == found => Some(term),
         (Some(Type::Int), Type::Number(Dimension::None)) | (None, Type::Int | Type::Bool) => {
             Some(term)
         }
-        (None, Type::Number(d)) if *d == Dimension::None => Some(term),
+        (None, Type::Number(d))
+            if *d == Dimension::None || *d == Dimension::Share && dimension == Dimension::None =>
+        {
+            Some(term)
+        }
         (None, Type::Number(d)) if *d == dimension =>
         {
             #[expect(clippy::float_cmp, reason = "base units have exactly the factor 1")]
@@ -212,11 +276,7 @@ pub(in crate::contract) fn assigned<'a>(
         }
         _ => {
             let want = expected.map_or_else(|| dimension.word().to_owned(), |t| t.describe());
-            e.error(
-                codes::TYPE_MISMATCH,
-                value.span,
-                format!("expected {want}, found {}", found.describe()),
-            );
+            e.mismatch(value.span, &want, found);
             None
         }
     }

@@ -1,10 +1,10 @@
 //! Everything of a machine that is a number or a plant expression.
 
 use super::Parts;
-use super::properties::{PropertyType, assigned};
+use super::properties::{PropertyType, assigned, assigned_array};
 use crate::contract::elaborate::{Elaborator, Entry, nearest};
 use crate::contract::machine::{Failures, Machine};
-use crate::contract::value::{Dimension, Value};
+use crate::contract::value::Dimension;
 use crate::diagnostics::codes;
 use crate::gr1::{Time, VarId};
 use crate::syntax::ast::{self, MachineItem};
@@ -23,6 +23,7 @@ pub(super) fn settings<'a>(
     both.constants.clone_from(&e.constants);
     both.types.clone_from(&e.types);
     both.named_domains.clone_from(&e.named_domains);
+    both.broken.clone_from(&e.broken);
     both.domains.clone_from(&e.domains);
     both.units.clone_from(&e.units);
     both.variables.clone_from(&e.variables);
@@ -33,12 +34,15 @@ pub(super) fn settings<'a>(
             Entry::One(id) => Entry::One(shift(id)),
             Entry::Many(ids) => Entry::Many(ids.iter().map(shift).collect()),
         };
+        both.constants.remove(name);
         both.variables.entry(name.clone()).or_insert(entry);
     }
     for item in &parts.machine.items {
         match item {
             MachineItem::Done(x) => {
-                model.done = wires.boolean(x, Time::Now).and_then(|t| t.to_expr());
+                model.done = wires
+                    .boolean(x, Time::Now)
+                    .and_then(|t| wires.formula(&t, x.span));
             }
             MachineItem::Write { name, index, value } => {
                 let Some((first, ty)) = parts.property_types.get(&name.text) else {
@@ -70,10 +74,11 @@ pub(super) fn settings<'a>(
                             continue;
                         };
                         if !(0..n as i64).contains(&i) {
-                            e.error(
+                            e.error_with(
                                 codes::INDEX_RANGE,
                                 index.span,
-                                format!("indices of `{}` are 0..{}", name.text, n - 1),
+                                format!("`{}` has no element {i}", name.text),
+                                format!("its elements are 0..{}", n - 1),
                             );
                             continue;
                         }
@@ -83,31 +88,24 @@ pub(super) fn settings<'a>(
                                 .push((first + i as usize, term.to_real(properties)));
                         }
                     }
-                    (Some(n), None) => match both.value(value, None, Time::Now) {
-                        Some(Value::Array(values)) if values.len() == n => {
-                            for (i, v) in values.into_iter().enumerate() {
-                                if let Value::Scalar(term, _) = v {
-                                    model.writes.push((first + i, term.to_real(properties)));
-                                }
-                            }
+                    (Some(n), None) => {
+                        let terms = assigned_array(&mut both, &element, n, value);
+                        for (i, term) in terms.unwrap_or_default().into_iter().enumerate() {
+                            model.writes.push((first + i, term.to_real(properties)));
                         }
-                        Some(other) => both.error(
-                            codes::TYPE_MISMATCH,
-                            value.span,
-                            format!("expected an array of {n}, found {}", other.ty().describe()),
-                        ),
-                        None => {}
-                    },
-                    (None, Some(index)) => e.error(
+                    }
+                    (None, Some(index)) => e.error_with(
                         codes::TYPE_MISMATCH,
                         index.span,
                         format!("`{}` is not an array", name.text),
+                        format!("write `write {} = ...`", name.text),
                     ),
                 }
             }
             _ => {}
         }
     }
+    e.tainted |= both.tainted;
     e.findings.append(&mut both.findings);
 }
 
@@ -132,7 +130,12 @@ pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, mod
             }
             MachineItem::Limit(x) => match e.constant_int(x) {
                 Some(n) if n > 0 => model.step_limit = n as u64,
-                Some(_) => e.error(codes::ARGUMENT, x.span, "the step limit is at least 1"),
+                Some(_) => e.error_with(
+                    codes::ARGUMENT,
+                    x.span,
+                    "the step limit is at least 1",
+                    "write the number of steps after which an operation has failed: `limit 500 steps`",
+                ),
                 None => {}
             },
             MachineItem::Failures(mtbf, mttr) => model.failures = failures(e, mtbf, mttr),
@@ -149,7 +152,16 @@ pub(in crate::contract) fn positive<'a>(
 ) -> Option<f64> {
     let value = e.constant_quantity(x, dimension)?;
     if value < 0.0 || !value.is_finite() {
-        e.error(codes::ARGUMENT, x.span, "this must not be negative");
+        e.error_with(
+            codes::ARGUMENT,
+            x.span,
+            if value < 0.0 {
+                "this must not be negative"
+            } else {
+                "this has no finite value"
+            },
+            "write a number from 0 upwards, with its unit",
+        );
         return None;
     }
     Some(value)
@@ -167,10 +179,11 @@ pub(in crate::contract) fn failures<'a>(
     );
     let (a, b) = (a?, b?);
     if a == 0.0 {
-        e.error(
+        e.error_with(
             codes::ARGUMENT,
             mtbf.span,
-            "the mean time between failures is longer than 0",
+            "the mean time between failures must be longer than 0",
+            "leave `failures` out where nothing fails",
         );
         return None;
     }

@@ -1,7 +1,7 @@
 //! Contracts: variables, defines, formulas.
 
 use super::super::ast::{Contract, ContractItem, Ownership};
-use super::super::parser::Rule;
+use super::super::parser::{Rule, begins_with_operator};
 use super::{Builder, Children};
 use pest::iterators::Pair;
 
@@ -26,7 +26,15 @@ impl Builder {
                 Rule::formula => items.push(self.formula(item)),
                 Rule::type_decl => items.push(ContractItem::Type(self.type_decl(item))),
                 Rule::const_decl => items.push(ContractItem::Const(self.const_decl(item))),
-                _ => self.bad(&item),
+                _ => {
+                    // `always a or` and nothing more: what came before the `or` is not what was meant.
+                    if begins_with_operator(item.as_str())
+                        && matches!(items.last(), Some(ContractItem::Formula { .. }))
+                    {
+                        items.pop();
+                    }
+                    self.bad(&item);
+                }
             }
         }
         Contract {

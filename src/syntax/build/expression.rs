@@ -9,6 +9,14 @@ use pest::iterators::Pair;
 
 impl Builder {
     pub(super) fn domain(&mut self, pair: Pair<'_, Rule>) -> Domain {
+        // The expressions in a type are trees of their own, also where the type stands within an expression.
+        let level = std::mem::take(&mut self.level);
+        let domain = self.domain_part(pair);
+        self.level = level;
+        domain
+    }
+
+    fn domain_part(&mut self, pair: Pair<'_, Rule>) -> Domain {
         let span = self.span(&pair);
         if pair.as_rule() == Rule::range {
             return self.range_domain(pair);
@@ -41,7 +49,28 @@ impl Builder {
         }
     }
 
+    /// An expression. One whose tree is too deep is a finding, and `false` stands in for it: every later stage walks these trees
+    /// by recursion, and has the stack for [`MAX_TREE`] levels only.
     pub(super) fn expr(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let span = self.span(&pair);
+        self.level += 1;
+        let expr = self.part(pair);
+        self.level -= 1;
+        if self.level == 0 && deeper_than(&expr, MAX_TREE) {
+            self.findings.push(
+                Diagnostic::error(
+                    codes::SYNTAX,
+                    span,
+                    format!("this formula is more than {MAX_TREE} operators deep"),
+                )
+                .with_help("give parts of it names with `define`"),
+            );
+            return make(ExprKind::Bool(false), span);
+        }
+        expr
+    }
+
+    fn part(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let span = self.span(&pair);
         let rule = pair.as_rule();
         match rule {
@@ -100,8 +129,8 @@ impl Builder {
         Box::new(self.expr(c.next()))
     }
 
-    /// `a op b op c`: one of the levels that group to the left. `and` and `or` are halved instead, which keeps long
-    /// conjunctions shallow.
+    /// `a op b op c`: one of the levels that group to the left. A chain of one operator that may be grouped in any way is halved
+    /// instead, which keeps long conjunctions and sums shallow.
     pub(super) fn chain(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let mut c = Children::of(pair);
         let mut operands = vec![self.expr(c.next())];
@@ -110,14 +139,21 @@ impl Builder {
             ops.push(binary_op(op.as_str()));
             operands.push(self.expr(c.next()));
         }
-        if ops
-            .iter()
-            .all(|o| matches!(o, BinaryOp::And | BinaryOp::Or))
-            && !ops.is_empty()
+        if let Some(op) = ops.first()
+            && matches!(
+                op,
+                BinaryOp::And
+                    | BinaryOp::Or
+                    | BinaryOp::Xor
+                    | BinaryOp::Iff
+                    | BinaryOp::Add
+                    | BinaryOp::Mul
+            )
+            && ops.iter().all(|o| o == op)
         {
-            return balanced(ops[0], operands);
+            return balanced(*op, operands);
         }
-        self.limit(&operands);
+        self.limit(&mut operands);
         let mut operands = operands.into_iter();
         let first = operands
             .next()
@@ -134,7 +170,7 @@ impl Builder {
                 operands.push(self.expr(p));
             }
         }
-        self.limit(&operands);
+        self.limit(&mut operands);
         operands
             .into_iter()
             .rev()
@@ -143,17 +179,29 @@ impl Builder {
     }
 
     /// Chains that cannot be halved make deep trees; refuse what would be deeper than any real formula.
-    pub(super) fn limit(&mut self, operands: &[Expr]) {
-        if let Some(last) = operands.get(500) {
+    fn limit(&mut self, operands: &mut Vec<Expr>) {
+        if let Some(last) = operands.get(MAX_CHAIN) {
             self.findings.push(
                 Diagnostic::error(
                     codes::SYNTAX,
                     last.span,
-                    "this chain of operators has more than 500 operands",
+                    format!("this chain of operators has more than {MAX_CHAIN} operands"),
                 )
                 .with_help("give parts of it names with `define`, or use `sum`"),
             );
+            operands.truncate(1);
         }
+    }
+
+    fn many_prefixes(&mut self, span: Span) {
+        self.findings.push(
+            Diagnostic::error(
+                codes::SYNTAX,
+                span,
+                format!("more than {MAX_PREFIXES} of these in a row"),
+            )
+            .with_help("leave out those that cancel each other"),
+        );
     }
 
     pub(super) fn negation(&mut self, pair: Pair<'_, Rule>) -> Expr {
@@ -164,12 +212,8 @@ impl Builder {
             let inner = Children::of(prefix).next();
             prefixes.push((inner.as_rule(), inner.as_str().trim() == "GF", span));
         }
-        if let Some((_, _, span)) = prefixes.get(100) {
-            self.findings.push(Diagnostic::error(
-                codes::SYNTAX,
-                *span,
-                "more than 100 prefixes in a row",
-            ));
+        if let Some((_, _, span)) = prefixes.get(MAX_PREFIXES) {
+            self.many_prefixes(*span);
             prefixes.truncate(1);
         }
         let body = self.expr(c.next());
@@ -211,6 +255,18 @@ impl Builder {
         let mut links: Vec<Expr> = Vec::new();
         let mut left = first;
         while let Some(op) = c.take(Rule::compare_op) {
+            // What stands in the middle is compared twice, so it is copied; nested copies would grow without bound.
+            if !links.is_empty() && !smaller_than(&left, MAX_MIDDLE) {
+                self.findings.push(
+                    Diagnostic::error(
+                        codes::SYNTAX,
+                        left.span,
+                        "this is too large for the middle of a chain of comparisons",
+                    )
+                    .with_help("give it a name with `define`, or write two comparisons with `and`"),
+                );
+                return left;
+            }
             let right = self.expr(c.next());
             links.push(binary(binary_op(op.as_str()), left, right.clone()));
             left = right;
@@ -229,12 +285,8 @@ impl Builder {
             let span = self.span(&sign);
             signs.push((Children::of(sign).next().as_rule(), span));
         }
-        if let Some((_, span)) = signs.get(100) {
-            self.findings.push(Diagnostic::error(
-                codes::SYNTAX,
-                *span,
-                "more than 100 prefixes in a row",
-            ));
+        if let Some((_, span)) = signs.get(MAX_PREFIXES) {
+            self.many_prefixes(*span);
             signs.truncate(1);
         }
         let body = self.expr(c.next());
@@ -257,12 +309,8 @@ impl Builder {
         let mut expr = self.expr(c.next());
         for (count, p) in c.rest().enumerate() {
             let span = expr.span.to(self.span(&p));
-            if count == 100 {
-                self.findings.push(Diagnostic::error(
-                    codes::SYNTAX,
-                    span,
-                    "more than 100 indices and primes in a row",
-                ));
+            if count == MAX_PREFIXES {
+                self.many_prefixes(span);
                 break;
             }
             expr = if p.as_rule() == Rule::prime {
@@ -311,17 +359,49 @@ impl Builder {
                 let value: f64 = number.as_str().trim().parse().unwrap_or(f64::INFINITY);
                 if !value.is_finite() {
                     let span = self.span(&number);
-                    self.findings.push(Diagnostic::error(
-                        codes::NUMBER_RANGE,
-                        span,
-                        "this number is too large",
-                    ));
+                    self.findings.push(
+                        Diagnostic::error(codes::NUMBER_RANGE, span, "this number is too large")
+                            .with_help("the largest number is about 1.8e308"),
+                    );
                     return ExprKind::Quantity(0.0, String::new());
                 }
                 ExprKind::Quantity(value, unit.unwrap_or_default())
             }
         }
     }
+}
+
+/// Left-grouping chains have at most so many operands.
+const MAX_CHAIN: usize = 200;
+/// So many `not`, signs, indices or primes may follow each other.
+const MAX_PREFIXES: usize = 100;
+/// An expression's tree is at most so deep.
+const MAX_TREE: usize = 256;
+/// The middle of `a < b < c` has at most so many operators and operands.
+const MAX_MIDDLE: usize = 64;
+
+fn deeper_than(e: &Expr, levels: usize) -> bool {
+    let mut open = vec![(e, 0)];
+    while let Some((e, depth)) = open.pop() {
+        if depth > levels {
+            return true;
+        }
+        open.extend(e.children().into_iter().map(|c| (c, depth + 1)));
+    }
+    false
+}
+
+fn smaller_than(e: &Expr, nodes: usize) -> bool {
+    let mut open = vec![e];
+    let mut count = 0;
+    while let Some(e) = open.pop() {
+        count += 1;
+        if count >= nodes {
+            return false;
+        }
+        open.extend(e.children());
+    }
+    true
 }
 
 fn make(kind: ExprKind, span: Span) -> Expr {

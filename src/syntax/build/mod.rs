@@ -18,6 +18,10 @@ pub(super) struct Builder {
     pub tree: File,
     pub findings: Vec<Diagnostic>,
     file: FileId,
+    /// The length of the file; a mended copy is longer.
+    length: usize,
+    /// How many expressions the one being built stands within.
+    level: usize,
 }
 
 /// The children of a pair without punctuation.
@@ -32,7 +36,11 @@ impl<'a> Children<'a> {
             .filter(|p| {
                 !matches!(
                     p.as_rule(),
-                    Rule::close_paren
+                    Rule::open_brace
+                        | Rule::open_bracket
+                        | Rule::arrow
+                        | Rule::dots
+                        | Rule::close_paren
                         | Rule::close_bracket
                         | Rule::close_brace
                         | Rule::colon
@@ -61,11 +69,13 @@ impl<'a> Children<'a> {
 }
 
 impl Builder {
-    pub fn new(file: FileId) -> Self {
+    pub fn new(file: FileId, length: usize) -> Self {
         Self {
             tree: File::default(),
             findings: Vec::new(),
             file,
+            length,
+            level: 0,
         }
     }
 
@@ -102,10 +112,23 @@ impl Builder {
         }
     }
 
+    /// A pair's place without the blanks and comments behind it, which pest counts in.
     fn span(&self, pair: &Pair<'_, Rule>) -> Span {
         let span = pair.as_span();
         let trimmed = span.as_str().trim_end();
-        Span::new(self.file, span.start(), span.start() + trimmed.len())
+        let mut end = span.start() + trimmed.len();
+        if trimmed.contains("//") || trimmed.contains("*/") {
+            let mut last = pair.clone();
+            while let Some(child) = last.clone().into_inner().next_back() {
+                last = child;
+            }
+            end = last.as_span().start() + last.as_str().trim_end().len();
+        }
+        Span::new(
+            self.file,
+            span.start().min(self.length),
+            end.min(self.length),
+        )
     }
 
     fn bad(&mut self, pair: &Pair<'_, Rule>) {
@@ -241,6 +264,7 @@ fn is_keyword(rule: Rule) -> bool {
     matches!(
         rule,
         Rule::k_abstract
+            | Rule::k_array
             | Rule::k_becomes
             | Rule::k_buffer
             | Rule::k_capacity
