@@ -53,12 +53,12 @@ fn examine(walk: &Walk<'_>, operation: &Operation) -> Option<Diagnostic> {
         }
         let (node, position, active) = place;
         let ended = specialized(walk, node, done, operation);
-        if !certain(walk, &ended.clone().not()) {
+        if !certain(walk, node, &ended.clone().not()) {
             // It ends here, or may do so.
             if position != operation.sequence.len() {
                 return Some(wrong(walk, operation, position, None));
             }
-            if certain(walk, &ended) {
+            if certain(walk, node, &ended) {
                 continue;
             }
         }
@@ -107,10 +107,10 @@ fn specialized(walk: &Walk<'_>, node: Node, expr: &Expr, operation: &Operation) 
 }
 
 /// Whether a condition on a step follows from the actions' guarantees.
-fn certain(walk: &Walk<'_>, condition: &Expr) -> bool {
+fn certain(walk: &Walk<'_>, node: Node, condition: &Expr) -> bool {
     let question = Question {
-        hypotheses: Vec::new(),
-        goal: condition.simplify(),
+        at: (Some(node), None),
+        ..Question::plain(condition)
     };
     walk.ask(0, &question) == Answer::Holds
 }
@@ -128,7 +128,7 @@ fn advance(
         .filter(|(_, c)| {
             c.active
                 .as_ref()
-                .is_some_and(|a| certain(walk, &specialized(walk, node, a, operation)))
+                .is_some_and(|a| certain(walk, node, &specialized(walk, node, a, operation)))
         })
         .map(|(i, _)| i)
         .next();

@@ -4,6 +4,7 @@
 //! other hypotheses, are left out first; leaving one out can only turn a "yes" into a "no".
 
 use super::support;
+use super::walk::Node;
 use crate::contract::machine::Machine;
 use crate::gr1::{Domain, Expr, Time, VarId, eval};
 
@@ -17,6 +18,8 @@ pub struct Question {
     pub hypotheses: Vec<Expr>,
     /// What is asked.
     pub goal: Expr,
+    /// Where the coordinator is in this step, and in the next one, as far as that is known.
+    pub at: (Option<Node>, Option<Node>),
 }
 
 /// What came out.
@@ -73,6 +76,15 @@ pub fn domain(machine: &Machine, wire: VarId) -> Domain {
 }
 
 impl Question {
+    /// A goal without hypotheses, of no particular step.
+    pub fn plain(goal: &Expr) -> Self {
+        Self {
+            hypotheses: Vec::new(),
+            goal: goal.simplify(),
+            at: (None, None),
+        }
+    }
+
     /// Whether the goal is true without trying anything.
     pub fn goal_is_true(&self) -> bool {
         self.goal == Expr::TRUE

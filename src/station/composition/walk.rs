@@ -106,23 +106,9 @@ impl<'a> Walk<'a> {
         for condition in conditions {
             hypotheses.push(self.fix(condition, step.from, None));
         }
-        let question = Question {
-            hypotheses,
-            goal: Expr::FALSE,
-        };
-        if question.is_void() {
-            return false;
-        }
-        // "False follows" is "it cannot occur"; the conjunction is the goal's negation, so that all of it counts.
-        let all = question
-            .hypotheses
-            .into_iter()
-            .fold(Expr::TRUE, Expr::and)
-            .simplify();
-        let question = Question {
-            hypotheses: Vec::new(),
-            goal: all.not().simplify(),
-        };
+        // "It cannot occur" is "its negation holds"; one goal, so that every part of it counts.
+        let all = hypotheses.into_iter().fold(Expr::TRUE, Expr::and);
+        let question = Question::plain(&all.not());
         question.answer(self.machine) != Answer::Holds
     }
 
@@ -152,6 +138,10 @@ impl<'a> Walk<'a> {
     /// An expression with everything put in that is known: the coordinator's outputs now, and next where a target is given;
     /// signals that never change.
     fn fix(&self, expr: &Expr, now: Node, next: Option<Node>) -> Expr {
+        self.put(expr, (Some(now), next))
+    }
+
+    fn put(&self, expr: &Expr, (now, next): (Option<Node>, Option<Node>)) -> Expr {
         let first = self.machine.plant.len();
         let put = |node: Node, wire: usize| -> Option<Expr> {
             let outputs = self.outputs(node)?;
@@ -159,12 +149,11 @@ impl<'a> Walk<'a> {
             outputs.get(place).map(|v| Expr::Const(*v))
         };
         expr.substitute(&mut |wire, time| {
-            let known = match (time, next) {
-                (Time::Now, _) => put(now, wire.index()),
-                (Time::Next, Some(next)) => put(next, wire.index()),
-                (Time::Next, None) => None,
+            let node = match time {
+                Time::Now => now,
+                Time::Next => next,
             };
-            known
+            node.and_then(|node| put(node, wire.index()))
                 .or_else(|| self.constant_signal(wire))
                 .unwrap_or(Expr::Var(wire, time))
         })
@@ -189,6 +178,7 @@ impl<'a> Walk<'a> {
         Question {
             hypotheses: Vec::new(),
             goal: self.fix(goal, node, None),
+            at: (Some(node), None),
         }
     }
 
@@ -213,12 +203,17 @@ impl<'a> Walk<'a> {
             questions.push(Question {
                 hypotheses,
                 goal: held.simplify(),
+                at: (Some(step.from), Some(target)),
             });
         }
         if done != Expr::FALSE {
             let mut hypotheses = guard;
             hypotheses.push(done);
-            questions.push(Question { hypotheses, goal });
+            questions.push(Question {
+                hypotheses,
+                goal,
+                at: (Some(step.from), Some(target)),
+            });
         }
         questions
     }
@@ -248,15 +243,17 @@ impl<'a> Walk<'a> {
             for invariant in &self.invariants[i] {
                 if earlier.contains(&i) || support(&question.goal).iter().any(|w| w.1 == Time::Next)
                 {
-                    more.hypotheses.push(invariant.simplify());
+                    more.hypotheses.push(self.put(invariant, question.at));
                 }
                 if earlier.contains(&i) {
                     let next = invariant.substitute(&mut |w, _| Expr::Var(w, Time::Next));
-                    more.hypotheses.push(next);
+                    more.hypotheses.push(self.put(&next, question.at));
                 }
             }
             if earlier.contains(&i) {
-                more.hypotheses.extend(self.safeties[i].iter().cloned());
+                let safeties = self.safeties[i].iter();
+                more.hypotheses
+                    .extend(safeties.map(|s| self.put(s, question.at)));
             }
         }
         match more.answer(self.machine) {
@@ -281,10 +278,7 @@ impl<'a> Walk<'a> {
         let known = goal.substitute(&mut |wire, time| {
             self.constant_signal(wire).unwrap_or(Expr::Var(wire, time))
         });
-        let question = Question {
-            hypotheses: Vec::new(),
-            goal: known.simplify(),
-        };
+        let question = Question::plain(&known);
         question.answer(self.machine) == Answer::Holds
     }
 
@@ -300,6 +294,7 @@ impl<'a> Walk<'a> {
                 let question = Question {
                     hypotheses: vec![over_wires(self.machine, i, &guarantee.expr).simplify()],
                     goal: goal.clone(),
+                    at: (None, None),
                 };
                 if question.answer(self.machine) == Answer::Holds {
                     return Some(format!("{}: {}", component.name, guarantee.name));
@@ -327,10 +322,7 @@ impl<'a> Walk<'a> {
                         Expr::Var(w, t)
                     }
                 });
-                let question = Question {
-                    hypotheses: Vec::new(),
-                    goal: goal.simplify(),
-                };
+                let question = Question::plain(&goal);
                 question.answer(self.machine) == Answer::Holds
             });
             if !helped {
@@ -414,6 +406,7 @@ impl<'a> Walk<'a> {
                 let question = Question {
                     hypotheses: vec![self.fix(&owed, node, None)],
                     goal: goal.clone(),
+                    at: (Some(node), None),
                 };
                 if question.answer(self.machine) == Answer::Holds {
                     found.push(format!("{}: {}", component.name, guarantee.name));
@@ -462,10 +455,7 @@ impl<'a> Walk<'a> {
             .into_iter()
             .fold(Expr::TRUE, Expr::and)
             .simplify();
-        let question = Question {
-            hypotheses: Vec::new(),
-            goal: all.not().simplify(),
-        };
+        let question = Question::plain(&all.not());
         question.answer(self.machine) != Answer::Holds
     }
 }
