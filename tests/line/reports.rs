@@ -99,133 +99,133 @@ fn as_json() {
     assert!(document.get("wall_seconds").is_none());
     insta::assert_snapshot!(serde_json::to_string_pretty(&document).unwrap(), @r#"
     {
-      "bottleneck": "assembly_cell_1",
-      "conveyors": [
-        {
-          "carried": 7,
-          "energy_kwh": 0.001166667,
-          "machine": null,
-          "moving_seconds": 42.0,
-          "name": "belt"
-        }
-      ],
-      "end": "products",
-      "energy_kwh": 0.00275,
-      "events": 21,
-      "lead_time": {
-        "max": 66.0,
-        "mean": 60.666667,
-        "p50": 60.0,
-        "p95": 66.0
-      },
+      "schema": "linewright/run/1",
       "line": "test",
-      "machines": [
-        {
-          "busy_seconds": 160.0,
-          "energy_kwh": 0.001083333,
-          "name": "camera_machine"
-        },
-        {
-          "busy_seconds": 180.0,
-          "energy_kwh": 0.0005,
-          "name": "assembly_cell_1_machine"
-        },
-        {
-          "busy_seconds": 0.0,
-          "energy_kwh": 0.0,
-          "name": "milling_machine"
-        }
-      ],
+      "seed": 1,
+      "end": "products",
+      "simulated_seconds": 206.0,
       "makespan_seconds": 206.0,
-      "parts": {
-        "consumed": 21,
-        "entered": 31,
-        "finished": 6,
-        "in_progress": 2,
-        "rejected": 2
-      },
+      "events": 21,
       "product": "Product",
       "products": 6,
+      "stored": 6,
+      "parts": {
+        "entered": 31,
+        "finished": 6,
+        "rejected": 2,
+        "consumed": 21,
+        "in_progress": 2
+      },
       "rejects": [
         {
-          "count": 1,
           "part": "Printed",
-          "reordered": 1
-        },
-        {
           "count": 1,
+          "reordered": 1
+        },
+        {
           "part": "Product",
+          "count": 1,
           "reordered": 1
         }
       ],
-      "requirements": [
-        {
-          "holds": true,
-          "name": "pace",
-          "value": 104.854368932
-        },
-        {
-          "holds": true,
-          "name": "calm",
-          "value": 0.0
-        }
-      ],
-      "schema": "linewright/run/1",
-      "seed": 1,
-      "simulated_seconds": 206.0,
+      "throughput_per_hour": 104.854369,
+      "lead_time": {
+        "mean": 60.666667,
+        "p50": 60.0,
+        "p95": 66.0,
+        "max": 66.0
+      },
+      "energy_kwh": 0.00275,
+      "bottleneck": "assembly_cell_1",
       "stations": [
         {
-          "blocked": 0.0,
-          "busy": 0.776699,
-          "busy_seconds": 160.0,
-          "energy_kwh": 0.001083333,
-          "failed": 0.0,
-          "idle": 0.0,
-          "machine": "camera_machine",
           "name": "camera",
+          "machine": "camera_machine",
           "processed": 8,
-          "setup": 0.0,
-          "starved": 0.223301
-        },
-        {
+          "busy": 0.776699,
+          "starved": 0.223301,
           "blocked": 0.0,
-          "busy": 0.873786,
-          "busy_seconds": 180.0,
-          "energy_kwh": 0.0005,
           "failed": 0.0,
           "idle": 0.0,
-          "machine": "assembly_cell_1_machine",
-          "name": "assembly_cell_1",
-          "processed": 6,
           "setup": 0.0,
-          "starved": 0.126214
+          "busy_seconds": 160.0,
+          "energy_kwh": 0.001083333
         },
         {
+          "name": "assembly_cell_1",
+          "machine": "assembly_cell_1_machine",
+          "processed": 6,
+          "busy": 0.873786,
+          "starved": 0.126214,
           "blocked": 0.0,
+          "failed": 0.0,
+          "idle": 0.0,
+          "setup": 0.0,
+          "busy_seconds": 180.0,
+          "energy_kwh": 0.0005
+        },
+        {
+          "name": "milling",
+          "machine": "milling_machine",
+          "processed": 0,
           "busy": 0.0,
-          "busy_seconds": 0.0,
-          "energy_kwh": 0.0,
+          "starved": 0.0,
+          "blocked": 0.0,
           "failed": 0.0,
           "idle": 1.0,
-          "machine": "milling_machine",
-          "name": "milling",
-          "processed": 0,
           "setup": 0.0,
-          "starved": 0.0
+          "busy_seconds": 0.0,
+          "energy_kwh": 0.0
         }
       ],
-      "stored": 6,
-      "throughput_per_hour": 104.854369,
-      "violation_count": 1,
+      "conveyors": [
+        {
+          "name": "belt",
+          "machine": null,
+          "carried": 7,
+          "moving_seconds": 42.0,
+          "energy_kwh": 0.001166667
+        }
+      ],
+      "machines": [
+        {
+          "name": "camera_machine",
+          "busy_seconds": 160.0,
+          "energy_kwh": 0.001083333
+        },
+        {
+          "name": "assembly_cell_1_machine",
+          "busy_seconds": 180.0,
+          "energy_kwh": 0.0005
+        },
+        {
+          "name": "milling_machine",
+          "busy_seconds": 0.0,
+          "energy_kwh": 0.0
+        }
+      ],
       "violations": [
         {
+          "time": 146.0,
+          "station": "assembly_cell_1",
+          "rule": "turn: gripped",
           "code": -5,
           "message": "turn: the assumption gripped does not hold in step 3",
           "part": "Product",
-          "part_number": 23,
-          "rule": "turn: gripped",
-          "station": "assembly_cell_1",
-          "time": 146.0
+          "part_number": 23
+        }
+      ],
+      "violation_count": 1,
+      "requirements": [
+        {
+          "name": "pace",
+          "holds": true,
+          "value": 104.854368932
+        },
+        {
+          "name": "calm",
+          "holds": true,
+          "value": 0.0
         }
       ]
     }
