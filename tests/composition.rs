@@ -189,6 +189,17 @@ fn an_executed_flag_that_is_not_wired_is_found() {
 }
 
 #[test]
+fn an_answer_one_step_later_needs_no_justice_guarantee() {
+    assert_eq!(
+        changed(
+            "    guarantee completes: always eventually (not requested or dropped)\n",
+            ""
+        ),
+        [""; 0]
+    );
+}
+
+#[test]
 fn an_operation_that_names_other_actions_is_found() {
     finds(
         "operation carry: grab, put",

@@ -7,9 +7,9 @@
 //! - **Safety assumptions.** In every reachable step of the coordinator, every assumption of every component must follow from the
 //!   coordinator's outputs, from the guarantees of the actions, and from what stays constant during an operation. Circles of
 //!   safety are sound, step by step, since no step contains a loop (Abadi and Lamport, Conjoining Specifications, 1995).
-//! - **Justice assumptions.** While an assumption of the coordinator waits, one and the same action must owe it a justice
-//!   guarantee that implies it; an action's own justice assumptions must follow from the step alone or from a signal's script.
-//!   That is an order, not a circle (McMillan, Circular Compositional Reasoning about Liveness, 1999).
+//! - **Justice assumptions.** While an assumption of the coordinator waits, it must surely come true in the next step, or one and
+//!   the same action must owe it a justice guarantee that implies it; an action's own justice assumptions must follow from
+//!   the step alone or from a signal's script. What is not found so is a warning, since it may hold for a longer reason. This is an order, not a circle (McMillan, Circular Compositional Reasoning about Liveness, 1999).
 //! - **Operations.** From every state in which the coordinator takes an operation on, every fair run reaches `done`, and runs
 //!   exactly the actions that the operation names.
 //!
@@ -218,7 +218,7 @@ fn justice(walk: &Walk<'_>, index: usize, result: &mut Composition) {
                 by,
             }),
             Err(values) => result.findings.push(
-                Diagnostic::error(
+                Diagnostic::warning(
                     codes::ASSUMPTION_OPEN,
                     component.span,
                     format!(
@@ -229,7 +229,7 @@ fn justice(walk: &Walk<'_>, index: usize, result: &mut Composition) {
                 .with_label(formula.span, "this is assumed")
                 .with_help(match values {
                     Some(values) => format!(
-                        "it may stay false where {}; it needs a justice guarantee of one action, or a signal whose script makes it true",
+                        "it may stay false where {}; give one action a guarantee `always eventually ...` that implies it, or a signal a script that makes it true",
                         values.show(walk.machine)
                     ),
                     None => "the coordinator passes from one action's wait to another's without an end; hold the request until it is done".to_owned(),

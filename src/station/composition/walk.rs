@@ -362,8 +362,8 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Whether the coordinator's justice assumption is owed to it: wherever it does not hold, one action's justice guarantee
-    /// implies it, and that stays the same action until it holds.
+    /// Whether the coordinator's justice assumption is owed to it: wherever it does not hold, either it surely holds one step
+    /// later, or one action's justice guarantee implies it, and that stays the same action until it holds.
     pub fn owed(&self, index: usize, goal: &Expr) -> Result<By, Option<Values>> {
         let mut names: BTreeSet<String> = BTreeSet::new();
         for node in self.nodes() {
@@ -372,17 +372,17 @@ impl<'a> Walk<'a> {
                 continue;
             };
             let owing = self.owing(node, goal);
-            if owing.is_empty() {
-                return Err(Some(values));
-            }
             let waits = goal.clone().not();
             for step in self.steps_from(node) {
                 if !self.possible(step, std::slice::from_ref(&waits)) {
                     continue;
                 }
                 let target = self.target(step);
-                if self.ask(index, &self.now(target, goal)) == Answer::Holds {
+                if self.comes_next(index, step, goal) {
                     continue;
+                }
+                if owing.is_empty() {
+                    return Err(Some(values));
                 }
                 if !self.owing(target, goal).iter().any(|o| owing.contains(o)) {
                     return Err(None);
@@ -394,6 +394,20 @@ impl<'a> Walk<'a> {
             names if names.is_empty() => By::Coordinator,
             names => By::Guarantee(names.join(", ")),
         })
+    }
+
+    /// Whether a goal surely holds in the step after one in which it did not.
+    fn comes_next(&self, index: usize, step: Step, goal: &Expr) -> bool {
+        let at = (Some(step.from), Some(self.target(step)));
+        let next = goal.substitute(&mut |w, _| Expr::Var(w, Time::Next));
+        let mut hypotheses = self.guard(step);
+        hypotheses.push(self.put(&goal.clone().not(), at));
+        let question = Question {
+            hypotheses,
+            goal: self.put(&next, at),
+            at,
+        };
+        self.ask(index, &question) == Answer::Holds
     }
 
     /// The justice guarantees of actions that imply the goal at a node.
