@@ -284,17 +284,17 @@ impl Scanner<'_> {
 
     /// A word that only stands outside of braces, within braces.
     fn missing_brace(&mut self, word: &str, offset: usize) {
+        let blanks = self.text.as_bytes()[self.code_end..]
+            .iter()
+            .take_while(|b| b.is_ascii_whitespace())
+            .count();
         let open: Vec<usize> = self
             .stack
             .iter()
             .filter(|b| b.kind == b'{')
             .map(|b| b.offset)
+            .take(blanks + 1)
             .collect();
-        let blanks = self.text.as_bytes()[self.code_end..]
-            .iter()
-            .take_while(|b| b.is_ascii_whitespace())
-            .count();
-        // One blank stays, so that words do not grow together.
         if open.is_empty() || blanks < open.len() {
             return;
         }

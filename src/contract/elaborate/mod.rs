@@ -27,7 +27,7 @@ const MAX_NESTED: usize = 400;
 /// A formula's tree is at most so deep once arrays are written out.
 const MAX_FORMULA_DEPTH: usize = 600;
 /// What one contract or machine may cost to write out: nodes that are made, copied or looked at.
-const MAX_WORK: usize = 4_000_000;
+const MAX_WORK: usize = 1_000_000;
 
 /// A variable in sight.
 #[derive(Debug, Clone)]
