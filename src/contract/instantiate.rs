@@ -249,9 +249,12 @@ pub(super) fn instantiate(
         };
         classify(&mut e, expr, &label, &mut sides[side]);
     }
-    unused(&mut e, &variables, &sides);
-    unused_defines(&mut e, contract);
     let broken = e.refused();
+    if !broken {
+        // A formula that was refused mentions names too.
+        unused(&mut e, &variables, &sides);
+        unused_defines(&mut e, contract);
+    }
     findings.append(&mut e.findings);
     if broken {
         return None;

@@ -28,6 +28,9 @@ impl Session {
             let cases = std::fs::read_dir(root().join("tests/cases").join(stage));
             for entry in cases.expect("cases") {
                 let entry = entry.expect("an entry");
+                if entry.path().is_dir() {
+                    continue; // Snapshots.
+                }
                 std::fs::copy(
                     entry.path(),
                     session.path(&entry.file_name().to_string_lossy()),
