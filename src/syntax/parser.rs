@@ -137,6 +137,14 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         return finding_of(file, start, text, &error);
     }
     let operator = word_at(text);
+    if operator == "=" {
+        return Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(file, start, start + 1),
+            "no value stands behind this `=`, or nothing before it that could have one",
+        )
+        .with_help("write `name = value`");
+    }
     if begins_with_operator(text) && !text.starts_with([')', ']']) {
         return Diagnostic::error(
             codes::SYNTAX,
@@ -319,15 +327,18 @@ fn finding_of(
     };
     // Point at the word that does not fit, not at the blanks and comments before it; at the end, right behind the last word.
     let at = text.len() - after_comments(&text[at..]).len();
-    let at = if at == text.len() { code_end(text) } else { at };
-    let word: String = word_at(&text[at..]);
+    let (at, word) = if at == text.len() {
+        (code_end(text), String::new())
+    } else {
+        (at, word_at(&text[at..]))
+    };
     let expected = match &error.variant {
         ErrorVariant::ParsingError { positives, .. } => expectations(positives),
         ErrorVariant::CustomError { message } => message.clone(),
     };
     let end = at + word.len();
     let message = if word.is_empty() {
-        "the text ends too early".to_owned()
+        "something is missing here".to_owned()
     } else {
         format!("`{word}` does not fit here")
     };
@@ -339,7 +350,8 @@ fn finding_of(
     let finding = Diagnostic::error(codes::SYNTAX, span, message);
     if RESERVED.contains(&word.as_str())
         && !expected.contains("an expression")
-        && expected.contains("a name") {
+        && expected.contains("a name")
+    {
         return finding.with_help(format!(
             "expected {expected}; `{word}` is a word of the language and cannot be a name"
         ));

@@ -227,15 +227,11 @@ impl<'a> Elaborator<'a> {
                 n => format!("{n} elements"),
             };
             let message = if range.low == range.high {
-                format!(
-                    "index {} leaves the array, which has {count}",
- range.low
-                )
+                format!("index {} leaves the array, which has {count}", range.low)
             } else {
                 format!(
                     "the index can be {}..{}, but the array has only {count}",
- range.low,
- range.high
+                    range.low, range.high
                 )
             };
             self.error_with(

@@ -143,11 +143,19 @@ fn build<'a>(
     settings(e, parts, &mut model, &mut wires, properties);
     e.tainted |= wires.tainted;
     e.findings.append(&mut wires.findings);
-    if model.operations.is_empty() != model.done.is_none() {
+    let says_done = machine
+        .items
+        .iter()
+        .any(|i| matches!(i, MachineItem::Done(_)));
+    let has_operations = machine
+        .items
+        .iter()
+        .any(|i| matches!(i, MachineItem::Operation { .. }));
+    if has_operations != says_done {
         e.error_with(
             codes::OPERATION,
             machine.header.name.span,
-            if model.done.is_none() {
+            if has_operations {
                 "this machine has operations, but does not say when one is done"
             } else {
                 "this machine says when an operation is done, but has none"
@@ -317,8 +325,7 @@ fn instantiate_components<'a>(
         );
         let calls = found.into_iter().filter(|d| {
             let argument = |s: Span| c.arguments.iter().any(|a| a.value.span == s);
-            d.code == codes::ARGUMENT
-                && d.span.is_some_and(|s| s == c.contract.span || argument(s))
+            d.code == codes::ARGUMENT && d.span.is_some_and(|s| s == c.contract.span || argument(s))
         });
         let before = e.findings.len();
         e.findings.extend(calls);
