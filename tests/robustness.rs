@@ -5,6 +5,7 @@ use linewright::contract::{Library, load};
 use linewright::diagnostics::{Diagnostic, has_errors, json, render, sarif};
 use linewright::gr1::eval::eval;
 use proptest::prelude::*;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -364,12 +365,16 @@ fn long_chains_are_survived() {
     }
 }
 
+fn many(n: usize, line: &dyn Fn(usize) -> String) -> String {
+    (0..n).map(line).collect::<Vec<_>>().concat()
+}
+
 #[test]
 fn what_grows_when_it_is_written_out_is_bounded() {
     let chain = |n: usize, step: &dyn Fn(usize) -> String| {
         let mut text = "contract Test {\n    input n: 0..9\n    input i: 0..15\n    output h: array[16] of 0..15\n    define d0 = n\n".to_owned();
         for i in 1..=n {
-            text += &format!("    define d{i} = {}\n", step(i - 1));
+            let _ = writeln!(text, "    define d{i} = {}", step(i - 1));
         }
         text + &format!("    guarantee g: always (h[0] = 0 and d{n} = 0)\n}}\n")
     };
@@ -388,8 +393,11 @@ fn what_grows_when_it_is_written_out_is_bounded() {
         format!("contract Test {{ output {}: array[4096] of 0..4095 }}", (0..2000).map(|i| format!("h{i}")).collect::<Vec<_>>().join(", ")),
         "const A = 9007199254740992 * 9007199254740992 * 9007199254740992\ncontract T { output x: -A..A }".to_owned(),
         "const A = 4611686018427387 * 1000\ncontract T { output x: -A..A guarantee g: always forall i in -A..A: x = i }".to_owned(),
-        (0..10_000).map(|i| format!("const C{i} = C{} + 1\n", i + 1)).collect::<String>() + "const C10000 = 0\n",
-        (0..10_000).map(|i| format!("const C{i} = D{i}\n")).collect::<String>(),
+        many(10_000, &|i| format!("const C{i} = C{} + 1
+", i + 1)) + "const C10000 = 0
+",
+        many(10_000, &|i| format!("const C{i} = D{i}
+")),
         "x\n".repeat(20_000),
         "guarantee\n".repeat(20_000),
         "contract A {\n".repeat(5_000),

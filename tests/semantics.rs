@@ -1,6 +1,10 @@
 //! What formulas mean. Random formulas are written out as text with as few brackets and in as many notations as the grammar allows;
 //! the parser has to find the tree they were written from, and what the resolver makes of them has to have, at every valuation, the
 //! value that a direct evaluation of the syntax tree gives. That evaluation knows nothing of the resolver.
+#![expect(
+    clippy::match_same_arms,
+    reason = "an arm is an option with its weight"
+)]
 
 use linewright::contract::{Contract, load};
 use linewright::diagnostics::has_errors;
@@ -12,6 +16,7 @@ use linewright::syntax::ast::{
 use linewright::syntax::parse;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 const HEADER: &str = "\
 const K = 3
@@ -274,7 +279,7 @@ fn number(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
 }
 
 /// Writes a tree where the grammar wants something of at least `min`; `last`: whether nothing follows but a closing bracket or word.
-fn write(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
+fn write_tree(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
     let own = match tree {
         Tree::Leaf(_) | Tree::Index(..) | Tree::Call(..) => ATOM,
         Tree::Binary(op, ..) => level(op),
@@ -287,11 +292,12 @@ fn write(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
     let wide = matches!(tree, Tree::If(..) | Tree::Quantifier(..)) && own == 0;
     if own < min || wide {
         out.push('(');
-        write(tree, 0, true, c, out);
+        write_tree(tree, 0, true, c, out);
         out.push(')');
         return;
     }
-    let put = |t: &Tree, min, last, c: &mut Choices, out: &mut String| write(t, min, last, c, out);
+    let put =
+        |t: &Tree, min, last, c: &mut Choices, out: &mut String| write_tree(t, min, last, c, out);
     match tree {
         Tree::Leaf(text) => out.push_str(text),
         Tree::Binary(op, a, b) => {
@@ -308,9 +314,9 @@ fn write(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
         }
         Tree::Chain(first, second, x, y, z) => {
             put(x, own + 1, false, c, out);
-            out.push_str(&format!(" {first} "));
+            let _ = write!(out, " {first} ");
             put(y, own + 1, false, c, out);
-            out.push_str(&format!(" {second} "));
+            let _ = write!(out, " {second} ");
             put(z, own + 1, last, c, out);
         }
         Tree::Not(a) => {
@@ -355,7 +361,7 @@ fn write(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
             put(z, 0, true, c, out);
         }
         Tree::Quantifier(word, name, ty, body) => {
-            out.push_str(&format!("{word} {name} in {ty}: "));
+            let _ = write!(out, "{word} {name} in {ty}: ");
             put(body, 0, true, c, out);
         }
         Tree::Member(x, members) => {
@@ -650,7 +656,7 @@ proptest! {
         let depth = 1 + c.pick(4);
         let tree = condition(&mut c, depth, true, false);
         let mut formula = String::new();
-        write(&tree, 0, true, &mut c, &mut formula);
+        write_tree(&tree, 0, true, &mut c, &mut formula);
         let text = format!("{HEADER}    guarantee g: always ({formula})\n}}\n");
 
         let (file, findings) = parse(FileId(0), &text);

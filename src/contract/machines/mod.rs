@@ -58,7 +58,8 @@ pub(super) fn machine(
         MachineItem::Type(decl) => Some(Decl::Type(decl)),
         _ => None,
     });
-    scope::settle(&mut e, decls.collect());
+    let decls: Vec<_> = decls.collect();
+    scope::settle(&mut e, &decls);
     let mut parts = Parts {
         machine,
         properties: Vec::new(),
