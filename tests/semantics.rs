@@ -1,15 +1,22 @@
 //! What formulas mean. Random formulas are written out as text with as few brackets and in as many notations as the grammar allows;
 //! the parser has to find the tree they were written from, and what the resolver makes of them has to have, at every valuation, the
 //! value that a direct evaluation of the syntax tree gives. That evaluation knows nothing of the resolver.
+#![expect(
+    clippy::match_same_arms,
+    reason = "an arm is an option with its weight"
+)]
 
 use linewright::contract::{Contract, load};
 use linewright::diagnostics::has_errors;
 use linewright::gr1::{self, Domain};
 use linewright::source::FileId;
-use linewright::syntax::ast::{BinaryOp, ContractItem, DomainKind, Expr, ExprKind, Item, Quantifier};
+use linewright::syntax::ast::{
+    BinaryOp, ContractItem, DomainKind, Expr, ExprKind, Item, Quantifier,
+};
 use linewright::syntax::parse;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 const HEADER: &str = "\
 const K = 3
@@ -128,7 +135,11 @@ fn condition(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
             2 => leaf("big"),
             3 => leaf(c.of(&["true", "false"])),
             4 => Tree::Index("f", boxed(leaf(c.of(&["0", "1"])))),
-            _ => Tree::Binary("=", boxed(leaf("c")), boxed(leaf(c.of(&["red", "green", "blue"])))),
+            _ => Tree::Binary(
+                "=",
+                boxed(leaf("c")),
+                boxed(leaf(c.of(&["red", "green", "blue"]))),
+            ),
         };
     }
     let d = depth - 1;
@@ -136,12 +147,20 @@ fn condition(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
         0 => condition(c, 0, next, bound),
         1..=4 => {
             let op = c.of(&["<->", "->", "or", "xor", "and"]);
-            Tree::Binary(op, boxed(condition(c, d, next, bound)), boxed(condition(c, d, next, bound)))
+            Tree::Binary(
+                op,
+                boxed(condition(c, d, next, bound)),
+                boxed(condition(c, d, next, bound)),
+            )
         }
         5 => Tree::Not(boxed(condition(c, d, next, bound))),
         6 | 7 => {
             let op = c.of(&["=", "!=", "<", "<=", ">", ">="]);
-            Tree::Binary(op, boxed(number(c, d, next, bound)), boxed(number(c, d, next, bound)))
+            Tree::Binary(
+                op,
+                boxed(number(c, d, next, bound)),
+                boxed(number(c, d, next, bound)),
+            )
         }
         8 => Tree::Binary(
             c.of(&["=", "!="]),
@@ -156,17 +175,26 @@ fn condition(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
             boxed(condition(c, d, next, bound)),
         ),
         11 => {
-            let (word, ty) = (c.of(&["forall", "exists"]), c.of(&["0..2", "1..2", "2..1", "K-2..2"]));
+            let (word, ty) = (
+                c.of(&["forall", "exists"]),
+                c.of(&["0..2", "1..2", "2..1", "K-2..2"]),
+            );
             Tree::Quantifier(word, "i", ty, boxed(condition(c, d, next, true)))
         }
         12 => match c.pick(3) {
-            0 => Tree::Member(boxed(number(c, d, next, bound)), vec![number(c, d, next, bound), number(c, 0, next, bound)]),
+            0 => Tree::Member(
+                boxed(number(c, d, next, bound)),
+                vec![number(c, d, next, bound), number(c, 0, next, bound)],
+            ),
             1 => Tree::Within(
                 boxed(number(c, d, next, bound)),
                 boxed(number(c, 0, next, bound)),
                 boxed(number(c, d, next, bound)),
             ),
-            _ => Tree::Member(boxed(leaf("c")), vec![leaf("red"), leaf(c.of(&["green", "blue", "red"]))]),
+            _ => Tree::Member(
+                boxed(leaf("c")),
+                vec![leaf("red"), leaf(c.of(&["green", "blue", "red"]))],
+            ),
         },
         _ => Tree::Chain(
             c.of(&["<", "<=", "="]),
@@ -196,7 +224,11 @@ fn number(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
         0 => number(c, 0, next, bound),
         1 | 2 => {
             let op = c.of(&["+", "-", "*"]);
-            Tree::Binary(op, boxed(number(c, d, next, bound)), boxed(number(c, d, next, bound)))
+            Tree::Binary(
+                op,
+                boxed(number(c, d, next, bound)),
+                boxed(number(c, d, next, bound)),
+            )
         }
         3 => {
             let divisor = match c.pick(3) {
@@ -204,14 +236,22 @@ fn number(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
                 1 => Tree::Neg(boxed(leaf(c.of(&["2", "3"])))),
                 _ => Tree::Call("max", vec![number(c, d, next, bound), leaf("1")]),
             };
-            Tree::Binary(c.of(&["/", "mod"]), boxed(number(c, d, next, bound)), boxed(divisor))
+            Tree::Binary(
+                c.of(&["/", "mod"]),
+                boxed(number(c, d, next, bound)),
+                boxed(divisor),
+            )
         }
         4 => Tree::Neg(boxed(number(c, d, next, bound))),
         5 if next => Tree::Next(boxed(number(c, d, false, bound))),
         5 => Tree::Call("abs", vec![number(c, d, next, bound)]),
         6 => Tree::Call(
             c.of(&["min", "max"]),
-            vec![number(c, d, next, bound), number(c, d, next, bound), number(c, 0, next, bound)],
+            vec![
+                number(c, d, next, bound),
+                number(c, d, next, bound),
+                number(c, 0, next, bound),
+            ],
         ),
         7 => Tree::Call("abs", vec![number(c, d, next, bound)]),
         8 => Tree::If(
@@ -223,13 +263,23 @@ fn number(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
             let index = Tree::Binary("mod", boxed(number(c, d, next, bound)), boxed(leaf("3")));
             Tree::Index(c.of(&["h", "ROW"]), boxed(index))
         }
-        10 => Tree::Quantifier("count", "i", c.of(&["0..2", "0..0"]), boxed(condition(c, d, next, true))),
-        _ => Tree::Quantifier("sum", "i", c.of(&["0..2", "1..2", "2..0"]), boxed(number(c, d, next, true))),
+        10 => Tree::Quantifier(
+            "count",
+            "i",
+            c.of(&["0..2", "0..0"]),
+            boxed(condition(c, d, next, true)),
+        ),
+        _ => Tree::Quantifier(
+            "sum",
+            "i",
+            c.of(&["0..2", "1..2", "2..0"]),
+            boxed(number(c, d, next, true)),
+        ),
     }
 }
 
 /// Writes a tree where the grammar wants something of at least `min`; `last`: whether nothing follows but a closing bracket or word.
-fn write(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
+fn write_tree(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
     let own = match tree {
         Tree::Leaf(_) | Tree::Index(..) | Tree::Call(..) => ATOM,
         Tree::Binary(op, ..) => level(op),
@@ -242,11 +292,12 @@ fn write(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
     let wide = matches!(tree, Tree::If(..) | Tree::Quantifier(..)) && own == 0;
     if own < min || wide {
         out.push('(');
-        write(tree, 0, true, c, out);
+        write_tree(tree, 0, true, c, out);
         out.push(')');
         return;
     }
-    let put = |t: &Tree, min, last, c: &mut Choices, out: &mut String| write(t, min, last, c, out);
+    let put =
+        |t: &Tree, min, last, c: &mut Choices, out: &mut String| write_tree(t, min, last, c, out);
     match tree {
         Tree::Leaf(text) => out.push_str(text),
         Tree::Binary(op, a, b) => {
@@ -263,9 +314,9 @@ fn write(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
         }
         Tree::Chain(first, second, x, y, z) => {
             put(x, own + 1, false, c, out);
-            out.push_str(&format!(" {first} "));
+            let _ = write!(out, " {first} ");
             put(y, own + 1, false, c, out);
-            out.push_str(&format!(" {second} "));
+            let _ = write!(out, " {second} ");
             put(z, own + 1, last, c, out);
         }
         Tree::Not(a) => {
@@ -310,7 +361,7 @@ fn write(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
             put(z, 0, true, c, out);
         }
         Tree::Quantifier(word, name, ty, body) => {
-            out.push_str(&format!("{word} {name} in {ty}: "));
+            let _ = write!(out, "{word} {name} in {ty}: ");
             put(body, 0, true, c, out);
         }
         Tree::Member(x, members) => {
@@ -357,7 +408,13 @@ fn form(tree: &Tree) -> String {
         Tree::Binary(op, a, b) => join(op, vec![form(a), form(b)]),
         Tree::Chain(first, second, x, y, z) => {
             let y = form(y);
-            join("and", vec![join(first, vec![form(x), y.clone()]), join(second, vec![y, form(z)])])
+            join(
+                "and",
+                vec![
+                    join(first, vec![form(x), y.clone()]),
+                    join(second, vec![y, form(z)]),
+                ],
+            )
         }
         Tree::Not(a) => join("not", vec![form(a)]),
         Tree::Neg(a) => join("neg", vec![form(a)]),
@@ -382,7 +439,11 @@ fn form_of(e: &Expr) -> String {
         ExprKind::Int(i) => return i.to_string(),
         ExprKind::Quantity(x, unit) => return format!("{x} {unit}"),
         ExprKind::Path(names) => {
-            return names.iter().map(|n| n.text.as_str()).collect::<Vec<_>>().join(".");
+            return names
+                .iter()
+                .map(|n| n.text.as_str())
+                .collect::<Vec<_>>()
+                .join(".");
         }
         ExprKind::Index(..) => "index",
         ExprKind::Next(_) => "next",
@@ -505,12 +566,14 @@ impl Meaning<'_> {
             }
             ExprKind::Call(name, list) => {
                 let values = list.iter().map(number);
-                Value::Number(match name.text.as_str() {
-                    "min" => values.min(),
-                    "max" => values.max(),
-                    _ => values.map(i64::abs).next(),
-                }
-                .expect("an argument"))
+                Value::Number(
+                    match name.text.as_str() {
+                        "min" => values.min(),
+                        "max" => values.max(),
+                        _ => values.map(i64::abs).next(),
+                    }
+                    .expect("an argument"),
+                )
             }
             ExprKind::List(list) => Value::Array(list.iter().map(value).collect()),
             ExprKind::Member(x, list) => {
@@ -564,7 +627,9 @@ fn valuation(contract: &Contract, c: &mut Choices) -> (Vec<i64>, Valuation) {
                 shown.insert(variable.name.clone(), value);
             }
             Some((array, _)) => {
-                let entry = shown.entry(array.to_owned()).or_insert(Value::Array(Vec::new()));
+                let entry = shown
+                    .entry(array.to_owned())
+                    .or_insert(Value::Array(Vec::new()));
                 if let Value::Array(values) = entry {
                     values.push(value);
                 }
@@ -575,7 +640,9 @@ fn valuation(contract: &Contract, c: &mut Choices) -> (Vec<i64>, Valuation) {
 }
 
 fn resolved(text: &str) -> Contract {
-    let (library, findings) = load(&[("test.lw".to_owned(), text.to_owned())], &|_, _| Err("no imports".to_owned()));
+    let (library, findings) = load(&[("test.lw".to_owned(), text.to_owned())], &|_, _| {
+        Err("no imports".to_owned())
+    });
     assert!(!has_errors(&findings), "{text}\n{findings:#?}");
     library.contracts.into_iter().next().expect("a contract")
 }
@@ -589,7 +656,7 @@ proptest! {
         let depth = 1 + c.pick(4);
         let tree = condition(&mut c, depth, true, false);
         let mut formula = String::new();
-        write(&tree, 0, true, &mut c, &mut formula);
+        write_tree(&tree, 0, true, &mut c, &mut formula);
         let text = format!("{HEADER}    guarantee g: always ({formula})\n}}\n");
 
         let (file, findings) = parse(FileId(0), &text);
@@ -659,9 +726,26 @@ fn tree_of(formula: &str) -> String {
 #[test]
 fn all_notations_agree() {
     let groups: &[&[&str]] = &[
-        &["always eventually p", "G F p", "GF p", "[]<>p", "[] <> p", "□◇p", "□ ◊ p", "always F p", "G eventually p"],
+        &[
+            "always eventually p",
+            "G F p",
+            "GF p",
+            "[]<>p",
+            "[] <> p",
+            "□◇p",
+            "□ ◊ p",
+            "always F p",
+            "G eventually p",
+        ],
         &["always p", "G p", "[] p", "□p", "G(p)"],
-        &["always (p -> next q)", "always (p -> X(q))", "always (p -> X q)", "always (p -> q')", "□ (p → ○q)", "[](p => O q)"],
+        &[
+            "always (p -> next q)",
+            "always (p -> X(q))",
+            "always (p -> X q)",
+            "always (p -> q')",
+            "□ (p → ○q)",
+            "[](p => O q)",
+        ],
         &["p and q", "p & q", "p && q", "p /\\ q", "p ∧ q"],
         &["p or q", "p | q", "p || q", "p \\/ q", "p ∨ q"],
         &["not p", "!p", "~p", "¬p", "! p"],
@@ -685,7 +769,11 @@ fn table() -> Vec<(String, String)> {
     let text = std::fs::read_to_string(path).expect("the page");
     let (_, section) = text.split_once("## Precedence").expect("the section");
     let rows = section.lines().filter_map(|line| {
-        let cells: Vec<&str> = line.strip_prefix("| `")?.strip_suffix("` |")?.split("` | `").collect();
+        let cells: Vec<&str> = line
+            .strip_prefix("| `")?
+            .strip_suffix("` |")?
+            .split("` | `")
+            .collect();
         let cell = |i: usize| cells.get(i).map(|c| c.replace("\\|", "|"));
         Some((cell(0)?, cell(1)?))
     });

@@ -369,7 +369,7 @@ fn declare<'a>(
             _ => {}
         }
     }
-    scope::settle(e, decls);
+    scope::settle(e, &decls);
     for item in &contract.items {
         match item {
             ContractItem::Variables {

@@ -10,6 +10,19 @@ use std::collections::BTreeSet;
 /// Adds what is wrong with the routes to `findings`.
 pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
     let mut product_ends = false;
+    for route in &line.routes {
+        let (place, ty) = (&line.nodes[route.to], &line.parts[route.part]);
+        if matches!(place.kind, NodeKind::Source { .. }) {
+            findings.push(
+                Diagnostic::error(
+                    codes::LINE_ROUTE,
+                    route.span,
+                    format!("a `{}` is sent into the source `{}`", ty.name, place.name),
+                )
+                .with_help("sources only give parts; send it to a `sink` or a `store`"),
+            );
+        }
+    }
     for (part, ty) in line.parts.iter().enumerate() {
         let mut open: Vec<usize> = beginnings(line, part);
         if open.is_empty() && uses(line, part) {
@@ -45,17 +58,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                     product_ends |= part == line.product;
                     continue;
                 }
-                NodeKind::Source { .. } if arrives => {
-                    findings.push(
-                        Diagnostic::error(
-                            codes::LINE_ROUTE,
-                            place.span,
-                            format!("a `{}` is sent into the source `{}`", ty.name, place.name),
-                        )
-                        .with_help("sources only give parts; send it to a `sink` or a `store`"),
-                    );
-                    continue;
-                }
+                NodeKind::Source { .. } if arrives => continue,
                 NodeKind::Station { tasks, .. } => {
                     let joins = tasks
                         .iter()

@@ -61,7 +61,8 @@ impl<'a> Scope<'a> {
         let mut e = Elaborator::new();
         let types = self.types.iter().copied().map(Decl::Type);
         let constants = self.constants.iter().copied().map(Decl::Constant);
-        settle(&mut e, types.chain(constants).collect());
+        let decls: Vec<_> = types.chain(constants).collect();
+        settle(&mut e, &decls);
         findings.append(&mut e.findings);
         self.values = std::mem::take(&mut e.constants);
         self.named_types = std::mem::take(&mut e.types);
@@ -142,7 +143,7 @@ fn names_of<'a>(e: &'a ast::Expr, names: &mut Vec<&'a str>) {
 
 /// Evaluates declarations, each after those that it needs, whatever their order. One that needs itself is a finding; one that could
 /// not be evaluated is `broken` from then on.
-pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: Vec<Decl<'a>>) {
+pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
     let by_name: BTreeMap<&str, usize> = decls
         .iter()
         .enumerate()

@@ -35,7 +35,9 @@ impl Dimension {
     pub fn times(self, other: Self) -> Option<Self> {
         use Dimension as D;
         match (self, other) {
-            (D::None, d) | (d, D::None) | (D::Share, d) | (d, D::Share) => Some(d),
+            // Twice a share is a share.
+            (D::Share, D::None) => Some(D::Share),
+            (D::None | D::Share, d) | (d, D::None | D::Share) => Some(d),
             (D::Speed, D::Time) | (D::Time, D::Speed) => Some(D::Length),
             (D::Power, D::Time) | (D::Time, D::Power) => Some(D::Energy),
             _ => None,

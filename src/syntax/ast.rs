@@ -410,6 +410,8 @@ pub struct Component {
     pub power: Option<Expr>,
     /// `input = e`, `input[2] = e`
     pub bindings: Vec<Binding>,
+    /// Whether something within could not be understood; it was reported.
+    pub broken: bool,
 }
 
 /// `command = cell.command`

@@ -135,8 +135,8 @@ impl Scanner<'_> {
                 i += rest.find(['\n', '\r']).unwrap_or(rest.len());
                 continue;
             }
-            if rest.starts_with("/*") {
-                let Some(end) = rest[2..].find("*/") else {
+            if let Some(comment) = rest.strip_prefix("/*") {
+                let Some(end) = comment.find("*/") else {
                     self.unclosed_comment(i);
                     return;
                 };
@@ -145,7 +145,7 @@ impl Scanner<'_> {
             }
             match c {
                 '"' => match rest[1..].find(['"', '\n', '\r']) {
-                    Some(end) if rest[1..].as_bytes()[end] == b'"' => {
+                    Some(end) if rest.as_bytes()[end + 1] == b'"' => {
                         next = i + end + 2;
                         self.before = Before::Operand;
                     }

@@ -137,6 +137,14 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         return finding_of(file, start, text, &error);
     }
     let operator = word_at(text);
+    if operator == "=" {
+        return Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(file, start, start + 1),
+            "no value stands behind this `=`, or nothing before it that could have one",
+        )
+        .with_help("write `name = value`");
+    }
     if begins_with_operator(text) && !text.starts_with([')', ']']) {
         return Diagnostic::error(
             codes::SYNTAX,
@@ -319,8 +327,11 @@ fn finding_of(
     };
     // Point at the word that does not fit, not at the blanks and comments before it; at the end, right behind the last word.
     let at = text.len() - after_comments(&text[at..]).len();
-    let at = if at == text.len() { code_end(text) } else { at };
-    let word: String = word_at(&text[at..]);
+    let (at, word) = if at == text.len() {
+        (code_end(text), String::new())
+    } else {
+        (at, word_at(&text[at..]))
+    };
     let expected = match &error.variant {
         ErrorVariant::ParsingError { positives, .. } => expectations(positives),
         ErrorVariant::CustomError { message } => message.clone(),

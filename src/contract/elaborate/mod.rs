@@ -42,6 +42,10 @@ pub(super) enum Entry {
 pub(super) type UnitOf = (Dimension, f64);
 
 /// What names mean, and where findings go.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "independent settings of one walk"
+)]
 pub(super) struct Elaborator<'a> {
     /// Variables by name; dotted for a component's.
     pub variables: BTreeMap<String, Entry>,
@@ -288,8 +292,9 @@ impl<'a> Elaborator<'a> {
         let (term, ty) = self.any_scalar(e, None, Time::Now)?;
         match ty {
             Type::Number(d) if d == dimension => Some(term),
-            Type::Int if dimension == Dimension::None => Some(term),
-            Type::Number(Dimension::Share) if dimension == Dimension::None => Some(term),
+            Type::Int | Type::Number(Dimension::Share) if dimension == Dimension::None => {
+                Some(term)
+            }
             Type::Int | Type::Number(Dimension::None) if is_zero(&term) => Some(term),
             Type::Int | Type::Number(Dimension::None) => {
                 self.error_with(

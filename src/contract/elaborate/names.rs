@@ -302,17 +302,15 @@ fn scalars(values: &[Value]) -> Option<Vec<(Term, Type)>> {
 
 /// The term of `terms`, of which the first has the index `low`, that `index` names.
 fn halved(index: &Term, low: i64, terms: &[(Term, Type)]) -> Term {
-    match terms {
-        [(one, _)] => one.clone(),
-        _ => {
-            let (left, right) = terms.split_at(terms.len() / 2);
-            let middle = low + left.len() as i64;
-            let below = Term::binary(BinaryOp::Lt, index.clone(), Term::Int(middle));
-            Term::choose(
-                below,
-                halved(index, low, left),
-                halved(index, middle, right),
-            )
-        }
+    if let [(one, _)] = terms {
+        return one.clone();
     }
+    let (left, right) = terms.split_at(terms.len() / 2);
+    let middle = low + left.len() as i64;
+    let below = Term::binary(BinaryOp::Lt, index.clone(), Term::Int(middle));
+    Term::choose(
+        below,
+        halved(index, low, left),
+        halved(index, middle, right),
+    )
 }

@@ -73,7 +73,8 @@ impl<'a> Builder<'a, '_> {
             LineItem::Const(c) => Some(Decl::Constant(c)),
             _ => None,
         });
-        scope::settle(&mut self.e, constants.collect());
+        let constants: Vec<_> = constants.collect();
+        scope::settle(&mut self.e, &constants);
         self.declare_names(decl);
         self.declare_parts(decl);
         let mut model = Line {

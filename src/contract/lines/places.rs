@@ -148,7 +148,8 @@ impl<'a> Builder<'a, '_> {
         if model.is_none() {
             self.e.tainted = true;
             self.e.findings.append(&mut found);
-            if self.e.findings.len() == before {
+            // Without arguments the machine is wrong by itself, and was reported where it stands.
+            if self.e.findings.len() == before && !arguments.is_empty() {
                 self.e.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,

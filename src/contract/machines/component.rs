@@ -95,16 +95,6 @@ pub(super) fn component<'a>(
         }
     }
     bindings_once(wires, decl, specification);
-    let mut bindings = Vec::new();
-    for id in specification.inputs() {
-        let variable = specification.variable(id);
-        if let Some(expr) = binding(wires, parts, decl, variable) {
-            bindings.push(expr);
-        }
-    }
-    if bindings.len() != specification.inputs().count() {
-        return None;
-    }
     let active = match (&decl.when, decl.coordinator) {
         (Some(when), false) => wires
             .boolean(when, Time::Now)
@@ -120,6 +110,16 @@ pub(super) fn component<'a>(
         }
         (None, _) => None,
     };
+    let mut bindings = Vec::new();
+    for id in specification.inputs() {
+        let variable = specification.variable(id);
+        if let Some(expr) = binding(wires, parts, decl, variable) {
+            bindings.push(expr);
+        }
+    }
+    if bindings.len() != specification.inputs().count() {
+        return None;
+    }
     // Same-step loops: a Mealy action may read what stands on the wires before it answers.
     if specification.timing == Timing::Mealy {
         let readable = |wire: usize| {
@@ -334,6 +334,11 @@ pub(super) fn binding<'a>(
             _ => None,
         };
         let Some(id) = id else {
+            if decl.broken {
+                // It may be bound by what could not be understood.
+                wires.tainted = true;
+                return None;
+            }
             wires.error_with(
                 codes::INPUT_UNBOUND,
                 decl.name.span,

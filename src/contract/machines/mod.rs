@@ -58,7 +58,8 @@ pub(super) fn machine(
         MachineItem::Type(decl) => Some(Decl::Type(decl)),
         _ => None,
     });
-    scope::settle(&mut e, decls.collect());
+    let decls: Vec<_> = decls.collect();
+    scope::settle(&mut e, &decls);
     let mut parts = Parts {
         machine,
         properties: Vec::new(),
@@ -143,11 +144,19 @@ fn build<'a>(
     settings(e, parts, &mut model, &mut wires, properties);
     e.tainted |= wires.tainted;
     e.findings.append(&mut wires.findings);
-    if model.operations.is_empty() != model.done.is_none() {
+    let says_done = machine
+        .items
+        .iter()
+        .any(|i| matches!(i, MachineItem::Done(_)));
+    let has_operations = machine
+        .items
+        .iter()
+        .any(|i| matches!(i, MachineItem::Operation { .. }));
+    if has_operations != says_done {
         e.error_with(
             codes::OPERATION,
             machine.header.name.span,
-            if model.done.is_none() {
+            if has_operations {
                 "this machine has operations, but does not say when one is done"
             } else {
                 "this machine says when an operation is done, but has none"

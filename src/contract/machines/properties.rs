@@ -253,9 +253,8 @@ fn converted(
     let (dimension, factor) = unit(&ty.unit);
     match (&expected, found) {
         (Some(want), _) if want == found => Some(term),
-        (Some(Type::Int), Type::Number(Dimension::None)) | (None, Type::Int | Type::Bool) => {
-            Some(term)
-        }
+        (Some(Type::Int), Type::Number(Dimension::None)) | (None, Type::Int) => Some(term),
+        (None, Type::Bool) if dimension == Dimension::None => Some(term),
         (None, Type::Number(d))
             if *d == Dimension::None || *d == Dimension::Share && dimension == Dimension::None =>
         {

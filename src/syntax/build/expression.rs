@@ -52,11 +52,11 @@ impl Builder {
     /// An expression. One whose tree is too deep is a finding, and `false` stands in for it: every later stage walks these trees
     /// by recursion, and has the stack for [`MAX_TREE`] levels only.
     pub(super) fn expr(&mut self, pair: Pair<'_, Rule>) -> Expr {
-        let span = self.span(&pair);
         self.level += 1;
         let expr = self.part(pair);
         self.level -= 1;
         if self.level == 0 && deeper_than(&expr, MAX_TREE) {
+            let span = expr.span;
             self.findings.push(
                 Diagnostic::error(
                     codes::SYNTAX,
@@ -71,7 +71,6 @@ impl Builder {
     }
 
     fn part(&mut self, pair: Pair<'_, Rule>) -> Expr {
-        let span = self.span(&pair);
         let rule = pair.as_rule();
         match rule {
             Rule::expression | Rule::parenthesis | Rule::wide => {
@@ -89,11 +88,13 @@ impl Builder {
             Rule::signed => self.signed(pair),
             Rule::postfix => self.postfix(pair),
             Rule::conditional => {
+                let span = self.span(&pair);
                 let mut c = Children::of(pair);
                 let (a, b, e) = (self.boxed(&mut c), self.boxed(&mut c), self.boxed(&mut c));
                 make(ExprKind::If(a, b, e), span)
             }
             Rule::quantifier => {
+                let span = self.span(&pair);
                 let mut c = Children::of(pair);
                 let kind = match c.next().as_str().trim() {
                     "forall" => Quantifier::Forall,
@@ -109,6 +110,7 @@ impl Builder {
                 )
             }
             Rule::wide_always | Rule::wide_eventually => {
+                let span = self.span(&pair);
                 let mut c = Children::of(pair);
                 c.next();
                 let body = self.boxed(&mut c);
@@ -236,10 +238,11 @@ impl Builder {
     }
 
     pub(super) fn comparison(&mut self, pair: Pair<'_, Rule>) -> Expr {
-        let span = self.span(&pair);
+        let whole = pair.clone();
         let mut c = Children::of(pair);
         let first = self.expr(c.next());
         if let Some(membership) = c.take(Rule::membership) {
+            let span = self.span(&whole);
             let set = Children::of(membership).next();
             let mut inner = Children::of(set);
             if let Some(range) = inner.take(Rule::range) {

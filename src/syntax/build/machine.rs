@@ -98,6 +98,7 @@ impl Builder {
             time: None,
             power: None,
             bindings: Vec::new(),
+            broken: false,
         };
         for item in c.rest() {
             match item.as_rule() {
@@ -117,7 +118,10 @@ impl Builder {
                         value: self.expr(c.next()),
                     });
                 }
-                _ => self.bad(&item),
+                _ => {
+                    component.broken = true;
+                    self.bad(&item);
+                }
             }
         }
         component
