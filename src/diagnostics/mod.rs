@@ -14,7 +14,7 @@ pub mod sarif;
 
 use crate::source::Span;
 pub use codes::Code;
-pub use nearest::nearest;
+pub use nearest::{distance, nearest};
 
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -4,6 +4,7 @@
 //! before the colon (`din:4.3.1`, `vdi:Drehen`), as in the language. How sure each entry is, and where it comes from, is data
 //! too: neither standard is freely available, and the sources disagree in places.
 
+use crate::diagnostics::distance;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
@@ -305,22 +306,6 @@ fn fold_with(text: &str, replace: impl Fn(char) -> char) -> String {
         .flat_map(char::to_lowercase)
         .map(replace)
         .collect()
-}
-
-/// The number of letters to insert, delete or replace (Levenshtein).
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]
