@@ -34,6 +34,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn distance_counts_slips() {
+        assert_eq!(distance("", "abc"), 3);
+        assert_eq!(distance("drehen", "dreehn"), 1);
+        assert_eq!(distance("turn", "turn"), 0);
+    }
+
+    #[test]
     fn typical_slips_are_found() {
         let known = ["Turn", "turn", "command", "angle", "a"];
         for (slip, meant) in [
