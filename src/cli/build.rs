@@ -1,8 +1,8 @@
 //! `linewright build`: the station library of a machine.
 
-use super::connect::{self, Target};
 use super::console::schema;
 use super::exit::ExitCode;
+use super::libraries::{self, Target};
 use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
 use super::pipeline::Jobs;
@@ -71,14 +71,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let folder = arguments.out.as_deref().unwrap_or(&default);
     let mut libraries = Vec::new();
     for plan in planned.iter().filter_map(|p| p.controlled(&checked)) {
-        let misfits = connect::compose(&plan).findings;
+        let misfits = libraries::compose(&plan).findings;
         let fits = !has_errors(&misfits);
         findings.extend(misfits);
         if !fits {
             continue;
         }
         for target in &arguments.target {
-            match connect::build(&plan, *target, folder, arguments.rebuild) {
+            match libraries::build(&plan, *target, folder, arguments.rebuild) {
                 Ok(files) => libraries.push(Built {
                     machine: plan.machine.name.clone(),
                     target: match target {

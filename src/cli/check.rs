@@ -1,9 +1,9 @@
 //! `linewright check`: the consistency of every contract, machine and line found.
 
-use super::connect;
 use super::console::{Console, schema};
 use super::exit::ExitCode;
 use super::files::{self, Loaded, StandardLibrary};
+use super::libraries;
 use super::machines::Planned;
 use super::options::{Format, GlobalOptions};
 use super::outline::{self, Declaration, Kind};
@@ -396,7 +396,7 @@ impl Assembly<'_> {
         }
         let composition = planned
             .and_then(|p| p.controlled(self.checked))
-            .map(|c| connect::compose(&c))
+            .map(|c| libraries::compose(&c))
             .unwrap_or_default();
         let fits = !has_errors(&composition.findings);
         findings.extend(composition.findings);

@@ -1,6 +1,6 @@
 //! The controllers of machines: every component's contract with the arguments that the machine gives it.
 
-use super::connect::Controlled;
+use super::libraries::Controlled;
 use super::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::Machine;

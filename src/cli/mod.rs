@@ -7,12 +7,13 @@
 pub mod build;
 pub mod check;
 pub mod completions;
-pub mod connect;
 pub mod console;
 pub mod din;
+pub mod environment;
 pub mod exit;
 pub mod explain;
 pub mod files;
+pub mod libraries;
 pub mod machines;
 pub mod options;
 pub mod outline;

@@ -2,7 +2,7 @@
 //!
 //! A controller that the verifier refuses is a fault of this program; it ends the command and is never written out.
 
-use super::connect;
+use super::environment;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{self, Limit, Limits, Outcome};
 use crate::gr1::{Specification, overflow};
@@ -185,16 +185,15 @@ pub fn check(
             ));
         }
         Outcome::Unrealizable(lost) => {
-            let insight = connect::lost(specification, &lost);
             checked.verdict = Verdict::Unrealizable;
-            let finding = unrealizable(specification, span, &insight.core);
+            checked.core = lost.core_names(specification);
+            checked.peak_nodes = Some(lost.peak_nodes);
+            let finding = unrealizable(specification, span, &checked.core);
             checked.findings.push(finding);
-            checked.core = insight.core;
-            checked.peak_nodes = insight.peak_nodes;
         }
         Outcome::Realizable(won) => {
             checked.verdict = Verdict::Realizable;
-            checked.peak_nodes = connect::won(&won);
+            checked.peak_nodes = Some(won.peak_nodes);
             let machine = mealy::extract::extract(specification, &won, limits)
                 .and_then(|m| mealy::verify::verify(specification, &m, limits).map(|v| (m, v)));
             match machine {
@@ -212,7 +211,7 @@ pub fn check(
         }
     }
     if examine && checked.verdict == Verdict::Realizable {
-        let findings = connect::examine(specification, span, limits);
+        let findings = environment::examine(specification, span, limits);
         checked.findings.extend(findings);
     }
     if examine {

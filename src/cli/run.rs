@@ -1,16 +1,26 @@
 //! `linewright run`: a line in the bundled runner, from its contracts to its figures.
 
 use super::build::default_folder;
-use super::connect::{self, RunOptions};
 use super::exit::ExitCode;
+use super::libraries::{self, Controlled};
 use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
 use super::pipeline::Jobs;
 use super::select::Selection;
 use super::time;
+use crate::contract::line::{Line, NodeKind};
+use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::line::{Options, Plant};
+use crate::report;
+use crate::station::load::Library;
+use crate::station::{Controller, Package, Toolchain};
 use clap::Args;
-use std::path::PathBuf;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
 
 /// The arguments of `run`.
 #[derive(Debug, Args)]
@@ -88,7 +98,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
     let controlled: Option<Vec<_>> = planned.iter().map(|p| p.controlled(&checked)).collect();
     for machine in controlled.iter().flatten() {
-        findings.extend(connect::compose(machine).findings);
+        findings.extend(libraries::compose(machine).findings);
     }
     let Some(controlled) = controlled.filter(|_| !has_errors(&findings)) else {
         console.failed("run", sources, &findings)?;
@@ -105,7 +115,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         timing: !options.no_timing,
     };
     let folder = arguments.out.as_deref().unwrap_or(&default);
-    match connect::run(line, &controlled, folder, &run_options) {
+    match simulate(line, &controlled, folder, &run_options) {
         Ok(run) => {
             findings.extend(run.findings);
             match options.format {
@@ -123,4 +133,109 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
     }
     Ok(options.exit_code(&findings))
+}
+
+/// How a line is to be run.
+#[derive(Debug, Clone, Copy)]
+struct RunOptions {
+    /// End after so many end products.
+    parts: Option<u64>,
+    /// End after so many simulated seconds.
+    until: Option<f64>,
+    /// The first seed.
+    seed: u64,
+    /// How many runs, with seeds `seed`, `seed + 1`, ...
+    replications: u32,
+    /// Compile the libraries even where they are there already.
+    rebuild: bool,
+    /// Whether measured times belong into the result.
+    timing: bool,
+}
+
+/// What a run came to.
+#[derive(Debug)]
+struct Run {
+    /// The table for a person.
+    table: String,
+    /// The document of INTERFACE, `linewright/run/1`.
+    document: serde_json::Value,
+    /// Violations, requirements that do not hold, a line that is blocked.
+    findings: Vec<Diagnostic>,
+}
+
+/// Builds and loads the libraries of a line's machines and runs it.
+fn simulate(
+    line: &Line,
+    machines: &[Controlled<'_>],
+    folder: &Path,
+    options: &RunOptions,
+) -> Result<Run, Vec<Diagnostic>> {
+    let packages: Vec<Package> = machines.par_iter().map(libraries::package).collect();
+    let mut findings = Vec::new();
+    let mut libraries = Vec::new();
+    for built in Toolchain::host().build_all(&packages, folder, options.rebuild) {
+        match built.and_then(|b| Library::open(&b.path)) {
+            Ok(library) => libraries.push(library),
+            Err(error) => findings.push(error.to_diagnostic()),
+        }
+    }
+    if !findings.is_empty() {
+        return Err(findings);
+    }
+    let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
+    for (index, node) in line.nodes.iter().enumerate() {
+        let machine: &Machine = match &node.kind {
+            NodeKind::Station { machine, .. } => machine,
+            NodeKind::Conveyor {
+                belt: Some(belt), ..
+            } => &belt.machine,
+            _ => continue,
+        };
+        let library = machines
+            .iter()
+            .position(|c| std::ptr::eq(c.machine, machine))
+            .map(|i| &libraries[i]);
+        match library.map(Library::instance) {
+            Some(Ok(instance)) => {
+                controllers.insert(index, Box::new(instance));
+            }
+            Some(Err(error)) => findings.push(Diagnostic::error(
+                codes::LIBRARY_CALL,
+                node.span,
+                format!("`{}` cannot be instantiated: {error}", node.name),
+            )),
+            None => {}
+        }
+    }
+    if !findings.is_empty() {
+        return Err(findings);
+    }
+    let line = Arc::new(line.clone());
+    let mut plant = Plant::new(
+        Arc::clone(&line),
+        controllers,
+        Options {
+            seed: options.seed,
+            parts: options.parts,
+            until: options.until,
+            ..Options::default()
+        },
+    )?;
+    let start = Instant::now();
+    let (traces, replications) = plant.replicate(u64::from(options.replications));
+    let wall = options.timing.then(|| start.elapsed().as_secs_f64());
+    let replications = (options.replications > 1).then_some(replications);
+    let mut found = Vec::new();
+    for trace in &traces {
+        for finding in &trace.findings {
+            if !found.contains(finding) {
+                found.push(finding.clone());
+            }
+        }
+    }
+    Ok(Run {
+        table: report::table(&line, &traces[0], replications.as_ref()),
+        document: report::json(&line, &traces[0], replications.as_ref(), wall),
+        findings: found,
+    })
 }

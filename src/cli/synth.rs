@@ -1,12 +1,13 @@
 //! `linewright synth`: a verified controller, written down.
 
-use super::connect;
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::output;
 use super::pipeline::Jobs;
 use super::select::Selection;
-use crate::diagnostics::has_errors;
+use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::game::Limit;
+use crate::mealy;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -87,7 +88,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             continue;
         };
         for emit in &arguments.emit {
-            match connect::write(*emit, machine) {
+            match write(*emit, machine) {
                 Ok(text) => written.push((format!("{}.{}", contract.name, emit.ending()), text)),
                 Err(finding) => findings.push(*finding),
             }
@@ -110,4 +111,25 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         console.findings(&library.sources, &findings)?;
     }
     Ok(options.exit_code(&findings))
+}
+
+/// A controller in one of its written forms. A finding (LW204) where that form would be too large.
+fn write(emit: Emit, machine: &mealy::Machine) -> Result<String, Box<Diagnostic>> {
+    let too_large = |limit: Limit| {
+        Box::new(
+            Diagnostic::error(
+                codes::GAVE_UP,
+                None,
+                format!("`{}` was not written in this form: {limit}", machine.name),
+            )
+            .with_help("use --emit json, whose transitions carry guards"),
+        )
+    };
+    let pretty = |value: &serde_json::Value| format!("{value:#}\n");
+    Ok(match emit {
+        Emit::Json => mealy::json::to_text(&mealy::json::to_json(machine, true)),
+        Emit::Gr1c => pretty(&mealy::gr1c::to_json(machine).map_err(too_large)?),
+        Emit::Dot => mealy::dot::to_dot(machine),
+        Emit::Svg => mealy::svg::to_svg(machine),
+    })
 }
