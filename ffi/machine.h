@@ -63,6 +63,13 @@ typedef struct lw_side {
     lw_promise safety;
 } lw_side;
 
+/* The values of a property: whole numbers from `low` to `high`, where `whole` is not 0. */
+typedef struct lw_range {
+    int whole;
+    double low;
+    double high;
+} lw_range;
+
 /* One input of a component: `value` counts the component's variables. */
 typedef struct lw_input {
     const char *name;

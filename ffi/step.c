@@ -1,7 +1,7 @@
 /* What a machine does: one step, one operation, and what is said when something is wrong.
  *
  * Included at the end of a generated machine file, whose tables it interprets: `lw_component_table`, `lw_plant_table`,
- * `lw_operation_table`, `lw_justice_table`, `lw_property_names`, `machine_done` and `machine_write`. What a step and an
+ * `lw_operation_table`, `lw_justice_table`, `lw_property_names`, `lw_property_ranges`, `machine_done` and `machine_write`. What a step and an
  * operation mean, and in which order things are checked, is written down in `src/station/interpret.rs`; the two are tested
  * against each other. Nothing here knows of instances, threads or the platform. */
 #include "machine.h"
@@ -333,7 +333,7 @@ static int32_t lw_limit(const lw_job *job, const char *operation, lw_error *erro
     lw_say_integer(error, LW_STEP_LIMIT);
     lw_say(error, " steps");
     for (int j = 0; j < LW_JUSTICE; j++) {
-        if (longest < 0 || job->held[j] < job->held[longest]) {
+        if (longest < 0 || job->held[j] <= job->held[longest]) {
             longest = j;
         }
     }
@@ -393,6 +393,12 @@ static int32_t lw_perform(lw_state *state, int32_t operation, const double *prop
                 if (!isfinite(after[i])) {
                     return lw_fail_name(error, LW_ERROR_DOMAIN, "property `", lw_property_names[i],
                                         "` would get a value that is not a finite number");
+                }
+                if (lw_property_ranges[i].whole && after[i] != properties[i]
+                    && (after[i] < lw_property_ranges[i].low || after[i] > lw_property_ranges[i].high
+                        || after[i] != floor(after[i]))) {
+                    return lw_fail_name(error, LW_ERROR_DOMAIN, "property `", lw_property_names[i],
+                                        "` would get a value outside its range");
                 }
             }
             *service = job.service;

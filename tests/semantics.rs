@@ -746,6 +746,12 @@ fn all_notations_agree() {
             "□ (p → ○q)",
             "[](p => O q)",
         ],
+        &[
+            "always (p -> next (not q))",
+            "always (p -> next not q)",
+            "G (p -> X !q)",
+            "□ (p → ○¬q)",
+        ],
         &["p and q", "p & q", "p && q", "p /\\ q", "p ∧ q"],
         &["p or q", "p | q", "p || q", "p \\/ q", "p ∨ q"],
         &["not p", "!p", "~p", "¬p", "! p"],

@@ -318,6 +318,7 @@ impl Assembly<'_> {
                 document.contracts.push(nameless(file.name));
             }
         }
+        self.lines_of_invalid_machines(&mut document);
         for path in &self.loaded.unreadable {
             document.contracts.push(nameless(path));
         }
@@ -334,6 +335,30 @@ impl Assembly<'_> {
         }
         document.summary.findings = all.len();
         (document, all)
+    }
+
+    /// A line is as valid as its machines.
+    fn lines_of_invalid_machines(&self, document: &mut Document) {
+        let Document {
+            machines, lines, ..
+        } = document;
+        let broken = [Verdict::Invalid.word(), Verdict::Unrealizable.word()];
+        let invalid = |name: &str| {
+            machines
+                .iter()
+                .any(|m| m.name == name && broken.contains(&m.verdict))
+        };
+        for model in &self.loaded.library.lines {
+            let affected = super::machines::of_line(model)
+                .iter()
+                .any(|m| invalid(&m.name));
+            for entry in lines
+                .iter_mut()
+                .filter(|l| affected && l.name == model.name)
+            {
+                entry.verdict = "invalid";
+            }
+        }
     }
 
     /// The entry of a contract; the findings of its pipeline are added to those of its text.

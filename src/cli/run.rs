@@ -111,6 +111,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         until: arguments.until,
         seed: arguments.seed,
         replications: arguments.replications,
+        deadline: limits.deadline,
         rebuild: arguments.rebuild,
         timing: !options.no_timing,
     };
@@ -146,6 +147,8 @@ struct RunOptions {
     seed: u64,
     /// How many runs, with seeds `seed`, `seed + 1`, ...
     replications: u32,
+    /// Give up at this instant.
+    deadline: Option<Instant>,
     /// Compile the libraries even where they are there already.
     rebuild: bool,
     /// Whether measured times belong into the result.
@@ -176,7 +179,13 @@ fn simulate(
     for built in Toolchain::host().build_all(&packages, folder, options.rebuild) {
         match built.and_then(|b| Library::open(&b.path)) {
             Ok(library) => libraries.push(library),
-            Err(error) => findings.push(error.to_diagnostic()),
+            Err(error) => {
+                // A compiler that is missing is missing for every machine.
+                let finding = error.to_diagnostic();
+                if !findings.contains(&finding) {
+                    findings.push(finding);
+                }
+            }
         }
     }
     if !findings.is_empty() {
@@ -218,6 +227,7 @@ fn simulate(
             seed: options.seed,
             parts: options.parts,
             until: options.until,
+            deadline: options.deadline,
             ..Options::default()
         },
     )?;

@@ -3,7 +3,8 @@
 use super::exit::ExitCode;
 use super::files::{self, Loaded};
 use super::options::GlobalOptions;
-use crate::diagnostics::has_errors;
+use super::outline;
+use crate::diagnostics::{codes, has_errors};
 use crate::source::Span;
 
 /// A path, and the name of a declaration in it.
@@ -41,8 +42,41 @@ impl Selection {
         command: &str,
         options: &GlobalOptions,
     ) -> anyhow::Result<Result<Loaded, ExitCode>> {
+        Self::sound(self.read(options), command, options)
+    }
+
+    /// The same for a command that needs nothing but the declaration of that name: what is wrong within others of the file
+    /// does not matter, as long as the file can be read.
+    pub fn load_alone(
+        &self,
+        command: &str,
+        options: &GlobalOptions,
+    ) -> anyhow::Result<Result<Loaded, ExitCode>> {
+        let mut loaded = self.read(options);
+        if let Some(name) = &self.name {
+            let sources = &loaded.library.sources;
+            loaded.findings.retain(|f| {
+                let elsewhere = f.span.is_some_and(|span| {
+                    outline::declarations(sources, span.file)
+                        .iter()
+                        .any(|d| d.holds(span) && d.name != *name)
+                });
+                !elsewhere || f.code.id < codes::NAME_UNKNOWN.id
+            });
+        }
+        Self::sound(loaded, command, options)
+    }
+
+    fn read(&self, options: &GlobalOptions) -> Loaded {
         let standard = files::StandardLibrary::new(options.library.clone());
-        let loaded = files::load(std::slice::from_ref(&self.path), &standard);
+        files::load(std::slice::from_ref(&self.path), &standard)
+    }
+
+    fn sound(
+        loaded: Loaded,
+        command: &str,
+        options: &GlobalOptions,
+    ) -> anyhow::Result<Result<Loaded, ExitCode>> {
         if has_errors(&loaded.findings) {
             let sources = &loaded.library.sources;
             options

@@ -58,7 +58,7 @@ impl Emit {
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let limits = options.limits();
-    let loaded = match arguments.selection.load("synth", options)? {
+    let loaded = match arguments.selection.load_alone("synth", options)? {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };

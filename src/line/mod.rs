@@ -52,6 +52,8 @@ pub struct Options {
     pub parts: Option<u64>,
     /// End after so many simulated seconds.
     pub until: Option<f64>,
+    /// Give up at this instant of the real clock.
+    pub deadline: Option<std::time::Instant>,
     /// Keep every movement in [`Trace::log`]; memory then grows with the run.
     pub log: bool,
 }
@@ -62,6 +64,7 @@ impl Default for Options {
             seed: 1,
             parts: None,
             until: None,
+            deadline: None,
             log: false,
         }
     }

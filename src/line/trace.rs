@@ -64,6 +64,8 @@ pub enum End {
     Blocked,
     /// A conveyor's controller lost or doubled a part.
     PartLost,
+    /// The deadline of the real clock was reached.
+    GaveUp,
 }
 
 /// Mobile units of all types: `entered = finished + rejected + consumed + in_progress`.

@@ -174,6 +174,7 @@ pub(super) fn end_word(end: End) -> &'static str {
         End::Time => "time",
         End::Blocked => "blocked",
         End::PartLost => "part_lost",
+        End::GaveUp => "gave_up",
     }
 }
 

@@ -28,6 +28,7 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
         End::Time => " (the time was over)",
         End::Blocked => " (the line can no longer advance)",
         End::PartLost => " (a conveyor lost a part)",
+        End::GaveUp => " (the time limit was reached)",
     };
     let mut row = |label: &str, text: String| {
         let _ = writeln!(out, "  {label:<12} {text}");

@@ -218,10 +218,19 @@ impl Interpreter {
         for (property, expr) in &self.machine.writes {
             after[*property] = expr.eval(values, wires);
         }
-        match after.iter().position(|v| !v.is_finite()) {
-            Some(i) => Err(CallError::write(&self.machine.properties[i].name)),
-            None => Ok(after),
+        for ((property, before), v) in self.machine.properties.iter().zip(values).zip(&after) {
+            if !v.is_finite() {
+                return Err(CallError::write(&property.name));
+            }
+            #[expect(clippy::float_cmp, reason = "a value that was not written is the same")]
+            if let Some(domain) = &property.domain
+                && v != before
+                && (*v < domain.low() as f64 || *v > domain.high() as f64 || *v != v.floor())
+            {
+                return Err(CallError::write_range(&property.name));
+            }
         }
+        Ok(after)
     }
 }
 
@@ -381,9 +390,9 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// The justice assumption that has not held for longest, the first among equals, and for how many steps.
+    /// The justice assumption that has not held for longest, the last among equals (an action rather than the coordinator that waits for it), and for how many steps.
     fn longest_silence(&self) -> Option<(&'a Component, &'a Formula, u64)> {
-        let (c, formula, held) = self.justice.iter().min_by_key(|(_, _, held)| *held)?;
+        let (c, formula, held) = self.justice.iter().rev().min_by_key(|(_, _, held)| *held)?;
         let component = &self.machine.components[*c];
         Some((component, formula, self.service.steps - held))
     }

@@ -241,6 +241,13 @@ impl CallError {
         )
     }
 
+    pub(super) fn write_range(property: &str) -> Self {
+        Self::plain(
+            ErrorCode::Domain,
+            format!("property `{property}` would get a value outside its range"),
+        )
+    }
+
     /// `longest` is the justice assumption that has not held for longest, and for how many steps.
     pub(super) fn limit(
         operation: &str,

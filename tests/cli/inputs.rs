@@ -112,3 +112,41 @@ fn a_line_without_an_end() {
     assert_eq!(session.run("run lamp.lw --parts 2").code, 0);
     assert_eq!(session.run("run lamp.lw --until 10").code, 0);
 }
+
+#[test]
+fn a_line_whose_every_part_is_refused() {
+    let session = Session::new();
+    let printed = session.run("run starved.lw");
+    assert_eq!(printed.code, 1);
+    assert!(
+        printed.err.contains("LW403") && printed.err.contains("\"wait: clamps\" was broken"),
+        "{}",
+        printed.err
+    );
+    // The clamp closes, and now the operation writes 11 into a property of 0..10.
+    session.edit(
+        "starved.lw",
+        "clamped: bool = false",
+        "clamped: bool = true",
+    );
+    let printed = session.run("run starved.lw --until 60");
+    assert_eq!(printed.code, 1);
+    assert!(
+        printed
+            .err
+            .contains("property `width` would get a value outside its range"),
+        "{}",
+        printed.err
+    );
+    session.edit("starved.lw", "width = width + 1", "width = width - 1");
+    assert_eq!(session.run("run starved.lw --parts 3").code, 0);
+}
+
+#[test]
+fn mistakes_elsewhere_in_the_file_do_not_matter_to_synth() {
+    let session = Session::new();
+    let other = "contract Broken { output x: bool guarantee: always y }\n";
+    session.edit("lamp.lw", "/// Lights up", &format!("{other}/// Lights up"));
+    assert_eq!(session.run("synth lamp.lw::Light").code, 0);
+    assert_eq!(session.run("synth lamp.lw::Broken").code, 1);
+}

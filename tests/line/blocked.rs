@@ -187,8 +187,27 @@ fn a_line_that_only_makes_scrap_ends() {
     assert_eq!(trace.end, End::Blocked);
     insta::assert_snapshot!(text(&trace), @r#"
     LW403: the line makes no progress: it has made 0 of 1 products, and none in the last 5000000 events
-      See whether every part is rejected; --until ends a run at a time.
+      See which rule refuses the parts, or why every part is rejected; --until ends a run at a time.
     "#);
+}
+
+#[test]
+fn a_deadline_of_the_real_clock_ends_a_run() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("printer", "Part", Supply::OnOrder)
+        .station("cell", &["Part"], constant(1.0))
+        .scrap("scrap", Some("printer"))
+        .route("Part", &["printer", "cell", "scrap"]);
+    let options = Options {
+        until: Some(1e12),
+        deadline: Some(std::time::Instant::now()),
+        ..Options::default()
+    };
+    let trace = builder.plant(options).run();
+    assert_eq!(trace.end, End::GaveUp);
+    assert!(trace.events < 100);
+    assert_eq!(trace.findings[0].code.id, "LW204");
 }
 
 #[test]

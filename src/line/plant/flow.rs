@@ -335,6 +335,7 @@ impl Run<'_> {
             self.stored += u64::from(matches!(self.places[node], Place::Store(_)));
             self.makespan = self.now;
             self.events_at_product = self.events;
+            self.violations_at_product = self.violation_count;
             self.lead_times.add(self.now - self.parts[part].birth);
             if self.setup.target == Some(self.products) {
                 self.end = Some(End::Products);

@@ -36,6 +36,10 @@ const MAX_AT_ONE_INSTANT: u64 = 1_000_000;
 const MAX_VIOLATIONS_AT_ONE_INSTANT: u64 = 10_000;
 /// More than so many events since the last end product, and a run that waits for products is taken to make none any more.
 const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
+/// More than so many violations since the last end product, likewise.
+const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;
+/// The real clock is looked at every so many events.
+const EVENTS_A_LOOK: u64 = 16;
 
 /// A line that can be run, again and again.
 pub struct Plant {
@@ -140,6 +144,7 @@ struct Run<'a> {
     at_instant: u64,
     violations_at_instant: u64,
     events_at_product: u64,
+    violations_at_product: u64,
 }
 
 impl Plant {
@@ -303,6 +308,7 @@ impl<'a> Run<'a> {
             at_instant: 0,
             violations_at_instant: 0,
             events_at_product: 0,
+            violations_at_product: 0,
         }
     }
 
@@ -340,6 +346,9 @@ impl<'a> Run<'a> {
                 self.happen(event);
                 self.settle();
                 self.guard();
+                if self.events.is_multiple_of(EVENTS_A_LOOK) {
+                    self.look_at_clock();
+                }
             }
         }
     }
@@ -424,21 +433,49 @@ impl<'a> Run<'a> {
                      every part breaks a rule and is ordered again.",
                 ),
             );
-        } else if self.setup.horizon.is_none()
-            && self.events - self.events_at_product > MAX_EVENTS_WITHOUT_PRODUCT
-        {
+        } else if self.setup.horizon.is_none() && self.is_barren() {
             self.end = Some(End::Blocked);
+            let refused = self.violation_count - self.violations_at_product;
+            let since = if refused > MAX_VIOLATIONS_WITHOUT_PRODUCT {
+                format!("while rules were broken {refused} times")
+            } else {
+                format!("in the last {MAX_EVENTS_WITHOUT_PRODUCT} events")
+            };
             let message = format!(
-                "the line makes no progress: it has made {} of {} products, and none in the last {} events",
+                "the line makes no progress: it has made {} of {} products, and none {since}",
                 self.products,
                 self.setup.target.unwrap_or(0),
-                MAX_EVENTS_WITHOUT_PRODUCT
             );
             self.findings.push(
-                Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message)
-                    .with_help("See whether every part is rejected; --until ends a run at a time."),
+                Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message).with_help(
+                    "See which rule refuses the parts, or why every part is rejected; --until ends a run at a time.",
+                ),
             );
         }
+    }
+
+    /// Whether a run that waits for products has stopped making any.
+    fn is_barren(&self) -> bool {
+        self.events - self.events_at_product > MAX_EVENTS_WITHOUT_PRODUCT
+            || self.violation_count - self.violations_at_product > MAX_VIOLATIONS_WITHOUT_PRODUCT
+    }
+
+    /// Gives up when the deadline of the real clock is reached.
+    fn look_at_clock(&mut self) {
+        let deadline = self.setup.options.deadline;
+        if self.end.is_some() || deadline.is_none_or(|d| std::time::Instant::now() < d) {
+            return;
+        }
+        self.end = Some(End::GaveUp);
+        let message = format!(
+            "the run was not over when the time limit was reached: it has come to {}, with {} products",
+            self.moment(),
+            self.products
+        );
+        self.findings.push(
+            Diagnostic::error(codes::GAVE_UP, self.line.span, message)
+                .with_help("give it more time with --timeout SECONDS, or end it earlier with --parts or --until"),
+        );
     }
 
     /// Whether too much has happened since the clock last moved.

@@ -41,7 +41,7 @@ impl Values {
     /// In words.
     pub fn show(&self, machine: &Machine) -> String {
         if self.0.is_empty() {
-            return "the coordinator is in this step".to_owned();
+            return "the action is asked for".to_owned();
         }
         let shown: Vec<String> = self
             .0

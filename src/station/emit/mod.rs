@@ -215,6 +215,26 @@ fn operations(out: &mut String, machine: &Machine, wires: &[String]) {
         .map(|p| format!("    {}, /* {} */\n", string(&p.name), comment(&p.unit)))
         .collect();
     table(out, "char *const", "lw_property_names", &properties, "NULL");
+    let ranges: Vec<String> = machine
+        .properties
+        .iter()
+        .map(|p| match &p.domain {
+            Some(d) => format!(
+                "    {{ 1, {}.0, {}.0 }}, /* {} */\n",
+                d.low(),
+                d.high(),
+                comment(&d.describe())
+            ),
+            None => "    { 0, 0.0, 0.0 },\n".to_owned(),
+        })
+        .collect();
+    table(
+        out,
+        "lw_range",
+        "lw_property_ranges",
+        &ranges,
+        "{ 0, 0.0, 0.0 }",
+    );
     let done = machine.done.as_ref().map_or_else(
         || "0".to_owned(),
         |d| expression::truth(d, &|v: VarId, _| format!("wires[{}]", wires[v.index()])),

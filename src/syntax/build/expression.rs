@@ -227,6 +227,7 @@ impl Builder {
                 let body = Box::new(body);
                 match rule {
                     Rule::not_op => make(ExprKind::Not(body), whole),
+                    Rule::next_op => make(ExprKind::Next(body), whole),
                     Rule::tight_always if both => {
                         let inner = make(ExprKind::Eventually(body), whole);
                         make(ExprKind::Always(Box::new(inner)), whole)
