@@ -188,6 +188,17 @@ pub(super) fn taxonomy_codes(
         .collect()
 }
 
+/// The codes that a contract or machine states, looked up elsewhere.
+pub(super) fn stated_codes(header: &ast::Header) -> Vec<TaxonomyCode> {
+    let codes = header.codes.iter();
+    codes
+        .map(|c| TaxonomyCode {
+            text: c.text.clone(),
+            span: c.span,
+        })
+        .collect()
+}
+
 /// A contract with these arguments. `None` when something is wrong that leaves no usable specification; findings say what.
 pub(super) fn instantiate(
     scope: &Scope<'_>,
@@ -263,15 +274,7 @@ pub(super) fn instantiate(
     Some(Contract {
         name: contract.header.name.text.clone(),
         doc: contract.header.doc.clone(),
-        codes: contract
-            .header
-            .codes
-            .iter()
-            .map(|c| TaxonomyCode {
-                text: c.text.clone(),
-                span: c.span,
-            })
-            .collect(),
+        codes: stated_codes(&contract.header),
         arguments,
         specification: Arc::new(Specification {
             name: contract.header.name.text.clone(),

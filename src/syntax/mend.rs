@@ -45,7 +45,7 @@ const INFIX: &[&str] = &[
 ];
 
 /// Words that no expression can hold.
-const ITEMS: &[&str] = &[
+pub(super) const ITEMS: &[&str] = &[
     "input",
     "output",
     "internal",

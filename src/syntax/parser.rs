@@ -7,6 +7,7 @@
 use super::ast::File;
 use super::build::Builder;
 use super::mend;
+use super::mend::ITEMS;
 use crate::diagnostics::{Diagnostic, codes, nearest};
 use crate::source::{FileId, Span};
 use pest::Parser;
@@ -348,7 +349,7 @@ fn finding_of(
         start + end.max(at + usize::from(at < text.len())),
     );
     let finding = Diagnostic::error(codes::SYNTAX, span, message);
-    if RESERVED.contains(&word.as_str())
+    if (RESERVED.contains(&word.as_str()) || ITEMS.contains(&word.as_str()))
         && !expected.contains("an expression")
         && expected.contains("a name")
     {
@@ -379,6 +380,7 @@ const WIDE: &[&str] = &[
     "sum",
 ];
 
+/// Words of expressions that cannot be names; those that begin an item are in [`ITEMS`].
 const RESERVED: &[&str] = &[
     "always",
     "eventually",
@@ -400,19 +402,6 @@ const RESERVED: &[&str] = &[
     "true",
     "false",
     "in",
-    "input",
-    "output",
-    "internal",
-    "define",
-    "assume",
-    "guarantee",
-    "contract",
-    "moore",
-    "machine",
-    "line",
-    "import",
-    "type",
-    "const",
     "GF",
     "G",
     "F",

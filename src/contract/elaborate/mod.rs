@@ -391,7 +391,7 @@ impl<'a> Elaborator<'a> {
                 };
                 Some(Value::Scalar(term, ty))
             }
-            ExprKind::Binary(op, a, b) => self.operation(e.span, *op, a, b, expected, time),
+            ExprKind::Binary(op, a, b) => self.operation(e.span, *op, a, b, time),
             ExprKind::If(c, a, b) => self.conditional(c, a, b, expected, time),
             ExprKind::Quantifier(kind, name, domain, body) => {
                 self.quantifier(e.span, *kind, name, domain, body, time)

@@ -15,7 +15,6 @@ impl<'a> Elaborator<'a> {
         op: ast::BinaryOp,
         a: &'a ast::Expr,
         b: &'a ast::Expr,
-        expected: Option<&Type>,
         time: Time,
     ) -> Option<Value> {
         use ast::BinaryOp as A;
@@ -59,7 +58,6 @@ impl<'a> Elaborator<'a> {
                 boolean(op, a, b)
             }
             A::Add | A::Sub | A::Mul | A::Div | A::Mod => {
-                let _ = expected;
                 let (a, b_value) = (self.number(a, time), self.number(b, time));
                 self.arithmetic(span, op, a?, b_value?, b.span)
             }

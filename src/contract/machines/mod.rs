@@ -10,7 +10,6 @@ pub(super) use properties::{
 };
 pub(super) use settings::{failures, positive};
 
-use super::TaxonomyCode;
 use super::elaborate::{Elaborator, nearest};
 use super::instantiate::{self, Arguments, instantiate};
 use super::machine::{Machine, PlantInput, Property, PropertyKind};
@@ -89,15 +88,7 @@ fn build<'a>(
     let mut model = Machine {
         name: machine.header.name.text.clone(),
         doc: machine.header.doc.clone(),
-        codes: machine
-            .header
-            .codes
-            .iter()
-            .map(|c| TaxonomyCode {
-                text: c.text.clone(),
-                span: c.span,
-            })
-            .collect(),
+        codes: instantiate::stated_codes(&machine.header),
         components: Vec::new(),
         plant: Vec::new(),
         properties: Vec::new(),
