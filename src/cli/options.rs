@@ -84,6 +84,7 @@ impl GlobalOptions {
     /// The limits, counted from now.
     pub fn limits(&self) -> Limits {
         Limits {
+            most_nodes: None,
             // A time too far away for the clock is no limit.
             deadline: self.timeout.and_then(|t| Instant::now().checked_add(t)),
             memory_mib: Some(self.memory),

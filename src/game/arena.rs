@@ -1,35 +1,35 @@
 //! The board: a specification's formulas as functions of bits, and the relations the fixpoint works with.
 //!
 //! Formulas are encoded once ([`Formulas`]); an [`Arena`] conjoins a selection of the guarantees, so that looking for a core
-//! does not encode again. A side's transition relation is a list of clusters: conjuncts put together up to a bound, which is
-//! between one large relation (good for some specifications, bad for others) and one relation a formula (the reverse).
+//! does not encode again. The order of the variables is settled before: see [`super::structure`], and the kernel's sifting.
 
+use super::heuristics::{Heuristic, Heuristics};
+use super::relation::Relation;
+use super::structure;
 use super::{GuaranteeKind, GuaranteeRef};
 use crate::gr1::{Formula, Owner, Side, Specification, Time, Timing, VarId};
-use crate::symbolic::{BitSet, Encoding, Function, Limit, Limits, Manager};
-
-/// Conjuncts are put together until they have this many nodes.
-const CLUSTER_NODES: usize = 1_000;
+use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
 
 /// The formulas of one side.
 #[derive(Debug)]
-struct Encoded {
-    initial: Vec<Function>,
-    invariants: Vec<Function>,
-    safety: Vec<Function>,
-    justice: Vec<Function>,
+struct Encoded<K: Kernel> {
+    initial: Vec<K::Function>,
+    invariants: Vec<K::Function>,
+    safety: Vec<K::Function>,
+    justice: Vec<K::Function>,
     /// That the side's variables have values of their domains; over current bits.
-    domains: Function,
+    domains: K::Function,
 }
 
 /// All formulas of a specification, encoded.
 #[derive(Debug)]
-pub struct Formulas {
-    manager: Manager,
+pub struct Formulas<K: Kernel> {
+    kernel: K,
+    heuristics: Heuristics,
     encoding: Encoding,
     timing: Timing,
-    environment: Encoded,
-    system: Encoded,
+    environment: Encoded<K>,
+    system: Encoded<K>,
     inputs: Vec<VarId>,
     outputs: Vec<VarId>,
 }
@@ -52,22 +52,39 @@ impl Selection<'_> {
     }
 }
 
-impl Formulas {
-    /// Encodes everything.
-    pub fn encode(specification: &Specification, limits: &Limits) -> Result<Self, Limit> {
+/// The order to begin with: the structure's, or the declaration's.
+pub fn first_order(specification: &Specification, heuristics: Heuristics) -> Order {
+    let encoding = Encoding::new(specification);
+    // One more pair than the variables need, at the bottom: the strategy's flag "the goal was reached".
+    let pairs = encoding.pairs() + 1;
+    if heuristics.has(Heuristic::Structure) {
+        structure::order(specification, &encoding, pairs)
+    } else {
+        Order::natural(pairs)
+    }
+}
+
+impl<K: Kernel> Formulas<K> {
+    /// Encodes everything, with the pairs of bits in this order to begin with.
+    pub fn encode(
+        specification: &Specification,
+        order: &Order,
+        heuristics: Heuristics,
+        limits: &Limits,
+    ) -> Result<Self, Limit> {
         let encoding = Encoding::new(specification);
-        // One more pair than the variables need: the strategy's flag "the goal was reached".
-        let manager = Manager::new(encoding.pairs() + 1, limits)?;
-        let list = |formulas: &[Formula]| -> Result<Vec<Function>, Limit> {
-            let encoded = formulas.iter().map(|f| encoding.formula(&manager, &f.expr));
+        let kernel = K::new(order, limits)?;
+        kernel.set_reordering(heuristics.has(Heuristic::Resifting));
+        let list = |formulas: &[Formula]| -> Result<Vec<K::Function>, Limit> {
+            let encoded = formulas.iter().map(|f| encoding.formula(&kernel, &f.expr));
             encoded.collect()
         };
-        let side = |side: &Side, owner: Owner| -> Result<Encoded, Limit> {
-            let mut domains = manager.constant(true);
+        let side = |side: &Side, owner: Owner| -> Result<Encoded<K>, Limit> {
+            let mut domains = kernel.constant(true);
             for (i, variable) in specification.variables.iter().enumerate().rev() {
                 if variable.owner == owner {
-                    let within = encoding.in_domain(&manager, VarId(i as u32), Time::Now)?;
-                    domains = manager.and(&domains, &within)?;
+                    let within = encoding.in_domain(&kernel, VarId(i as u32), Time::Now)?;
+                    domains = kernel.and(&domains, &within)?;
                 }
             }
             Ok(Encoded {
@@ -87,8 +104,14 @@ impl Formulas {
             inputs: specification.inputs().collect(),
             outputs: specification.outputs().collect(),
             encoding,
-            manager,
+            heuristics,
+            kernel,
         })
+    }
+
+    /// The kernel that the formulas live in.
+    pub fn kernel(&self) -> &K {
+        &self.kernel
     }
 
     /// The guarantees of the specification, in order.
@@ -108,19 +131,19 @@ impl Formulas {
 
     /// The largest number of nodes that were alive at once.
     pub fn peak_nodes(&self) -> u64 {
-        self.manager.peak_nodes()
+        self.kernel.peak_nodes()
     }
 
     /// The game with the selected guarantees.
-    pub fn arena(&self, selection: &Selection<'_>) -> Result<Arena, Limit> {
-        let m = &self.manager;
-        let chosen = |kind: GuaranteeKind, list: &[Function]| -> Vec<Function> {
+    pub fn arena(&self, selection: &Selection<'_>) -> Result<Arena<K>, Limit> {
+        let m = &self.kernel;
+        let chosen = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
             let list = list.iter().enumerate();
             list.filter(|(i, _)| selection.contains(kind, *i))
                 .map(|(_, f)| f.clone())
                 .collect()
         };
-        let or_true = |list: Vec<Function>| {
+        let or_true = |list: Vec<K::Function>| {
             if list.is_empty() {
                 vec![m.constant(true)]
             } else {
@@ -140,61 +163,65 @@ impl Formulas {
 
         let mut env_parts = env.safety.clone();
         env_parts.push(m.prime(&legal_inputs)?);
-        let sys_parts = chosen(GuaranteeKind::Safety, &sys.safety);
+        let mut sys_parts = chosen(GuaranteeKind::Safety, &sys.safety);
 
-        let mut arena = Arena {
-            manager: m.with_limits(&m.limits()),
+        let bits = |vars: &[VarId], time| self.encoding.bit_set(vars.iter().copied(), time);
+        let inputs_next = bits(&self.inputs, Time::Next);
+        let outputs_next = bits(&self.outputs, Time::Next);
+        let environment = Relation::new(m, &env_parts, &inputs_next, self.heuristics)?;
+        if self.timing == Timing::Moore {
+            // ∀x'. ρe → (a ∧ b) is (∀x'. ρe → a) ∧ (∀x'. ρe → b): the machine's safety can be freed of x' once and for all.
+            for part in &mut sys_parts {
+                *part = m.not(&environment.product(m, &m.not(part)?)?)?;
+            }
+        }
+        let system = Relation::new(m, &sys_parts, &outputs_next, self.heuristics)?;
+        Ok(Arena {
+            kernel: m.clone(),
+            heuristics: self.heuristics,
             timing: self.timing,
             states,
             env_initial,
             sys_initial,
-            env_clusters: clusters(m, env_parts)?,
-            sys_clusters: clusters(m, sys_parts)?,
+            environment,
+            system,
             assumptions: or_true(env.justice.clone()),
             goals: or_true(chosen(GuaranteeKind::Justice, &sys.justice)),
-            inputs_now: self
-                .encoding
-                .bit_set(self.inputs.iter().copied(), Time::Now),
-            inputs_next: self
-                .encoding
-                .bit_set(self.inputs.iter().copied(), Time::Next),
-            outputs_now: self
-                .encoding
-                .bit_set(self.outputs.iter().copied(), Time::Now),
-            outputs_next: self
-                .encoding
-                .bit_set(self.outputs.iter().copied(), Time::Next),
-            early: Vec::new(),
+            inputs_now: bits(&self.inputs, Time::Now),
+            inputs_next,
+            outputs_now: bits(&self.outputs, Time::Now),
+            outputs_next,
             encoding: self.encoding.clone(),
-        };
-        arena.prepare()?;
-        Ok(arena)
+        })
     }
 }
 
 /// The game.
-#[derive(Debug)]
-pub struct Arena {
+#[derive(Debug, Clone)]
+pub struct Arena<K: Kernel> {
     /// Makes functions.
-    pub manager: Manager,
+    pub kernel: K,
+    /// What is done to be fast.
+    pub heuristics: Heuristics,
     /// The bits of the variables.
     pub encoding: Encoding,
     /// Who answers first.
     pub timing: Timing,
     /// The valuations that satisfy the invariants and domains of both sides.
-    pub states: Function,
+    pub states: K::Function,
     /// What the environment may begin with: its initial conditions, invariants and domains. Over current inputs.
-    pub env_initial: Function,
+    pub env_initial: K::Function,
     /// What the machine may begin with: its initial conditions, invariants and domains.
-    pub sys_initial: Function,
+    pub sys_initial: K::Function,
     /// What the environment may do next: its safety, and its invariants and domains of the next step.
-    pub env_clusters: Vec<Function>,
-    /// The machine's safety. Its invariants and domains are in [`Self::states`], in which every target of the game lies.
-    pub sys_clusters: Vec<Function>,
+    pub environment: Relation<K>,
+    /// The machine's safety (for Moore: freed of the next inputs). Its invariants and domains are in [`Self::states`], in
+    /// which every target of the game lies.
+    pub system: Relation<K>,
     /// The environment's justice; never empty.
-    pub assumptions: Vec<Function>,
+    pub assumptions: Vec<K::Function>,
     /// The machine's justice; never empty.
-    pub goals: Vec<Function>,
+    pub goals: Vec<K::Function>,
     /// Bits of the current inputs.
     pub inputs_now: BitSet,
     /// Bits of the next inputs.
@@ -203,69 +230,30 @@ pub struct Arena {
     pub outputs_now: BitSet,
     /// Bits of the next outputs.
     pub outputs_next: BitSet,
-    /// For Mealy, the next outputs that no cluster after the i-th mentions: eliminated together with it.
-    early: Vec<BitSet>,
 }
 
-impl Arena {
+impl<K: Kernel> Arena<K> {
     /// The same game with other limits.
     pub fn with_limits(&self, limits: &Limits) -> Self {
         Self {
-            manager: self.manager.with_limits(limits),
-            encoding: self.encoding.clone(),
-            timing: self.timing,
-            states: self.states.clone(),
-            env_initial: self.env_initial.clone(),
-            sys_initial: self.sys_initial.clone(),
-            env_clusters: self.env_clusters.clone(),
-            sys_clusters: self.sys_clusters.clone(),
-            assumptions: self.assumptions.clone(),
-            goals: self.goals.clone(),
-            inputs_now: self.inputs_now.clone(),
-            inputs_next: self.inputs_next.clone(),
-            outputs_now: self.outputs_now.clone(),
-            outputs_next: self.outputs_next.clone(),
-            early: self.early.clone(),
+            kernel: self.kernel.with_limits(limits),
+            ..self.clone()
         }
     }
 
-    fn prepare(&mut self) -> Result<(), Limit> {
-        if self.timing == Timing::Moore {
-            // ∀x'. ρe → (a ∧ b) is (∀x'. ρe → a) ∧ (∀x'. ρe → b): the machine's safety can be freed of x' once and for all.
-            let mut blind = Vec::new();
-            for cluster in &self.sys_clusters {
-                blind.push(self.for_all_inputs(cluster)?);
-            }
-            self.sys_clusters = clusters(&self.manager, blind)?;
-        }
-        let mut seen = BitSet::default();
-        let mut early = Vec::new();
-        for cluster in self.sys_clusters.iter().rev() {
-            let bits = cluster.support().into_iter();
-            let fresh =
-                BitSet::new(bits.filter(|b| self.outputs_next.contains(*b) && !seen.contains(*b)));
-            for bit in fresh.iter() {
-                seen.insert(bit);
-            }
-            early.push(fresh);
-        }
-        early.reverse();
-        self.early = early;
-        Ok(())
+    /// Whether no justice formula speaks of next values.
+    pub fn has_state_justice(&self) -> bool {
+        let mut formulas = self.assumptions.iter().chain(&self.goals);
+        formulas.all(|f| {
+            let support = self.kernel.support(f);
+            support.iter().all(|b| *b != b.primed())
+        })
     }
 
     /// `∀x'. ρe(x, y, x') → f`
-    pub fn for_all_inputs(&self, f: &Function) -> Result<Function, Limit> {
-        let m = &self.manager;
-        let (first, rest) = self
-            .env_clusters
-            .split_first()
-            .expect("the environment's domains make at least one cluster");
-        let mut allowed = f.clone();
-        for cluster in rest {
-            allowed = m.implies(cluster, &allowed)?;
-        }
-        m.implies_forall(first, &allowed, &self.inputs_next)
+    pub fn for_all_inputs(&self, f: &K::Function) -> Result<K::Function, Limit> {
+        let m = &self.kernel;
+        m.not(&self.environment.product(m, &m.not(f)?)?)
     }
 
     /// The controllable predecessor of a set of transitions: the states in which the machine can always answer with a
@@ -275,31 +263,22 @@ impl Arena {
     /// Mealy:  ∀x'. ρe(x, y, x') → ∃y'. ρs(x, y, x', y') ∧ target(x, y, x', y')
     /// Moore:  ∃y'. ∀x'. ρe(x, y, x') → ρs(x, y, x', y') ∧ target(x, y, x', y')
     /// ```
-    pub fn controllable_predecessor(&self, target: &Function) -> Result<Function, Limit> {
+    pub fn controllable_predecessor(&self, target: &K::Function) -> Result<K::Function, Limit> {
+        let m = &self.kernel;
         match self.timing {
-            Timing::Mealy => self.for_all_inputs(&self.some_output(target)?),
-            Timing::Moore => self.some_output(&self.for_all_inputs(target)?),
+            Timing::Mealy => self.for_all_inputs(&self.system.product(m, target)?),
+            Timing::Moore => self.system.product(m, &self.for_all_inputs(target)?),
         }
-    }
-
-    /// `∃y'. ρs ∧ f`, cluster by cluster, each next output eliminated as soon as no later cluster mentions it.
-    fn some_output(&self, f: &Function) -> Result<Function, Limit> {
-        let m = &self.manager;
-        let mut result = f.clone();
-        for (cluster, bits) in self.sys_clusters.iter().zip(&self.early) {
-            result = m.and_exists(&result, cluster, bits)?;
-        }
-        m.exists(&result, &self.outputs_next)
     }
 
     /// All that the environment may do, as one relation.
-    pub fn environment_moves(&self) -> Result<Function, Limit> {
-        self.manager.all(&self.env_clusters)
+    pub fn environment_moves(&self) -> Result<K::Function, Limit> {
+        self.environment.whole(&self.kernel)
     }
 
     /// The machine's safety as one relation (for Moore: freed of the next inputs).
-    pub fn system_moves(&self) -> Result<Function, Limit> {
-        self.manager.all(&self.sys_clusters)
+    pub fn system_moves(&self) -> Result<K::Function, Limit> {
+        self.system.whole(&self.kernel)
     }
 
     /// Whether the machine has an answer to every initial choice from within `region`.
@@ -307,8 +286,8 @@ impl Arena {
     /// ```text
     /// Mealy:  ∀x. θe(x) → ∃y. θs(x, y) ∧ region(x, y)        Moore:  ∃y. ∀x. θe(x) → θs(x, y) ∧ region(x, y)
     /// ```
-    pub fn wins_initially(&self, region: &Function) -> Result<bool, Limit> {
-        let m = &self.manager;
+    pub fn wins_initially(&self, region: &K::Function) -> Result<bool, Limit> {
+        let m = &self.kernel;
         let answers = match self.timing {
             Timing::Mealy => {
                 let some = m.and_exists(&self.sys_initial, region, &self.outputs_now)?;
@@ -320,23 +299,6 @@ impl Arena {
                 m.exists(&good, &self.outputs_now)?
             }
         };
-        Ok(!answers.is_false())
+        Ok(!m.is_false(&answers))
     }
-}
-
-/// Puts conjuncts together, in order, until a cluster is large. Gives at least one.
-fn clusters(m: &Manager, parts: Vec<Function>) -> Result<Vec<Function>, Limit> {
-    let mut result: Vec<Function> = Vec::new();
-    for part in parts {
-        match result.last_mut() {
-            Some(last) if last.size() + part.size() <= CLUSTER_NODES => {
-                *last = m.and(last, &part)?;
-            }
-            _ => result.push(part),
-        }
-    }
-    if result.is_empty() {
-        result.push(m.constant(true));
-    }
-    Ok(result)
 }

@@ -5,11 +5,11 @@
 
 use super::GuaranteeRef;
 use super::arena::{Formulas, Selection};
-use super::fixpoint::winning_region;
-use crate::symbolic::Limit;
+use super::fixpoint::{Iterations, winning_region};
+use crate::symbolic::{Kernel, Limit};
 
 /// A minimal unrealizable set of guarantees of an unrealizable specification.
-pub fn minimal_core(formulas: &Formulas) -> Result<Vec<GuaranteeRef>, Limit> {
+pub fn minimal_core<K: Kernel>(formulas: &Formulas<K>) -> Result<Vec<GuaranteeRef>, Limit> {
     let all = formulas.guarantees();
     let mut core = clash(formulas, &[], false, &all)?;
     core.sort_unstable();
@@ -18,8 +18,8 @@ pub fn minimal_core(formulas: &Formulas) -> Result<Vec<GuaranteeRef>, Limit> {
 
 /// The smallest part of `candidates` that clashes together with `kept`. `grown` says that `kept` has changed since it was
 /// last found harmless.
-fn clash(
-    formulas: &Formulas,
+fn clash<K: Kernel>(
+    formulas: &Formulas<K>,
     kept: &[GuaranteeRef],
     grown: bool,
     candidates: &[GuaranteeRef],
@@ -42,7 +42,7 @@ fn clash(
     Ok(needed)
 }
 
-fn unrealizable(formulas: &Formulas, guarantees: &[GuaranteeRef]) -> Result<bool, Limit> {
+fn unrealizable<K: Kernel>(formulas: &Formulas<K>, guarantees: &[GuaranteeRef]) -> Result<bool, Limit> {
     let arena = formulas.arena(&Selection::Only(guarantees))?;
-    Ok(winning_region(&arena)?.is_none())
+    Ok(winning_region(&arena, &Iterations::default())?.is_none())
 }

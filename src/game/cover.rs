@@ -1,17 +1,18 @@
-//! A set of inputs as disjoint cubes of intervals: the diagram is walked variable by variable, not bit by bit.
+//! A set of inputs as disjoint cubes of intervals: the function is split variable by variable, not bit by bit.
 //!
 //! Values next to each other that lead to the same rest go into one interval, so that a cube says `2 <= desired <= 4` and not
-//! three bit patterns. Codes without a value are never looked at.
+//! three bit patterns. Codes without a value are never looked at. The inputs are split in the order of the specification,
+//! whatever the order of the diagrams is.
 
 use crate::gr1::{Specification, Time, VarId};
-use crate::symbolic::{Bit, Encoding, Function, Limit, Manager};
+use crate::symbolic::{Bit, Encoding, Kernel, Limit};
 
 /// One condition: the input (by its place among the inputs), the smallest and the largest value.
 pub type Condition = (usize, i64, i64);
 
 /// Turns sets of next inputs into cubes.
-pub struct Cover<'a> {
-    manager: &'a Manager,
+pub struct Cover<'a, K: Kernel> {
+    kernel: &'a K,
     inputs: Vec<Input>,
 }
 
@@ -21,22 +22,22 @@ struct Input {
     high: i64,
 }
 
-impl<'a> Cover<'a> {
+impl<'a, K: Kernel> Cover<'a, K> {
     /// For the inputs of a specification.
-    pub fn new(manager: &'a Manager, encoding: &Encoding, specification: &Specification) -> Self {
+    pub fn new(kernel: &'a K, encoding: &Encoding, specification: &Specification) -> Self {
         let input = |v: VarId| Input {
             bits: encoding.bits(v, Time::Next).collect(),
             low: specification.variable(v).domain.low(),
             high: specification.variable(v).domain.high(),
         };
         Self {
-            manager,
+            kernel,
             inputs: specification.inputs().map(input).collect(),
         }
     }
 
     /// The cubes of a function over the bits of the next inputs, at most `most` of them.
-    pub fn cubes(&self, set: &Function, most: usize) -> Result<Vec<Vec<Condition>>, Limit> {
+    pub fn cubes(&self, set: &K::Function, most: usize) -> Result<Vec<Vec<Condition>>, Limit> {
         let mut found = Vec::new();
         self.walk(set, 0, &mut Vec::new(), &mut found, most)?;
         Ok(found)
@@ -44,16 +45,19 @@ impl<'a> Cover<'a> {
 
     fn walk(
         &self,
-        set: &Function,
+        set: &K::Function,
         index: usize,
         path: &mut Vec<Condition>,
         found: &mut Vec<Vec<Condition>>,
         most: usize,
     ) -> Result<(), Limit> {
-        if set.is_false() {
+        if self.kernel.is_false(set) {
             return Ok(());
         }
-        let Some(top) = set.top() else {
+        let support = self.kernel.support(set);
+        let asks = |input: &Input| input.bits.iter().any(|b| support.contains(b));
+        let next = self.inputs[index..].iter().position(asks);
+        let Some(index) = next.map(|n| index + n) else {
             if found.len() >= most {
                 return Err(Limit::Size);
             }
@@ -61,10 +65,7 @@ impl<'a> Cover<'a> {
             return Ok(());
         };
         let input = &self.inputs[index];
-        if !input.bits.contains(&top) {
-            return self.walk(set, index + 1, path, found, most);
-        }
-        let mut pieces: Vec<(i64, i64, Function)> = Vec::new();
+        let mut pieces: Vec<(i64, i64, K::Function)> = Vec::new();
         self.split(set, input, 0, 0, &mut pieces)?;
         for (low, high, rest) in pieces {
             let whole = low == input.low && high == input.high;
@@ -82,11 +83,11 @@ impl<'a> Cover<'a> {
     /// The set by the values of one input, from the smallest up; neighbours with the same rest are one piece.
     fn split(
         &self,
-        set: &Function,
+        set: &K::Function,
         input: &Input,
         depth: usize,
         code: i64,
-        pieces: &mut Vec<(i64, i64, Function)>,
+        pieces: &mut Vec<(i64, i64, K::Function)>,
     ) -> Result<(), Limit> {
         let left = input.bits.len() - depth;
         let low = input.low + (code << left);
@@ -94,10 +95,10 @@ impl<'a> Cover<'a> {
         if low > input.high {
             return Ok(());
         }
-        let varies = set.top().is_some_and(|t| input.bits[depth..].contains(&t));
-        if varies {
+        let support = self.kernel.support(set);
+        if input.bits[depth..].iter().any(|b| support.contains(b)) {
             for bit in [false, true] {
-                let half = self.manager.restrict(set, &[(input.bits[depth], bit)])?;
+                let half = self.kernel.restrict(set, &[(input.bits[depth], bit)])?;
                 self.split(&half, input, depth + 1, code << 1 | i64::from(bit), pieces)?;
             }
             return Ok(());

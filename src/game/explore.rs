@@ -11,7 +11,7 @@ use super::arena::Arena;
 use super::cover::{Condition, Cover};
 use super::strategy::Strategy;
 use crate::gr1::{Specification, Time, VarId};
-use crate::symbolic::{Bit, BitSet, Function, Limit, Limits, Manager};
+use crate::symbolic::{Bit, BitSet, Kernel, Limit, Limits};
 use std::collections::{BTreeSet, HashMap};
 
 /// More rows than this are not written down.
@@ -38,40 +38,40 @@ pub struct Explicit {
 }
 
 /// A state: the goal that is pursued and what will be done.
-struct State {
+struct State<K: Kernel> {
     goal: usize,
-    residual: Function,
+    residual: K::Function,
     /// The next inputs that keep the assumptions.
-    legal: Function,
+    legal: K::Function,
 }
 
 /// Which state the machine is in, by its current inputs: what it looks at of them, over *next* bits, and the state. Disjoint.
-type Classes = Vec<(Function, usize)>;
+type Classes<K> = Vec<(<K as Kernel>::Function, usize)>;
 
 /// An output that is given: its values, the bits that say so, and the classes of what follows.
-type Answer<'a> = (Vec<i64>, Vec<(Bit, bool)>, &'a Classes);
+type Answer<'a, K> = (Vec<i64>, Vec<(Bit, bool)>, &'a Classes<K>);
 
-struct Explorer<'a> {
-    arena: &'a Arena,
-    m: &'a Manager,
-    strategy: &'a Strategy,
-    environment: Function,
+struct Explorer<'a, K: Kernel> {
+    arena: &'a Arena<K>,
+    m: &'a K,
+    strategy: &'a Strategy<K>,
+    environment: K::Function,
     inputs: Vec<VarId>,
     outputs: Vec<VarId>,
     limits: &'a Limits,
-    states: Vec<State>,
-    numbers: HashMap<(usize, Function), usize>,
-    classes: HashMap<(usize, Vec<i64>), Classes>,
+    states: Vec<State<K>>,
+    numbers: HashMap<(usize, K::Function), usize>,
+    classes: HashMap<(usize, Vec<i64>), Classes<K>>,
 }
 
 /// Writes a strategy down state by state.
-pub fn explore(
-    arena: &Arena,
+pub fn explore<K: Kernel>(
+    arena: &Arena<K>,
     specification: &Specification,
-    strategy: &Strategy,
+    strategy: &Strategy<K>,
     limits: &Limits,
 ) -> Result<Explicit, Limit> {
-    let m = &arena.manager;
+    let m = &arena.kernel;
     let mut explorer = Explorer {
         arena,
         m,
@@ -105,13 +105,13 @@ pub fn explore(
     Ok(Explicit { initial, states })
 }
 
-impl Explorer<'_> {
+impl<K: Kernel> Explorer<'_, K> {
     /// Fills `states`, `numbers` and `classes` with everything reachable.
     fn find_states(&mut self) -> Result<(), Limit> {
         for goal in 0..self.strategy.moves.len() {
             let reachable = self.strategy.reachable[goal].clone();
             let mut rest = self.m.exists(&reachable, &self.arena.inputs_now)?;
-            while let Some(bits) = rest.witness() {
+            while let Some(bits) = self.m.witness(&rest) {
                 self.limits.check_time()?;
                 let output = self.output_of(&bits, Time::Now);
                 let fixed = self.assignment(&output, Time::Now);
@@ -143,16 +143,16 @@ impl Explorer<'_> {
     fn split(
         &mut self,
         goal: usize,
-        residual: &Function,
-        inputs: &Function,
-        path: &Function,
-        environment: &Function,
-        classes: &mut Classes,
+        residual: &K::Function,
+        inputs: &K::Function,
+        path: &K::Function,
+        environment: &K::Function,
+        classes: &mut Classes<K>,
     ) -> Result<(), Limit> {
-        if inputs.is_false() {
+        if self.m.is_false(inputs) {
             return Ok(());
         }
-        let bits = residual.support();
+        let bits = self.m.support(residual);
         if let Some(bit) = bits.iter().find(|b| self.arena.inputs_now.contains(**b)) {
             for value in [false, true] {
                 let literal = self.m.literal(*bit, value);
@@ -191,16 +191,16 @@ impl Explorer<'_> {
     /// The rows of a residual (x′, y′, g) for the legal inputs; `goal` is the pursued one, or `None` in step 0.
     fn rows(
         &self,
-        residual: &Function,
-        legal: &Function,
+        residual: &K::Function,
+        legal: &K::Function,
         goal: Option<usize>,
-        cover: &Cover<'_>,
+        cover: &Cover<'_, K>,
         room: &mut usize,
     ) -> Result<Vec<Row>, Limit> {
         let answers = self.answers(residual, legal, goal)?;
-        let mut matters: BTreeSet<Bit> = residual.support().into_iter().collect();
+        let mut matters: BTreeSet<Bit> = self.m.support(residual).into_iter().collect();
         for (_, _, classes) in &answers {
-            matters.extend(classes.iter().flat_map(|(class, _)| class.support()));
+            matters.extend(classes.iter().flat_map(|(class, _)| self.m.support(class)));
         }
         let mut idle = BitSet::default();
         for input in &self.inputs {
@@ -219,7 +219,7 @@ impl Explorer<'_> {
             let inputs = self.m.and(&self.forget_flag(&inputs)?, &legal)?;
             for (class, to) in classes {
                 let guard = self.m.and(&inputs, class)?;
-                if guard.is_false() {
+                if self.m.is_false(&guard) {
                     continue;
                 }
                 let cubes = cover.cubes(&guard, *room)?;
@@ -237,17 +237,17 @@ impl Explorer<'_> {
     /// The outputs that a residual gives on legal inputs.
     fn answers(
         &self,
-        residual: &Function,
-        legal: &Function,
+        residual: &K::Function,
+        legal: &K::Function,
         goal: Option<usize>,
-    ) -> Result<Vec<Answer<'_>>, Limit> {
+    ) -> Result<Vec<Answer<'_, K>>, Limit> {
         let goals = self.strategy.moves.len();
         let flag = self.strategy.flag;
         let mut rest = self
             .m
             .and_exists(residual, legal, &self.arena.inputs_next)?;
         let mut answers = Vec::new();
-        while let Some(bits) = rest.witness() {
+        while let Some(bits) = self.m.witness(&rest) {
             self.limits.check_time()?;
             let output = self.output_of(&bits, Time::Next);
             let mut fixed = self.assignment(&output, Time::Next);
@@ -268,7 +268,7 @@ impl Explorer<'_> {
     }
 
     /// In step 0 there is no flag, and nothing depends on it; later it has been fixed.
-    fn forget_flag(&self, inputs: &Function) -> Result<Function, Limit> {
+    fn forget_flag(&self, inputs: &K::Function) -> Result<K::Function, Limit> {
         self.m.exists(inputs, &BitSet::new([self.strategy.flag]))
     }
 
@@ -286,7 +286,7 @@ impl Explorer<'_> {
             .collect()
     }
 
-    fn cube(&self, fixed: &[(Bit, bool)]) -> Result<Function, Limit> {
+    fn cube(&self, fixed: &[(Bit, bool)]) -> Result<K::Function, Limit> {
         let mut cube = self.m.constant(true);
         for (bit, value) in fixed.iter().rev() {
             cube = self.m.and(&cube, &self.m.literal(*bit, *value))?;

@@ -5,10 +5,10 @@
 //! equal the plain implication. The check is the same game with the machine's justice replaced by `false`, played from the
 //! states that can occur while both sides keep their safety.
 
-use super::arena::{Formulas, Selection};
+use super::arena::Arena;
 use super::fixpoint::winning_states;
 use crate::gr1::{Specification, Time, VarId};
-use crate::symbolic::{BitSet, Limit, Limits};
+use crate::symbolic::{BitSet, Kernel, Limit, Limits};
 
 /// What is odd about the environment's side. A valuation has one value a variable of the specification.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -36,10 +36,16 @@ pub fn examine_environment(
     specification: &Specification,
     limits: &Limits,
 ) -> Result<EnvironmentFindings, Limit> {
-    let formulas = Formulas::encode(specification, limits)?;
-    let mut arena = formulas.arena(&Selection::All)?;
-    let m = &arena.manager;
-    if arena.env_initial.is_false() {
+    super::solver::examine(specification, limits)
+}
+
+/// The same, in a game that is encoded already.
+pub fn examine<K: Kernel>(
+    arena: &Arena<K>,
+    specification: &Specification,
+) -> Result<EnvironmentFindings, Limit> {
+    let m = &arena.kernel;
+    if m.is_false(&arena.env_initial) {
         return Ok(EnvironmentFindings {
             cannot_start: true,
             ..EnvironmentFindings::default()
@@ -53,7 +59,7 @@ pub fn examine_environment(
     let initial = m.and(&arena.env_initial, &arena.sys_initial)?;
     let mut reachable = initial.clone();
     let mut fresh = initial.clone();
-    while !fresh.is_false() {
+    while !m.is_false(&fresh) {
         let successors = m.unprime(&m.and_exists(&fresh, &both, &now)?)?;
         fresh = m.and_not(&successors, &reachable)?;
         reachable = m.or(&reachable, &fresh)?;
@@ -62,8 +68,11 @@ pub fn examine_environment(
     let stuck = m.not(&m.exists(&environment, &arena.inputs_next)?)?;
     let stuck_at_start = m.and(&stuck, &initial)?;
     let dead_end = m.and(&stuck, &reachable)?;
-    arena.goals = vec![m.constant(false)];
-    let forced = m.and(&winning_states(&arena)?, &reachable)?;
+    let hopeless = Arena {
+        goals: vec![m.constant(false)],
+        ..arena.clone()
+    };
+    let forced = m.and(&winning_states(&hopeless)?, &reachable)?;
 
     let valuation = |bits: Vec<bool>| -> Vec<i64> {
         let ids = (0..specification.variables.len()).map(|i| VarId(i as u32));
@@ -72,8 +81,8 @@ pub fn examine_environment(
     };
     Ok(EnvironmentFindings {
         cannot_start: false,
-        stuck_at_start: stuck_at_start.witness().map(valuation),
-        dead_end: dead_end.witness().map(valuation),
-        forced: forced.witness().map(valuation),
+        stuck_at_start: m.witness(&stuck_at_start).map(valuation),
+        dead_end: m.witness(&dead_end).map(valuation),
+        forced: m.witness(&forced).map(valuation),
     })
 }

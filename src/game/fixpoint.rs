@@ -6,111 +6,280 @@
 //! Z = νZ. ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ CPre( (Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′) )
 //! ```
 //!
-//! `Gⱼ` are the machine's goals, `Aᵢ` the environment's assumptions, `CPre` is [`Arena::controllable_predecessor`]. The
-//! conjunction with Z does not change the result, since everything found for the last Z lies in it, and lets every X start
-//! from Z instead of from all states. The Z that one goal leaves is fed to the next one. Nothing is stored while deciding:
-//! [`layers`] runs the two inner fixpoints once more, for the final Z.
+//! `Gⱼ` are the machine's goals, `Aᵢ` the environment's assumptions, `CPre` is [`Arena::controllable_predecessor`]. Where no
+//! justice formula speaks of next values, predecessors of states do:
+//!
+//! ```text
+//! Z = νZ. ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ ( (Gⱼ ∧ CPre(Z′)) ∨ CPre(Y′) ∨ (¬Aᵢ ∧ CPre(X′)) )
+//! ```
+//!
+//! The conjunction with Z does not change the result, since everything found for the last Z lies in it, and lets every X
+//! start from Z instead of from all states. The Z that one goal leaves is fed to the next one. In every later round for a
+//! goal, each X can start where the X at the same place of the round before ended (fixpoint recycling; Browne, Clarke, Jha,
+//! Long and Marrero, "An improved algorithm for the evaluation of fixpoint expressions", TCS 178, 1997), since Z and with it
+//! every X only shrink. Nothing else is stored while deciding: [`layers`] runs the two inner fixpoints once more, for the
+//! final Z.
 
 use super::arena::Arena;
-use crate::symbolic::{Function, Limit};
+use super::heuristics::Heuristic;
+use crate::symbolic::{Kernel, Limit};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// How often each fixpoint took a step.
+#[derive(Debug, Default)]
+pub struct Iterations {
+    /// Of the outermost: once a goal and round.
+    pub outer: AtomicU64,
+    /// Of the middle ones: once an assumption and round.
+    pub middle: AtomicU64,
+    /// Of the innermost.
+    pub inner: AtomicU64,
+    /// Controllable predecessors that were computed.
+    pub predecessors: AtomicU64,
+}
+
+fn count(counter: &AtomicU64) {
+    counter.fetch_add(1, Ordering::Relaxed);
+}
 
 /// The states from which the machine wins, or `None` as soon as some initial choice of the environment is lost.
-pub fn winning_region(arena: &Arena) -> Result<Option<Function>, Limit> {
-    if !arena.wins_initially(&arena.states)? {
+pub fn winning_region<K: Kernel>(
+    arena: &Arena<K>,
+    iterations: &Iterations,
+) -> Result<Option<K::Function>, Limit> {
+    let early = arena.heuristics.has(Heuristic::EarlyStop);
+    if early && !arena.wins_initially(&arena.states)? {
         return Ok(None);
     }
-    greatest_region(arena, |z| arena.wins_initially(z))
+    let good = |z: &K::Function| if early { arena.wins_initially(z) } else { Ok(true) };
+    let region = Fixpoint::new(arena, iterations).region(good)?;
+    Ok(match region {
+        Some(z) if arena.wins_initially(&z)? => Some(z),
+        _ => None,
+    })
 }
 
 /// The states from which the machine wins, whatever the initial ones are.
-pub fn winning_states(arena: &Arena) -> Result<Function, Limit> {
-    let region = greatest_region(arena, |_| Ok(true))?;
-    Ok(region.unwrap_or_else(|| arena.manager.constant(false)))
+pub fn winning_states<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
+    let iterations = Iterations::default();
+    let region = Fixpoint::new(arena, &iterations).region(|_| Ok(true))?;
+    Ok(region.unwrap_or_else(|| arena.kernel.constant(false)))
 }
 
-/// The outermost fixpoint; `None` as soon as a Z is not `good` any more.
-fn greatest_region(
-    arena: &Arena,
-    good: impl Fn(&Function) -> Result<bool, Limit>,
-) -> Result<Option<Function>, Limit> {
-    let mut z = arena.states.clone();
-    let mut settled = 0; // For how many goals in a row Z has stayed as it is.
-    for j in (0..arena.goals.len()).cycle() {
-        let smaller = reach_goal(arena, j, &z, &mut |_, _| ())?;
-        if smaller == z {
-            settled += 1;
-            if settled == arena.goals.len() {
-                break;
-            }
-        } else {
-            if !good(&smaller)? {
-                return Ok(None);
-            }
-            z = smaller;
-            settled = 0;
-        }
-    }
-    Ok(Some(z))
+/// What is kept between the rounds.
+struct Fixpoint<'a, K: Kernel> {
+    arena: &'a Arena<K>,
+    iterations: &'a Iterations,
+    /// Whether predecessors of states are enough.
+    by_state: bool,
+    /// For every goal the Xs of its last round, in the order in which they were found.
+    last: Vec<Vec<K::Function>>,
+    /// The last predecessors, the newest last.
+    recent: Vec<(K::Function, K::Function)>,
 }
 
-/// `μY. ⋁ᵢ νX. Z ∧ CPre( (Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′) )`; calls `found(i, X)` for every X that adds something to Y.
-fn reach_goal(
-    arena: &Arena,
-    j: usize,
-    z: &Function,
-    found: &mut impl FnMut(usize, &Function),
-) -> Result<Function, Limit> {
-    let m = &arena.manager;
-    let goal = m.and(&arena.goals[j], &m.prime(z)?)?;
-    let mut y = m.constant(false);
-    let mut idle = 0; // How many assumptions in a row added nothing.
-    for i in (0..arena.assumptions.len()).cycle() {
-        let progress = m.or(&goal, &m.prime(&y)?)?;
-        let waiting = m.not(&arena.assumptions[i])?;
-        let mut x = z.clone();
-        loop {
-            let wait = m.and(&waiting, &m.prime(&x)?)?;
-            let target = m.or(&progress, &wait)?;
-            let smaller = m.and(z, &arena.controllable_predecessor(&target)?)?;
-            if smaller == x {
-                break;
-            }
-            x = smaller;
-            if waiting.is_false() {
-                break; // Then nothing depends on X.
-            }
-        }
-        let larger = m.or(&y, &x)?;
-        if larger == y {
-            idle += 1;
-            if idle >= arena.assumptions.len() {
-                break;
-            }
-        } else {
-            found(i, &x);
-            idle = 0;
-            y = larger;
+/// How many predecessors are remembered: those of the last Xs, of which one becomes the next Y, of `false`, and of Z.
+const REMEMBERED: usize = 16;
+
+impl<'a, K: Kernel> Fixpoint<'a, K> {
+    fn new(arena: &'a Arena<K>, iterations: &'a Iterations) -> Self {
+        let by_state =
+            arena.heuristics.has(Heuristic::StatePredecessors) && arena.has_state_justice();
+        Self {
+            arena,
+            iterations,
+            by_state,
+            last: vec![Vec::new(); arena.goals.len()],
+            recent: Vec::new(),
         }
     }
-    Ok(y)
+
+    /// The outermost fixpoint; `None` as soon as a Z is not `good` any more.
+    fn region(
+        &mut self,
+        good: impl Fn(&K::Function) -> Result<bool, Limit>,
+    ) -> Result<Option<K::Function>, Limit> {
+        let m = &self.arena.kernel;
+        let goals = self.arena.goals.len();
+        let carrying = self.arena.heuristics.has(Heuristic::Carrying);
+        let mut z = self.arena.states.clone();
+        if self.arena.heuristics.has(Heuristic::SafetyFirst) {
+            loop {
+                let smaller = m.and(&z, &self.predecessor(&z)?)?;
+                if smaller == z {
+                    break;
+                }
+                if !good(&smaller)? {
+                    return Ok(None);
+                }
+                z = smaller;
+                m.safe_point()?;
+            }
+        }
+        let mut settled = 0; // For how many goals in a row Z has stayed as it is.
+        let mut round = z.clone();
+        for j in (0..goals).cycle() {
+            count(&self.iterations.outer);
+            let smaller = self.reach_goal(j, &z, &mut |_, _| ())?;
+            if carrying {
+                round = smaller;
+            } else {
+                round = m.and(&round, &smaller)?;
+                if j + 1 < goals {
+                    continue;
+                }
+                settled = goals - 1;
+            }
+            if round == z {
+                settled += 1;
+                if settled >= goals {
+                    break;
+                }
+            } else {
+                if !good(&round)? {
+                    return Ok(None);
+                }
+                z = round.clone();
+                settled = 0;
+            }
+        }
+        Ok(Some(z))
+    }
+
+    /// The middle and inner fixpoints for a goal; calls `found(i, X)` for every X that adds something to Y.
+    fn reach_goal(
+        &mut self,
+        j: usize,
+        z: &K::Function,
+        found: &mut impl FnMut(usize, &K::Function),
+    ) -> Result<K::Function, Limit> {
+        let arena = self.arena;
+        let m = &arena.kernel;
+        let assumptions = arena.assumptions.len();
+        let goal = &arena.goals[j];
+        let at_goal = if self.by_state {
+            m.and(goal, &self.predecessor(z)?)?
+        } else {
+            m.and(goal, &m.prime(z)?)?
+        };
+        let mut y = m.constant(false);
+        let mut idle = 0; // How many assumptions in a row added nothing.
+        let mut place = 0;
+        for i in (0..assumptions).cycle() {
+            count(&self.iterations.middle);
+            let progress = if self.by_state {
+                m.or(&at_goal, &self.predecessor(&y)?)?
+            } else {
+                m.or(&at_goal, &m.prime(&y)?)?
+            };
+            let waiting = m.not(&arena.assumptions[i])?;
+            let mut x = self.start(j, place, z)?;
+            loop {
+                count(&self.iterations.inner);
+                let smaller = if m.is_false(&waiting) {
+                    if self.by_state {
+                        m.and(z, &progress)?
+                    } else {
+                        m.and(z, &self.predecessor_of_transitions(&progress)?)?
+                    }
+                } else if self.by_state {
+                    let wait = m.and(&waiting, &self.predecessor(&x)?)?;
+                    m.and(z, &m.or(&progress, &wait)?)?
+                } else {
+                    let wait = m.and(&waiting, &m.prime(&x)?)?;
+                    let target = m.or(&progress, &wait)?;
+                    m.and(z, &self.predecessor_of_transitions(&target)?)?
+                };
+                if smaller == x {
+                    break;
+                }
+                x = smaller;
+                m.safe_point()?;
+                if m.is_false(&waiting) {
+                    break; // Then nothing depends on X.
+                }
+            }
+            if arena.heuristics.has(Heuristic::Recycling) {
+                let last = &mut self.last[j];
+                match last.get_mut(place) {
+                    Some(known) => *known = x.clone(),
+                    None => last.push(x.clone()),
+                }
+            }
+            place += 1;
+            let larger = m.or(&y, &x)?;
+            if larger == y {
+                idle += 1;
+                if idle >= assumptions {
+                    break;
+                }
+            } else {
+                found(i, &x);
+                idle = 0;
+                y = larger;
+            }
+        }
+        Ok(y)
+    }
+
+    /// Where the X at a place of a goal's round starts.
+    fn start(&self, j: usize, place: usize, z: &K::Function) -> Result<K::Function, Limit> {
+        let arena = self.arena;
+        let begin = if arena.heuristics.has(Heuristic::InnerStart) {
+            z
+        } else {
+            &arena.states
+        };
+        match self.last[j].get(place) {
+            Some(known) => arena.kernel.and(begin, known),
+            None => Ok(begin.clone()),
+        }
+    }
+
+    /// The controllable predecessor of a set of states, perhaps remembered.
+    fn predecessor(&mut self, states: &K::Function) -> Result<K::Function, Limit> {
+        let m = &self.arena.kernel;
+        if let Some(place) = self.recent.iter().position(|(s, _)| s == states) {
+            self.recent[place..].rotate_left(1);
+            return Ok(self.recent[self.recent.len() - 1].1.clone());
+        }
+        let result = self.predecessor_of_transitions(&m.prime(states)?)?;
+        if self.arena.heuristics.has(Heuristic::PredecessorCache) {
+            if self.recent.len() >= REMEMBERED {
+                self.recent.remove(0);
+            }
+            self.recent.push((states.clone(), result.clone()));
+        }
+        Ok(result)
+    }
+
+    fn predecessor_of_transitions(&self, target: &K::Function) -> Result<K::Function, Limit> {
+        count(&self.iterations.predecessors);
+        self.arena.controllable_predecessor(target)
+    }
 }
 
 /// One step of the inner fixpoints for a goal.
 #[derive(Debug)]
-pub struct Layer {
+pub struct Layer<K: Kernel> {
     /// The assumption that fails for ever if the play stays in `wait` for ever.
     pub assumption: usize,
     /// The X of this step: here the machine may wait, as long as that assumption does not hold.
-    pub wait: Function,
+    pub wait: K::Function,
     /// The Y after this step: all states from which the goal is at most this far.
-    pub reached: Function,
+    pub reached: K::Function,
 }
 
 /// The steps towards goal `j` within the winning region: a move into an earlier `reached` is progress.
-pub fn layers(arena: &Arena, j: usize, region: &Function) -> Result<Vec<Layer>, Limit> {
-    let m = &arena.manager;
+pub fn layers<K: Kernel>(
+    arena: &Arena<K>,
+    j: usize,
+    region: &K::Function,
+) -> Result<Vec<Layer<K>>, Limit> {
+    let m = &arena.kernel;
+    let iterations = Iterations::default();
     let mut steps = Vec::new();
-    reach_goal(arena, j, region, &mut |i, x| steps.push((i, x.clone())))?;
+    Fixpoint::new(arena, &iterations).reach_goal(j, region, &mut |i, x| steps.push((i, x.clone())))?;
     let mut y = m.constant(false);
     let mut layers = Vec::new();
     for (assumption, wait) in steps {

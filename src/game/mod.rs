@@ -14,15 +14,19 @@ mod cover;
 mod explore;
 mod findings;
 mod fixpoint;
+mod heuristics;
+mod relation;
+mod solver;
 mod strategy;
+mod structure;
 
 pub use self::explore::{Explicit, Row};
 pub use self::findings::{EnvironmentFindings, examine_environment};
+pub use self::heuristics::{Heuristic, Heuristics};
+pub use self::solver::{KernelChoice, Options, Solved, Statistics, solve, solve_with};
 pub use crate::symbolic::{Limit, Limits};
 
-use self::arena::{Arena, Selection};
 use crate::gr1::{Side, Specification};
-use crate::symbolic::Function;
 
 /// The verdict on a specification.
 #[derive(Debug)]
@@ -38,17 +42,9 @@ pub enum Outcome {
 /// What is known of a specification that is realizable. [`Won::explore`] makes a strategy of it.
 #[derive(Debug)]
 pub struct Won {
-    game: Box<WonGame>,
+    game: Box<dyn solver::Game>,
     /// The largest number of nodes that were alive at once.
     pub peak_nodes: u64,
-}
-
-/// The game that was won.
-#[derive(Debug)]
-struct WonGame {
-    arena: Arena,
-    /// The states from which the machine wins.
-    region: Function,
 }
 
 /// What is known of a specification that is not.
@@ -111,30 +107,15 @@ impl Won {
         specification: &Specification,
         limits: &Limits,
     ) -> Result<Explicit, Limit> {
-        let arena = self.game.arena.with_limits(limits);
-        let strategy = strategy::strategy(&arena, specification, &self.game.region)?;
-        explore::explore(&arena, specification, &strategy, limits)
+        self.game.explore(specification, limits)
     }
-}
 
-/// Decides whether a machine exists; where there is none, also looks for a minimal core of guarantees.
-pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
-    let lost = || -> Result<_, Limit> {
-        let formulas = arena::Formulas::encode(specification, limits)?;
-        let arena = formulas.arena(&Selection::All)?;
-        if let Some(region) = fixpoint::winning_region(&arena)? {
-            let peak_nodes = formulas.peak_nodes();
-            let game = Box::new(WonGame { arena, region });
-            return Ok(Err(Won { game, peak_nodes }));
-        }
-        drop(arena);
-        let core = core::minimal_core(&formulas).ok();
-        let peak_nodes = formulas.peak_nodes();
-        Ok(Ok(Lost { core, peak_nodes }))
-    };
-    match lost() {
-        Ok(Err(won)) => Outcome::Realizable(won),
-        Ok(Ok(lost)) => Outcome::Unrealizable(lost),
-        Err(limit) => Outcome::GaveUp(limit),
+    /// What is odd about the assumptions; see [`examine_environment`].
+    pub fn examine_environment(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<EnvironmentFindings, Limit> {
+        self.game.examine_environment(specification, limits)
     }
 }

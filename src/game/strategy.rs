@@ -16,30 +16,30 @@
 use super::arena::Arena;
 use super::fixpoint::{Layer, layers};
 use crate::gr1::{Owner, Specification, Time, Timing, VarId};
-use crate::symbolic::{Bit, BitSet, Function, Limit};
+use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 
 /// A deterministic strategy.
 #[derive(Debug)]
-pub struct Strategy {
+pub struct Strategy<K: Kernel> {
     /// For each goal, the transition (x, y, x′, y′, g) taken. Meaningless in states that are not reachable.
-    pub moves: Vec<Function>,
+    pub moves: Vec<K::Function>,
     /// For each goal, the states (x, y) in which it is pursued.
-    pub reachable: Vec<Function>,
+    pub reachable: Vec<K::Function>,
     /// The first valuations (x, y), over current bits.
-    pub initial: Function,
+    pub initial: K::Function,
     /// The flag g.
     pub flag: Bit,
 }
 
 /// Makes a strategy for the winning region.
-pub fn strategy(
-    arena: &Arena,
+pub fn strategy<K: Kernel>(
+    arena: &Arena<K>,
     specification: &Specification,
-    region: &Function,
-) -> Result<Strategy, Limit> {
+    region: &K::Function,
+) -> Result<Strategy<K>, Limit> {
     let maker = Maker::new(arena, specification, region)?;
     let goals = arena.goals.len();
-    let layers: Vec<Vec<Layer>> = (0..goals)
+    let layers: Vec<Vec<Layer<K>>> = (0..goals)
         .map(|j| layers(arena, j, region))
         .collect::<Result<_, _>>()?;
     let initial = maker.initial()?;
@@ -69,21 +69,21 @@ pub fn strategy(
     })
 }
 
-struct Maker<'a> {
-    arena: &'a Arena,
+struct Maker<'a, K: Kernel> {
+    arena: &'a Arena<K>,
     specification: &'a Specification,
-    region: &'a Function,
-    environment: Function,
-    system: Function,
+    region: &'a K::Function,
+    environment: K::Function,
+    system: K::Function,
     now: BitSet,
     flag: Bit,
 }
 
-impl<'a> Maker<'a> {
+impl<'a, K: Kernel> Maker<'a, K> {
     fn new(
-        arena: &'a Arena,
+        arena: &'a Arena<K>,
         specification: &'a Specification,
-        region: &'a Function,
+        region: &'a K::Function,
     ) -> Result<Self, Limit> {
         let now = arena.inputs_now.iter().chain(arena.outputs_now.iter());
         Ok(Self {
@@ -98,8 +98,8 @@ impl<'a> Maker<'a> {
     }
 
     /// The valuations of step 0. The pure strategy has no value to keep there, so it takes the smallest.
-    fn initial(&self) -> Result<Function, Limit> {
-        let (arena, m) = (self.arena, &self.arena.manager);
+    fn initial(&self) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
         let mut good = m.and(&arena.sys_initial, self.region)?;
         if arena.timing == Timing::Moore {
             good = m.implies_forall(&arena.env_initial, &good, &arena.inputs_now)?;
@@ -116,8 +116,8 @@ impl<'a> Maker<'a> {
 
     /// The transitions to aim at in pursuit of goal `j`, the best kind first. Each holds only what is a winning move in the
     /// state where it begins.
-    fn targets(&self, j: usize, own: &[Layer], next: &[Layer]) -> Result<Vec<Function>, Limit> {
-        let m = &self.arena.manager;
+    fn targets(&self, j: usize, own: &[Layer<K>], next: &[Layer<K>]) -> Result<Vec<K::Function>, Limit> {
+        let m = &self.arena.kernel;
         let goal = &self.arena.goals[j];
         let mut targets = Vec::new();
         for layer in next {
@@ -143,31 +143,31 @@ impl<'a> Maker<'a> {
     }
 
     /// For every state of the region and every next input, the moves of the first kind that is possible.
-    fn first_feasible_mealy(&self, targets: &[Function]) -> Result<Function, Limit> {
-        let (arena, m) = (self.arena, &self.arena.manager);
+    fn first_feasible_mealy(&self, targets: &[K::Function]) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
         let mut todo = m.and(self.region, &self.environment)?;
         let mut moves = m.constant(false);
         for target in targets {
-            if todo.is_false() {
+            if m.is_false(&todo) {
                 break;
             }
             let possible = m.and(&m.and(&todo, target)?, &self.system)?;
             todo = m.and_not(&todo, &m.exists(&possible, &arena.outputs_next)?)?;
             moves = m.or(&moves, &possible)?;
         }
-        debug_assert!(todo.is_false(), "a winning state without a winning move");
+        debug_assert!(m.is_false(&todo), "a winning state without a winning move");
         Ok(moves)
     }
 
     /// For every state of the region, the next outputs that are right whatever the next inputs are, aiming as high as
     /// possible. Over (x, y, y′).
-    fn first_feasible_moore(&self, targets: &[Function]) -> Result<Function, Limit> {
-        let (arena, m) = (self.arena, &self.arena.manager);
+    fn first_feasible_moore(&self, targets: &[K::Function]) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
         let mut todo = self.region.clone();
         let mut moves = m.constant(false);
         let mut aim = m.constant(false);
         for target in targets {
-            if todo.is_false() {
+            if m.is_false(&todo) {
                 break;
             }
             aim = m.or(&aim, target)?;
@@ -176,14 +176,14 @@ impl<'a> Maker<'a> {
             todo = m.and_not(&todo, &m.exists(&possible, &arena.outputs_next)?)?;
             moves = m.or(&moves, &possible)?;
         }
-        debug_assert!(todo.is_false(), "a winning state without a winning move");
+        debug_assert!(m.is_false(&todo), "a winning state without a winning move");
         Ok(moves)
     }
 
     /// Prefers moves that do not depend on inputs, one input after the other. Only `possible` states, and inputs
     /// that keep the assumptions, matter.
-    fn forget(&self, moves: &Function, possible: &Function) -> Result<Function, Limit> {
-        let (arena, m) = (self.arena, &self.arena.manager);
+    fn forget(&self, moves: &K::Function, possible: &K::Function) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
         let mut care = possible.clone();
         if arena.timing == Timing::Mealy {
             care = m.and(&care, &self.environment)?;
@@ -198,7 +198,7 @@ impl<'a> Maker<'a> {
         let inputs = |round| self.specification.inputs().map(move |v| (v, round));
         for (input, (time, blindly)) in rounds.into_iter().flat_map(inputs) {
             let bits = arena.encoding.bit_set([input], time);
-            if !bits.iter().any(|b| allowed.depends_on(b)) {
+            if !bits.iter().any(|b| m.depends_on(&allowed, b)) {
                 continue;
             }
             let always = m.forall(&allowed, &bits)?;
@@ -212,8 +212,8 @@ impl<'a> Maker<'a> {
     }
 
     /// Fixes the next outputs: each variable keeps its value where it can, and else takes the smallest possible one.
-    fn choose(&self, moves: &Function) -> Result<Function, Limit> {
-        let (arena, m) = (self.arena, &self.arena.manager);
+    fn choose(&self, moves: &K::Function) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
         let mut moves = moves.clone();
         for output in self.outputs() {
             let same = arena.encoding.unchanged(m, output)?;
@@ -228,19 +228,19 @@ impl<'a> Maker<'a> {
     /// The relation, with only the answers that satisfy `wish` wherever there is one.
     fn prefer(
         &self,
-        relation: &Function,
-        wish: &Function,
+        relation: &K::Function,
+        wish: &K::Function,
         answers: &BitSet,
-    ) -> Result<Function, Limit> {
-        let m = &self.arena.manager;
+    ) -> Result<K::Function, Limit> {
+        let m = &self.arena.kernel;
         let wished = m.and(relation, wish)?;
         let possible = m.exists(&wished, answers)?;
         m.or(&wished, &m.and_not(relation, &possible)?)
     }
 
     /// Adds the flag: whether the transition reaches goal `j`. With a single goal there is nothing to keep in mind.
-    fn with_flag(&self, moves: &Function, j: usize) -> Result<Function, Limit> {
-        let m = &self.arena.manager;
+    fn with_flag(&self, moves: &K::Function, j: usize) -> Result<K::Function, Limit> {
+        let m = &self.arena.kernel;
         let reached = if self.arena.goals.len() == 1 {
             m.constant(false)
         } else {
@@ -251,8 +251,8 @@ impl<'a> Maker<'a> {
     }
 
     /// For every goal, the states in which it may be pursued.
-    fn reachable(&self, moves: &[Function], initial: &Function) -> Result<Vec<Function>, Limit> {
-        let (arena, m) = (self.arena, &self.arena.manager);
+    fn reachable(&self, moves: &[K::Function], initial: &K::Function) -> Result<Vec<K::Function>, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
         let goals = moves.len();
         let mut known = vec![m.constant(false); goals];
         let mut fresh = known.clone();
@@ -261,7 +261,7 @@ impl<'a> Maker<'a> {
         for relation in moves {
             relations.push(m.and(relation, &self.environment)?);
         }
-        while let Some(j) = (0..goals).find(|j| !fresh[*j].is_false()) {
+        while let Some(j) = (0..goals).find(|j| !m.is_false(&fresh[*j])) {
             let from = std::mem::replace(&mut fresh[j], m.constant(false));
             known[j] = m.or(&known[j], &from)?;
             let steps = m.and(&relations[j], &from)?;

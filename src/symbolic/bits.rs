@@ -3,19 +3,19 @@
 //! Every operation makes its result as wide as exactness needs; the caller cuts it back to the width that interval
 //! arithmetic allows. Division follows long division on absolute values, then corrects towards minus infinity.
 
-use super::{Function, Limit, Manager};
+use super::{Kernel, Limit};
 
 /// A number: bits from the least significant on, the last one is the sign. Never empty.
 #[derive(Debug, Clone)]
-pub struct Number(Vec<Function>);
+pub struct Number<K: Kernel>(Vec<K::Function>);
 
 /// The sum bit and the carry of three bits.
-fn full_add(
-    m: &Manager,
-    a: &Function,
-    b: &Function,
-    carry: &Function,
-) -> Result<(Function, Function), Limit> {
+fn full_add<K: Kernel>(
+    m: &K,
+    a: &K::Function,
+    b: &K::Function,
+    carry: &K::Function,
+) -> Result<(K::Function, K::Function), Limit> {
     let half = m.xor(a, b)?;
     let sum = m.xor(&half, carry)?;
     let carry = m.or(&m.and(a, b)?, &m.and(&half, carry)?)?;
@@ -28,29 +28,29 @@ pub fn width(low: i64, high: i64) -> usize {
     needed(low).max(needed(high))
 }
 
-impl Number {
+impl<K: Kernel> Number<K> {
     /// A number from its bits, the sign last.
-    pub fn new(bits: Vec<Function>) -> Self {
+    pub fn new(bits: Vec<K::Function>) -> Self {
         debug_assert!(!bits.is_empty());
         Self(bits)
     }
 
     /// A constant.
-    pub fn constant(m: &Manager, value: i64) -> Self {
+    pub fn constant(m: &K, value: i64) -> Self {
         let bits = (0..width(value, value)).map(|i| m.constant(value >> i.min(63) & 1 == 1));
         Self(bits.collect())
     }
 
     /// 0 or 1.
-    pub fn boolean(m: &Manager, value: Function) -> Self {
+    pub fn boolean(m: &K, value: K::Function) -> Self {
         Self(vec![value, m.constant(false)])
     }
 
-    fn sign(&self) -> &Function {
+    fn sign(&self) -> &K::Function {
         &self.0[self.0.len() - 1]
     }
 
-    fn bit(&self, i: usize) -> &Function {
+    fn bit(&self, i: usize) -> &K::Function {
         self.0.get(i).unwrap_or_else(|| self.sign())
     }
 
@@ -60,7 +60,7 @@ impl Number {
     }
 
     /// Whether it is not 0.
-    pub fn non_zero(&self, m: &Manager) -> Result<Function, Limit> {
+    pub fn non_zero(&self, m: &K) -> Result<K::Function, Limit> {
         let mut result = m.constant(false);
         for bit in &self.0 {
             result = m.or(&result, bit)?;
@@ -68,7 +68,7 @@ impl Number {
         Ok(result)
     }
 
-    fn add_with(&self, m: &Manager, b: &Self, carry: bool, flip: bool) -> Result<Self, Limit> {
+    fn add_with(&self, m: &K, b: &Self, carry: bool, flip: bool) -> Result<Self, Limit> {
         let width = self.0.len().max(b.0.len()) + 1;
         let mut carry = m.constant(carry);
         let mut bits = Vec::with_capacity(width);
@@ -86,28 +86,28 @@ impl Number {
     }
 
     /// `a + b`
-    pub fn add(&self, m: &Manager, b: &Self) -> Result<Self, Limit> {
+    pub fn add(&self, m: &K, b: &Self) -> Result<Self, Limit> {
         self.add_with(m, b, false, false)
     }
 
     /// `a - b`
-    pub fn sub(&self, m: &Manager, b: &Self) -> Result<Self, Limit> {
+    pub fn sub(&self, m: &K, b: &Self) -> Result<Self, Limit> {
         self.add_with(m, b, true, true)
     }
 
     /// `-a`
-    pub fn neg(&self, m: &Manager) -> Result<Self, Limit> {
+    pub fn neg(&self, m: &K) -> Result<Self, Limit> {
         Self::constant(m, 0).sub(m, self)
     }
 
     /// `|a|`
-    pub fn abs(&self, m: &Manager) -> Result<Self, Limit> {
+    pub fn abs(&self, m: &K) -> Result<Self, Limit> {
         let negated = self.neg(m)?;
         Self::ite(m, self.sign(), &negated, self)
     }
 
     /// `a * b`: shifted copies of `a`, one a bit of `b`; modulo the result's width, which is exact for two's complement.
-    pub fn mul(&self, m: &Manager, b: &Self) -> Result<Self, Limit> {
+    pub fn mul(&self, m: &K, b: &Self) -> Result<Self, Limit> {
         let width = self.0.len() + b.0.len();
         let mut result = Self::constant(m, 0).resize(width);
         for i in 0..width {
@@ -122,7 +122,7 @@ impl Number {
     }
 
     /// `a / b` and `a mod b`, rounded towards minus infinity; meaningless where `b` is 0.
-    pub fn div_mod(&self, m: &Manager, b: &Self) -> Result<(Self, Self), Limit> {
+    pub fn div_mod(&self, m: &K, b: &Self) -> Result<(Self, Self), Limit> {
         let (dividend, divisor) = (self.abs(m)?, b.abs(m)?);
         let width = dividend.0.len();
         let mut rest = Self::constant(m, 0).resize(divisor.0.len() + 1);
@@ -150,7 +150,7 @@ impl Number {
     }
 
     /// `a = b`
-    pub fn equal(&self, m: &Manager, b: &Self) -> Result<Function, Limit> {
+    pub fn equal(&self, m: &K, b: &Self) -> Result<K::Function, Limit> {
         let mut result = m.constant(true);
         for i in 0..self.0.len().max(b.0.len()) {
             result = m.and(&result, &m.iff(self.bit(i), b.bit(i))?)?;
@@ -159,7 +159,7 @@ impl Number {
     }
 
     /// `a < b`, decided from the least significant bit up.
-    pub fn less(&self, m: &Manager, b: &Self) -> Result<Function, Limit> {
+    pub fn less(&self, m: &K, b: &Self) -> Result<K::Function, Limit> {
         let width = self.0.len().max(b.0.len());
         let mut result = m.constant(false);
         for i in 0..width {
@@ -175,7 +175,7 @@ impl Number {
     }
 
     /// `if c then a else b`
-    pub fn ite(m: &Manager, c: &Function, a: &Self, b: &Self) -> Result<Self, Limit> {
+    pub fn ite(m: &K, c: &K::Function, a: &Self, b: &Self) -> Result<Self, Limit> {
         let width = a.0.len().max(b.0.len());
         let bits: Result<_, _> = (0..width).map(|i| m.ite(c, a.bit(i), b.bit(i))).collect();
         bits.map(Self)

@@ -5,7 +5,7 @@
 //! conjoins; what a formula says about such a code means nothing.
 
 use super::bits::{Number, width};
-use super::{Bit, BitSet, Function, Limit, Manager};
+use super::{Bit, BitSet, Kernel, Limit};
 use crate::gr1::interval::{Interval, interval};
 use crate::gr1::{BinaryOp, Expr, Specification, Time, UnaryOp, VarId};
 
@@ -82,7 +82,7 @@ impl Encoding {
     }
 
     /// That a variable has a value of its domain.
-    pub fn in_domain(&self, m: &Manager, var: VarId, time: Time) -> Result<Function, Limit> {
+    pub fn in_domain<K: Kernel>(&self, m: &K, var: VarId, time: Time) -> Result<K::Function, Limit> {
         let layout = &self.variables[var.index()];
         let values = (layout.high - layout.low + 1) as u64;
         if values.is_power_of_two() {
@@ -93,7 +93,7 @@ impl Encoding {
     }
 
     /// That a variable has the same value now and next.
-    pub fn unchanged(&self, m: &Manager, var: VarId) -> Result<Function, Limit> {
+    pub fn unchanged<K: Kernel>(&self, m: &K, var: VarId) -> Result<K::Function, Limit> {
         let mut result = m.constant(true);
         for bit in self.variables[var.index()].bits.iter().rev() {
             let same = m.iff(&m.literal(*bit, true), &m.literal(bit.primed(), true))?;
@@ -105,19 +105,19 @@ impl Encoding {
     /// A formula: that the expression is not 0.
     ///
     /// Arithmetic that could leave 64 bits or divide by 0 is refused when a file is resolved; here it counts as too large.
-    pub fn formula(&self, m: &Manager, expr: &Expr) -> Result<Function, Limit> {
+    pub fn formula<K: Kernel>(&self, m: &K, expr: &Expr) -> Result<K::Function, Limit> {
         self.check(expr)?;
         self.truth(m, expr)
     }
 
     /// The set of valuations of the expression that give `value`; for tests.
     #[cfg(test)]
-    pub(super) fn has_value(
+    pub(super) fn has_value<K: Kernel>(
         &self,
-        m: &Manager,
+        m: &K,
         expr: &Expr,
         value: i64,
-    ) -> Result<Function, Limit> {
+    ) -> Result<K::Function, Limit> {
         self.check(expr)?;
         self.number(m, expr)?.equal(m, &Number::constant(m, value))
     }
@@ -137,7 +137,7 @@ impl Encoding {
         interval(expr, &domain).map_err(|_| Limit::Size)
     }
 
-    fn truth(&self, m: &Manager, expr: &Expr) -> Result<Function, Limit> {
+    fn truth<K: Kernel>(&self, m: &K, expr: &Expr) -> Result<K::Function, Limit> {
         match expr {
             Expr::Const(c) => Ok(m.constant(*c != 0)),
             Expr::Unary(UnaryOp::Not, a) => m.not(&self.truth(m, a)?),
@@ -158,7 +158,7 @@ impl Encoding {
         }
     }
 
-    fn number(&self, m: &Manager, expr: &Expr) -> Result<Number, Limit> {
+    fn number<K: Kernel>(&self, m: &K, expr: &Expr) -> Result<Number<K>, Limit> {
         let result = match expr {
             Expr::Const(c) => return Ok(Number::constant(m, *c)),
             Expr::Var(v, time) => {
@@ -210,7 +210,7 @@ impl Encoding {
 }
 
 /// The bits of a variable as an unsigned number.
-fn code(m: &Manager, layout: &Layout, time: Time) -> Number {
+fn code<K: Kernel>(m: &K, layout: &Layout, time: Time) -> Number<K> {
     let bits = layout.bits.iter().rev();
     let mut bits: Vec<_> = bits.map(|b| m.literal(at(*b, time), true)).collect();
     bits.push(m.constant(false));

@@ -9,6 +9,8 @@ pub struct Limits {
     pub deadline: Option<Instant>,
     /// Not with more than this many mebibytes of nodes.
     pub memory_mib: Option<u64>,
+    /// Not with more than this many nodes.
+    pub most_nodes: Option<u64>,
 }
 
 /// Why a stage gave up.
@@ -32,5 +34,15 @@ impl Limits {
             Some(deadline) if Instant::now() >= deadline => Err(Limit::Time),
             _ => Ok(()),
         }
+    }
+}
+
+impl Limits {
+    /// How many nodes there may be, if a node costs this many bytes: `usual` without a memory limit, never more than `most`.
+    pub(super) fn nodes(&self, bytes_per_node: u64, usual: u64, most: u64) -> u64 {
+        let by_memory = self.memory_mib.map_or(usual, |mib| {
+            (mib.saturating_mul(1 << 20) / bytes_per_node).min(most)
+        });
+        self.most_nodes.map_or(by_memory, |n| n.min(by_memory))
     }
 }

@@ -1,17 +1,25 @@
 //! Boolean functions as binary decision diagrams, and finite-domain expressions encoded as such.
 //!
-//! The only module that knows a BDD package. [`Manager`] is deliberately small, and its shape (cheap handles, every
-//! operation a `Result`) is that of the trait a second kernel will stand behind. [`Encoding`] lays the variables of a
-//! [`Specification`](crate::gr1::Specification) out in bits, a current bit always next to its primed twin, and encodes
-//! expressions with exact arithmetic.
+//! The only module that knows a BDD package. [`Kernel`] says what a GR(1) game needs of one; behind it stand
+//! [`Biodivine`], whose functions own their nodes, for the many small contracts of a library, and [`OxiDd`], with
+//! complement edges, a shared store and a persistent cache, for large ones. [`Encoding`] lays the variables of a
+//! [`Specification`](crate::gr1::Specification) out in pairs of bits, a current bit always next to its primed twin, and encodes
+//! expressions with exact arithmetic. [`Diagram`] is a function as plain data.
 
+mod biodivine;
 mod bits;
+mod diagram;
 mod encoding;
+mod kernel;
 mod limits;
-mod manager;
+mod oxidd;
+mod sift;
 #[cfg(test)]
 mod tests;
 
+pub use biodivine::Biodivine;
+pub use diagram::{Diagram, DiagramNode, Edge};
 pub use encoding::Encoding;
+pub use kernel::{Bit, BitSet, Kernel, Order};
 pub use limits::{Limit, Limits};
-pub use manager::{Bit, BitSet, Function, Manager};
+pub use oxidd::OxiDd;

@@ -39,7 +39,20 @@ fn valuations(spec: &Specification) -> Vec<Vec<i64>> {
     all
 }
 
-fn holds_at(m: &Manager, encoding: &Encoding, f: &Function, now: &[i64], next: &[i64]) -> bool {
+/// A kernel whose order is not the natural one.
+fn kernel<K: Kernel>(pairs: usize) -> K {
+    let order = Order::new((0..pairs as u16).rev().collect()).unwrap();
+    K::new(&order, &small()).unwrap()
+}
+
+fn small() -> Limits {
+    Limits {
+        most_nodes: Some(1 << 20),
+        ..Limits::default()
+    }
+}
+
+fn holds_at<K: Kernel>(m: &K, encoding: &Encoding, f: &K::Function, now: &[i64], next: &[i64]) -> bool {
     let mut bits = Vec::new();
     for i in 0..now.len() {
         let var = VarId(i as u32);
@@ -47,15 +60,20 @@ fn holds_at(m: &Manager, encoding: &Encoding, f: &Function, now: &[i64], next: &
         bits.extend(encoding.assignment(var, Time::Next, next[i]));
     }
     let rest = m.restrict(f, &bits).unwrap();
-    assert!(rest.is_true() || rest.is_false());
-    rest.is_true()
+    assert!(m.is_true(&rest) || m.is_false(&rest));
+    m.is_true(&rest)
 }
 
 /// The formula, and every single value of the expression, agree with direct evaluation wherever `valid` is not 0.
 fn agrees(domains: &[(i64, i64)], expr: &Expr, valid: &Expr) {
+    agrees_on::<Biodivine>(domains, expr, valid);
+    agrees_on::<OxiDd>(domains, expr, valid);
+}
+
+fn agrees_on<K: Kernel>(domains: &[(i64, i64)], expr: &Expr, valid: &Expr) {
     let spec = specification(domains);
     let encoding = Encoding::new(&spec);
-    let m = Manager::new(encoding.pairs(), &Limits::default()).unwrap();
+    let m: K = kernel(encoding.pairs());
     let domain = |v: VarId| Interval::of(&spec.variable(v).domain);
     let Ok(range) = interval(expr, &domain) else {
         panic!("not encodable: {expr:?}")
@@ -176,52 +194,181 @@ fn nested_arithmetic_never_wraps() {
     }
 }
 
-#[test]
-fn domains_exclude_exactly_the_codes_without_a_value() {
+fn domains_exclude_on<K: Kernel>() {
     for (low, high) in DOMAINS {
         let spec = specification(&[(low, high)]);
         let encoding = Encoding::new(&spec);
-        let m = Manager::new(encoding.pairs(), &Limits::default()).unwrap();
+        let m: K = kernel(encoding.pairs());
         for time in [Time::Now, Time::Next] {
             let mut within = encoding.in_domain(&m, VarId(0), time).unwrap();
             for value in low..=high {
                 let bits = encoding.assignment(VarId(0), time, value);
-                assert!(m.restrict(&within, &bits).unwrap().is_true());
-                let mut cube = m.constant(true);
-                for (bit, positive) in bits {
-                    cube = m.and(&cube, &m.literal(bit, positive)).unwrap();
-                }
-                within = m.and_not(&within, &cube).unwrap();
+                assert!(m.is_true(&m.restrict(&within, &bits).unwrap()));
+                within = m.and_not(&within, &m.cube(&bits).unwrap()).unwrap();
             }
-            assert!(within.is_false());
+            assert!(m.is_false(&within));
         }
     }
 }
 
 #[test]
-fn quantifying_renaming_and_limits() {
-    let m = Manager::new(3, &Limits::default()).unwrap();
+fn domains_exclude_exactly_the_codes_without_a_value() {
+    domains_exclude_on::<Biodivine>();
+    domains_exclude_on::<OxiDd>();
+}
+
+fn quantifying_and_renaming_on<K: Kernel>() {
+    let m: K = kernel(3);
     let v = |i: u16| m.literal(Bit(i), true);
     let f = m.and(&v(0), &m.or(&v(2), &v(4)).unwrap()).unwrap();
     let primed = m.prime(&f).unwrap();
-    assert_eq!(primed.support(), [Bit(1), Bit(3), Bit(5)]);
-    assert_eq!(m.unprime(&primed).unwrap(), f);
+    assert_eq!(m.support(&primed), [Bit(1), Bit(3), Bit(5)]);
+    assert!(m.unprime(&primed).unwrap() == f);
     let bits = BitSet::new([Bit(2), Bit(4)]);
-    assert_eq!(m.exists(&f, &bits).unwrap(), v(0));
-    assert!(m.forall(&f, &bits).unwrap().is_false());
+    assert!(m.exists(&f, &bits).unwrap() == v(0));
+    assert!(m.is_false(&m.forall(&f, &bits).unwrap()));
     let fused = m.and_exists(&f, &v(2), &BitSet::new([Bit(2)])).unwrap();
-    assert_eq!(fused, v(0));
+    assert!(fused == v(0));
+    let witness = m.witness(&f).unwrap();
+    assert!(witness[0] && (witness[2] || witness[4]));
+    assert!(m.witness(&m.constant(false)).is_none());
 
-    let none = Limits {
-        memory_mib: Some(0),
-        deadline: None,
-    };
-    assert_eq!(m.with_limits(&none).and(&f, &v(1)), Err(Limit::Memory));
     let past = Limits {
-        memory_mib: None,
         deadline: Some(std::time::Instant::now()),
+        ..Limits::default()
     };
-    assert_eq!(m.with_limits(&past).and(&f, &v(1)), Err(Limit::Time));
+    assert!(m.with_limits(&past).and(&f, &v(1)) == Err(Limit::Time));
     drop((f, primed, fused));
     assert!(m.peak_nodes() > 0);
+}
+
+#[test]
+fn quantifying_renaming_and_the_time_limit() {
+    quantifying_and_renaming_on::<Biodivine>();
+    quantifying_and_renaming_on::<OxiDd>();
+}
+
+/// `(x0 = x1') ∧ (x1 = x2') ∧ …`, shifted: its size depends on the order.
+fn chain<K: Kernel>(m: &K, pairs: u16) -> K::Function {
+    let half = pairs / 2;
+    let mut result = m.constant(true);
+    for i in 0..half {
+        let (a, b) = (
+            m.literal(Bit(2 * i), true),
+            m.literal(Bit(2 * (i + half)).primed(), true),
+        );
+        result = m.and(&result, &m.iff(&a, &b).unwrap()).unwrap();
+    }
+    result
+}
+
+#[test]
+fn out_of_nodes_is_a_value() {
+    let few = Limits {
+        most_nodes: Some(70_000),
+        ..Limits::default()
+    };
+    fn fills<K: Kernel>(limits: &Limits) -> bool {
+        let m = K::new(&Order::natural(40), limits).unwrap();
+        let half = 20u16;
+        let mut result = m.constant(true);
+        for i in 0..half {
+            let (a, b) = (
+                m.literal(Bit(2 * i), true),
+                m.literal(Bit(2 * (i + half)).primed(), true),
+            );
+            let Ok(same) = m.iff(&a, &b) else { return true };
+            match m.and(&result, &same) {
+                Ok(both) => result = both,
+                Err(limit) => return limit == Limit::Memory,
+            }
+        }
+        false
+    }
+    assert!(fills::<Biodivine>(&few));
+    assert!(fills::<OxiDd>(&few));
+}
+
+#[test]
+fn sifting_finds_the_small_order_and_keeps_every_function() {
+    let m = OxiDd::new(&Order::natural(24), &small()).unwrap();
+    let f = chain(&m, 24);
+    let other = m.and_not(&f, &m.literal(Bit(3), true)).unwrap();
+    let before = m.size(&f);
+    let diagram = m.export(&[&f, &other]);
+    m.sift().unwrap();
+    assert!(m.size(&f) * 20 < before, "{} of {before}", m.size(&f));
+    assert!(m.and_not(&f, &m.literal(Bit(3), true)).unwrap() == other);
+    assert!(chain(&m, 24) == f);
+    let order = m.order();
+    assert!(Order::new(order.pairs().to_vec()).is_some());
+
+    // The order goes over to the other kernel, and so do the functions, whatever order they were exported in.
+    let b = Biodivine::new(&order, &small()).unwrap();
+    assert!(b.size(&chain(&b, 24)) < before / 10);
+    let imported = b.import(&diagram).unwrap();
+    assert!(imported[0] == chain(&b, 24));
+    let back = m.import(&b.export(&[&imported[0], &imported[1]])).unwrap();
+    assert!(back[0] == f && back[1] == other);
+}
+
+/// All functions of four bits, by their truth tables, through every operation of both kernels.
+#[test]
+fn both_kernels_agree_with_truth_tables() {
+    fn on<K: Kernel>() {
+        let m: K = kernel(2);
+        let bits: Vec<K::Function> = (0..4).map(|b| m.literal(Bit(b), true)).collect();
+        let minterm = |row: u16| {
+            let values: Vec<(Bit, bool)> = (0..4).map(|b| (Bit(b), row >> b & 1 == 1)).collect();
+            m.cube(&values).unwrap()
+        };
+        let minterms: Vec<K::Function> = (0..16).map(minterm).collect();
+        let function = |table: u16| {
+            (0..16)
+                .filter(|row| table >> row & 1 == 1)
+                .fold(m.constant(false), |f, row| m.or(&f, &minterms[row]).unwrap())
+        };
+        let table = |f: &K::Function| -> u16 {
+            let diagram = m.export(&[f]);
+            assert!(diagram.is_sound(4));
+            (0..16u16)
+                .filter(|row| {
+                    let values: Vec<bool> = (0..4).map(|b| row >> b & 1 == 1).collect();
+                    diagram.evaluate(0, &values)
+                })
+                .fold(0, |t, row| t | 1 << row)
+        };
+        let gone = BitSet::new([Bit(1), Bit(2)]);
+        let exists = |t: u16| {
+            (0..16u16)
+                .filter(|row| [0, 2, 4, 6].iter().any(|flip| t >> (row ^ flip) & 1 == 1))
+                .fold(0, |r, row| r | 1 << row)
+        };
+        let tables: Vec<u16> = (0..64).map(|i: u16| i.wrapping_mul(40503) ^ i << 7).collect();
+        for a in &tables {
+            let fa = function(*a);
+            assert_eq!(table(&fa), *a);
+            assert_eq!(table(&m.not(&fa).unwrap()), !a);
+            assert_eq!(table(&m.exists(&fa, &gone).unwrap()), exists(*a));
+            assert_eq!(table(&m.forall(&fa, &gone).unwrap()), !exists(!a));
+            for b in &tables {
+                let fb = function(*b);
+                assert_eq!(table(&m.and(&fa, &fb).unwrap()), a & b);
+                assert_eq!(table(&m.or(&fa, &fb).unwrap()), a | b);
+                assert_eq!(table(&m.and_not(&fa, &fb).unwrap()), a & !b);
+                assert_eq!(table(&m.xor(&fa, &fb).unwrap()), a ^ b);
+                assert_eq!(table(&m.iff(&fa, &fb).unwrap()), !(a ^ b));
+                assert_eq!(table(&m.implies(&fa, &fb).unwrap()), !a | b);
+                assert_eq!(table(&m.and_exists(&fa, &fb, &gone).unwrap()), exists(a & b));
+                assert_eq!(
+                    table(&m.implies_forall(&fa, &fb, &gone).unwrap()),
+                    !exists(a & !b)
+                );
+                let chosen = m.ite(&bits[0], &fa, &fb).unwrap();
+                assert_eq!(table(&chosen), a & 0xaaaa | b & 0x5555);
+            }
+        }
+    }
+    on::<Biodivine>();
+    on::<OxiDd>();
 }

@@ -1,0 +1,152 @@
+//! A transition relation as clusters, and its product with a set: conjoin and quantify, cluster by cluster.
+//!
+//! Conjuncts are put together up to a number of nodes, which lies between one large relation (good for some specifications,
+//! bad for others) and one relation a formula (the reverse). A product goes through the clusters in an order in which bits
+//! can be quantified early (after Ranjan, Aziz, Brayton, Plessier and Pixley, "Efficient BDD algorithms for FSM synthesis and
+//! verification", IWLS 1995): a bit is quantified together with the last cluster that mentions it.
+
+use super::heuristics::{Heuristic, Heuristics};
+use crate::symbolic::{Bit, BitSet, Kernel, Limit};
+use std::collections::HashMap;
+
+/// Conjuncts are put together until they have this many nodes.
+const CLUSTER_NODES: usize = 1_000;
+
+/// A conjunction of clusters and the bits to be quantified in a product with it.
+#[derive(Debug, Clone)]
+pub struct Relation<K: Kernel> {
+    /// Each with the bits that are quantified together with it.
+    clusters: Vec<(K::Function, BitSet)>,
+    /// Bits to quantify that no cluster mentions.
+    first: BitSet,
+    fused: bool,
+}
+
+impl<K: Kernel> Relation<K> {
+    /// The conjunction of `parts`, of which `gone` will be quantified.
+    pub fn new(
+        kernel: &K,
+        parts: &[K::Function],
+        gone: &BitSet,
+        heuristics: Heuristics,
+    ) -> Result<Self, Limit> {
+        let clusters = if heuristics.has(Heuristic::Clusters) {
+            clustered(kernel, parts)?
+        } else {
+            let parts = parts.iter().filter(|p| !kernel.is_true(p));
+            parts.cloned().collect()
+        };
+        let supports: Vec<BitSet> = clusters
+            .iter()
+            .map(|c| BitSet::new(kernel.support(c)))
+            .collect();
+        let order = schedule(&supports, gone);
+        let mut seen = BitSet::default();
+        let mut ordered = Vec::new();
+        for index in order.iter().rev() {
+            let fresh: Vec<Bit> = gone
+                .iter()
+                .filter(|b| supports[*index].contains(*b) && !seen.contains(*b))
+                .collect();
+            for bit in &fresh {
+                seen.insert(*bit);
+            }
+            ordered.push((clusters[*index].clone(), BitSet::new(fresh)));
+        }
+        ordered.reverse();
+        let mut first = BitSet::new(gone.iter().filter(|b| !seen.contains(*b)));
+        if !heuristics.has(Heuristic::EarlyQuantification) && !ordered.is_empty() {
+            for (_, bits) in &mut ordered {
+                *bits = BitSet::default();
+            }
+            if let Some((_, bits)) = ordered.last_mut() {
+                *bits = gone.clone();
+            }
+            first = BitSet::default();
+        }
+        Ok(Self {
+            clusters: ordered,
+            first,
+            fused: heuristics.has(Heuristic::Fusion),
+        })
+    }
+
+    /// `∃ gone. f ∧ relation`
+    pub fn product(&self, kernel: &K, f: &K::Function) -> Result<K::Function, Limit> {
+        let mut result = kernel.exists(f, &self.first)?;
+        for (cluster, bits) in &self.clusters {
+            result = if self.fused {
+                kernel.and_exists(&result, cluster, bits)?
+            } else {
+                kernel.exists(&kernel.and(&result, cluster)?, bits)?
+            };
+        }
+        Ok(result)
+    }
+
+    /// The relation in one piece.
+    pub fn whole(&self, kernel: &K) -> Result<K::Function, Limit> {
+        kernel.all(self.clusters.iter().map(|(c, _)| c))
+    }
+
+    /// How many clusters there are.
+    pub fn len(&self) -> usize {
+        self.clusters.len()
+    }
+}
+
+/// Puts conjuncts together, in order, until a cluster is large.
+fn clustered<K: Kernel>(kernel: &K, parts: &[K::Function]) -> Result<Vec<K::Function>, Limit> {
+    let mut result: Vec<(K::Function, usize)> = Vec::new();
+    for part in parts.iter().filter(|p| !kernel.is_true(p)) {
+        let size = kernel.size(part);
+        if let Some((last, last_size)) = result.last_mut()
+            && *last_size + size <= CLUSTER_NODES
+        {
+            let both = kernel.and(last, part)?;
+            let both_size = kernel.size(&both);
+            if both_size <= CLUSTER_NODES {
+                (*last, *last_size) = (both, both_size);
+                continue;
+            }
+        }
+        result.push((part.clone(), size));
+    }
+    Ok(result.into_iter().map(|(f, _)| f).collect())
+}
+
+/// The order in which a product goes through clusters of these supports: next comes the one that lets most bits go for the
+/// fewest that it brings.
+fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
+    let mut left: Vec<usize> = (0..supports.len()).collect();
+    let mut present = BitSet::default();
+    let mut mentions: HashMap<Bit, usize> = HashMap::new();
+    for bit in supports.iter().flat_map(BitSet::iter) {
+        *mentions.entry(bit).or_default() += 1;
+    }
+    let mut order = Vec::new();
+    while !left.is_empty() {
+        let score = |index: usize| {
+            let bits = supports[index].iter();
+            bits.map(|bit| {
+                let freed = gone.contains(bit) && mentions[&bit] == 1;
+                2 * i64::from(freed) - i64::from(!present.contains(bit))
+            })
+            .sum::<i64>()
+        };
+        // The first among equals, so that the order of the file decides.
+        let (place, index) = left
+            .iter()
+            .copied()
+            .enumerate()
+            .max_by_key(|(place, index)| (score(*index), std::cmp::Reverse(*place)))
+            .expect("something is left");
+        left.remove(place);
+        for bit in supports[index].iter() {
+            present.insert(bit);
+            mentions.entry(bit).and_modify(|n| *n -= 1);
+        }
+        order.push(index);
+    }
+    order
+}

@@ -1,0 +1,428 @@
+//! The kernel over biodivine-lib-bdd: every function owns its nodes.
+//!
+//! Right for many small contracts: it starts with a few kilobytes, is safe Rust, and its functions travel between threads. A
+//! [`Function`] shares its nodes behind an `Arc` and keeps count of what is alive, which is what the memory limit and
+//! [`Kernel::peak_nodes`] go by. The order is given once and never changes.
+//!
+//! The package's fused relational product has neither a limit nor cancellation, so it is used while the operands are small
+//! enough that their product is harmless, and beyond that conjunction and quantification are done apart, each with a limit.
+
+use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
+use biodivine_lib_bdd::{Bdd, BddNode, BddValuation, BddVariable, BddVariableSet, op_function};
+use std::collections::HashMap;
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// How many nodes are alive, and how many ever were at once.
+#[derive(Debug, Default)]
+struct Meter {
+    live: AtomicUsize,
+    peak: AtomicUsize,
+}
+
+/// The nodes of one function; gives them back to the meter when dropped.
+#[derive(Debug)]
+struct Owned {
+    bdd: Bdd,
+    meter: Arc<Meter>,
+}
+
+impl Drop for Owned {
+    fn drop(&mut self) {
+        self.meter
+            .live
+            .fetch_sub(self.bdd.size(), Ordering::Relaxed);
+    }
+}
+
+/// A boolean function.
+#[derive(Debug, Clone)]
+pub struct Function(Arc<Owned>);
+
+impl Function {
+    fn bdd(&self) -> &Bdd {
+        &self.0.bdd
+    }
+
+    fn size(&self) -> usize {
+        self.0.bdd.size()
+    }
+
+    fn is_true(&self) -> bool {
+        self.0.bdd.is_true()
+    }
+
+    fn is_false(&self) -> bool {
+        self.0.bdd.is_false()
+    }
+}
+
+impl PartialEq for Function {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0) || self.0.bdd == other.0.bdd
+    }
+}
+
+impl Eq for Function {}
+
+impl Hash for Function {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.0.bdd.hash(state);
+    }
+}
+
+/// Bytes a node costs, the tables of the operation that makes it included.
+const BYTES_PER_NODE: u64 = 48;
+
+/// Without a memory limit, a single function still has to fit the package's 32-bit pointers.
+const MOST_NODES: u64 = 1 << 28;
+
+/// While the product of the operands' sizes is below this, the fused operations are safe to run without a limit.
+const FUSED_PRODUCT: usize = 1 << 24;
+
+/// The kernel.
+#[derive(Debug, Clone)]
+pub struct Biodivine {
+    variables: Arc<BddVariableSet>,
+    /// For every pair its place in the order, and the reverse.
+    positions: Arc<Vec<u16>>,
+    order: Arc<Order>,
+    limits: Limits,
+    most_nodes: usize,
+    meter: Arc<Meter>,
+}
+
+impl Biodivine {
+    fn variable(&self, bit: Bit) -> BddVariable {
+        let position = usize::from(self.positions[usize::from(bit.pair())]);
+        BddVariable::from_index(2 * position + (bit.index() & 1))
+    }
+
+    fn bit(&self, variable: BddVariable) -> Bit {
+        let index = variable.to_index();
+        Bit(2 * self.order.pairs()[index / 2] + (index & 1) as u16)
+    }
+
+    /// Which variables a set has, by index.
+    fn mask(&self, bits: &BitSet) -> Vec<bool> {
+        let mut mask = vec![false; 2 * self.positions.len()];
+        for bit in bits.iter() {
+            mask[self.variable(bit).to_index()] = true;
+        }
+        mask
+    }
+
+    /// Renames every bit. Twins are neighbours, so the order stays as long as a function has only one of the two.
+    fn shift(&self, a: &Function, rename: impl Fn(usize) -> usize) -> Result<Function, Limit> {
+        self.limits.check_time()?;
+        if a.size() <= 2 {
+            return Ok(a.clone());
+        }
+        let mut nodes: Vec<BddNode> = a.bdd().clone().to_nodes();
+        for node in nodes.iter_mut().skip(2) {
+            node.var = BddVariable::from_index(rename(node.var.to_index()));
+        }
+        let shifted = Bdd::from_nodes(&nodes)
+            .expect("a function of both current and primed bits was renamed; please report this");
+        self.limited(Some(shifted))
+    }
+
+    fn apply(
+        &self,
+        a: &Function,
+        b: &Function,
+        op: fn(Option<bool>, Option<bool>) -> Option<bool>,
+    ) -> Result<Function, Limit> {
+        self.limits.check_time()?;
+        let result = Bdd::binary_op_with_limit(self.room()?, a.bdd(), b.bdd(), op);
+        self.limited(result)
+    }
+
+    /// How many nodes may still be made.
+    fn room(&self) -> Result<usize, Limit> {
+        let live = self.meter.live.load(Ordering::Relaxed);
+        match self.most_nodes.checked_sub(live) {
+            Some(room) if room > 2 => Ok(room),
+            _ => Err(Limit::Memory),
+        }
+    }
+
+    fn limited(&self, result: Option<Bdd>) -> Result<Function, Limit> {
+        let bdd = result.ok_or(Limit::Memory)?;
+        let function = self.keep(bdd);
+        self.room()?;
+        Ok(function)
+    }
+
+    fn keep(&self, bdd: Bdd) -> Function {
+        let size = bdd.size();
+        let live = self.meter.live.fetch_add(size, Ordering::Relaxed) + size;
+        self.meter.peak.fetch_max(live, Ordering::Relaxed);
+        Function(Arc::new(Owned {
+            bdd,
+            meter: Arc::clone(&self.meter),
+        }))
+    }
+}
+
+impl Kernel for Biodivine {
+    type Function = Function;
+
+    const NAME: &'static str = "biodivine";
+
+    fn new(order: &Order, limits: &Limits) -> Result<Self, Limit> {
+        let variables = 2 * order.pairs().len();
+        if variables > usize::from(u16::MAX) {
+            return Err(Limit::Size);
+        }
+        Ok(Self {
+            variables: Arc::new(BddVariableSet::new_anonymous(variables as u16)),
+            positions: Arc::new(order.positions()),
+            order: Arc::new(order.clone()),
+            limits: *limits,
+            most_nodes: most_nodes(limits),
+            meter: Arc::default(),
+        })
+    }
+
+    fn with_limits(&self, limits: &Limits) -> Self {
+        Self {
+            limits: *limits,
+            most_nodes: most_nodes(limits),
+            ..self.clone()
+        }
+    }
+
+    fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    fn order(&self) -> Order {
+        (*self.order).clone()
+    }
+
+    fn constant(&self, value: bool) -> Function {
+        self.keep(if value {
+            self.variables.mk_true()
+        } else {
+            self.variables.mk_false()
+        })
+    }
+
+    fn literal(&self, bit: Bit, positive: bool) -> Function {
+        self.keep(self.variables.mk_literal(self.variable(bit), positive))
+    }
+
+    fn is_true(&self, a: &Function) -> bool {
+        a.is_true()
+    }
+
+    fn is_false(&self, a: &Function) -> bool {
+        a.is_false()
+    }
+
+    fn not(&self, a: &Function) -> Result<Function, Limit> {
+        self.limits.check_time()?;
+        self.limited(Some(a.bdd().not()))
+    }
+
+    fn and(&self, a: &Function, b: &Function) -> Result<Function, Limit> {
+        if a.is_true() || a == b || b.is_false() {
+            return Ok(b.clone());
+        }
+        if b.is_true() || a.is_false() {
+            return Ok(a.clone());
+        }
+        self.apply(a, b, op_function::and)
+    }
+
+    fn or(&self, a: &Function, b: &Function) -> Result<Function, Limit> {
+        if a.is_false() || a == b || b.is_true() {
+            return Ok(b.clone());
+        }
+        if b.is_false() || a.is_true() {
+            return Ok(a.clone());
+        }
+        self.apply(a, b, op_function::or)
+    }
+
+    fn and_not(&self, a: &Function, b: &Function) -> Result<Function, Limit> {
+        if a.is_false() || b.is_false() {
+            return Ok(a.clone());
+        }
+        self.apply(a, b, op_function::and_not)
+    }
+
+    fn xor(&self, a: &Function, b: &Function) -> Result<Function, Limit> {
+        self.apply(a, b, op_function::xor)
+    }
+
+    fn implies(&self, a: &Function, b: &Function) -> Result<Function, Limit> {
+        if a.is_true() {
+            return Ok(b.clone());
+        }
+        self.apply(a, b, op_function::imp)
+    }
+
+    fn iff(&self, a: &Function, b: &Function) -> Result<Function, Limit> {
+        self.apply(a, b, op_function::iff)
+    }
+
+    fn ite(&self, c: &Function, a: &Function, b: &Function) -> Result<Function, Limit> {
+        if c.is_true() || a == b {
+            return Ok(a.clone());
+        }
+        if c.is_false() {
+            return Ok(b.clone());
+        }
+        let (yes, no) = (self.and(c, a)?, self.and_not(b, c)?);
+        self.or(&yes, &no)
+    }
+
+    fn exists(&self, a: &Function, bits: &BitSet) -> Result<Function, Limit> {
+        self.and_exists(a, a, bits)
+    }
+
+    fn forall(&self, a: &Function, bits: &BitSet) -> Result<Function, Limit> {
+        self.implies_forall(&self.constant(true), a, bits)
+    }
+
+    fn and_exists(&self, a: &Function, b: &Function, bits: &BitSet) -> Result<Function, Limit> {
+        if a.is_false() || b.is_false() {
+            return Ok(self.constant(false));
+        }
+        if bits.is_empty() {
+            return self.and(a, b);
+        }
+        self.limits.check_time()?;
+        let mask = self.mask(bits);
+        if a.size().saturating_mul(b.size()) <= FUSED_PRODUCT {
+            return self.limited(Some(Bdd::binary_op_with_exists_trigger(
+                a.bdd(),
+                b.bdd(),
+                |v| mask[v.to_index()],
+                op_function::and,
+            )));
+        }
+        // From the bottom up: the lower a bit, the smaller what its elimination touches.
+        let mut result = self.and(a, b)?;
+        for index in (0..mask.len()).rev().filter(|i| mask[*i]) {
+            let variable = BddVariable::from_index(index);
+            if result.bdd().support_set_contains(&variable) {
+                self.limits.check_time()?;
+                result = self.limited(Bdd::fused_binary_flip_op_with_limit(
+                    self.room()?,
+                    (result.bdd(), None),
+                    (result.bdd(), Some(variable)),
+                    None,
+                    op_function::or,
+                ))?;
+            }
+        }
+        Ok(result)
+    }
+
+    fn implies_forall(&self, a: &Function, b: &Function, bits: &BitSet) -> Result<Function, Limit> {
+        self.limits.check_time()?;
+        if a.size().saturating_mul(b.size()) <= FUSED_PRODUCT {
+            let mask = self.mask(bits);
+            return self.limited(Some(Bdd::binary_op_with_for_all_trigger(
+                a.bdd(),
+                b.bdd(),
+                |v| mask[v.to_index()],
+                op_function::imp,
+            )));
+        }
+        let broken = self.and_exists(a, &self.not(b)?, bits)?;
+        self.not(&broken)
+    }
+
+    fn restrict(&self, a: &Function, values: &[(Bit, bool)]) -> Result<Function, Limit> {
+        self.limits.check_time()?;
+        if a.size() <= 2 || values.is_empty() {
+            return Ok(a.clone());
+        }
+        let values: Vec<_> = values.iter().map(|(b, v)| (self.variable(*b), *v)).collect();
+        self.limited(Some(a.bdd().restrict(&values)))
+    }
+
+    fn prime(&self, a: &Function) -> Result<Function, Limit> {
+        self.shift(a, |v| v | 1)
+    }
+
+    fn unprime(&self, a: &Function) -> Result<Function, Limit> {
+        self.shift(a, |v| v & !1)
+    }
+
+    fn size(&self, a: &Function) -> usize {
+        a.size()
+    }
+
+    fn support(&self, a: &Function) -> Vec<Bit> {
+        let variables = a.bdd().support_set().into_iter();
+        let mut bits: Vec<Bit> = variables.map(|v| self.bit(v)).collect();
+        bits.sort_unstable();
+        bits
+    }
+
+    fn depends_on(&self, a: &Function, bit: Bit) -> bool {
+        a.bdd().support_set_contains(&self.variable(bit))
+    }
+
+    fn witness(&self, a: &Function) -> Option<Vec<bool>> {
+        let by_variable = a.bdd().first_valuation().map(BddValuation::into_vector)?;
+        let bits = (0..by_variable.len()).map(|b| Bit(b as u16));
+        Some(
+            bits.map(|b| by_variable[self.variable(b).to_index()])
+                .collect(),
+        )
+    }
+
+    fn export(&self, functions: &[&Function]) -> Diagram {
+        let mut diagram = Diagram::default();
+        let mut known: HashMap<DiagramNode, Edge> = HashMap::new();
+        for function in functions {
+            // The package keeps children before parents.
+            let nodes = function.bdd().clone().to_nodes();
+            let mut edges = vec![Edge::FALSE, Edge::TRUE];
+            for node in nodes.iter().skip(2) {
+                let decision = DiagramNode {
+                    bit: self.bit(node.var),
+                    high: edges[node.high_link.to_index()],
+                    low: edges[node.low_link.to_index()],
+                };
+                let edge = *known.entry(decision).or_insert_with(|| {
+                    diagram.nodes.push(decision);
+                    Edge::to(diagram.nodes.len() - 1)
+                });
+                edges.push(edge);
+            }
+            let root = function.bdd().root_pointer().to_index();
+            diagram.roots.push(edges[root.min(edges.len() - 1)]);
+        }
+        diagram
+    }
+
+    fn nodes(&self) -> u64 {
+        self.meter.live.load(Ordering::Relaxed) as u64
+    }
+
+    fn peak_nodes(&self) -> u64 {
+        self.meter.peak.load(Ordering::Relaxed) as u64
+    }
+
+    fn safe_point(&self) -> Result<(), Limit> {
+        self.limits.check_time()
+    }
+
+    fn sift(&self) -> Result<(), Limit> {
+        Ok(())
+    }
+
+    fn set_reordering(&self, _allowed: bool) {}
+}
+
+fn most_nodes(limits: &Limits) -> usize {
+    usize::try_from(limits.nodes(BYTES_PER_NODE, MOST_NODES, MOST_NODES)).unwrap_or(usize::MAX)
+}

@@ -1,0 +1,114 @@
+//! Boolean functions as plain data: what leaves a kernel, for another kernel, for a file, or for emitted code.
+
+use super::{Bit, Kernel, Limit};
+
+/// An edge of a [`Diagram`]: a node or a constant, perhaps negated.
+///
+/// `2n` is node `n - 1`, `2n + 1` its negation; node "-1" is the constant `false`, so that [`Edge::FALSE`] is 0 and
+/// [`Edge::TRUE`] is 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Edge(pub u32);
+
+impl Edge {
+    /// `false`
+    pub const FALSE: Self = Self(0);
+    /// `true`
+    pub const TRUE: Self = Self(1);
+
+    /// The edge to a node.
+    pub fn to(node: usize) -> Self {
+        Self(2 * (node as u32 + 1))
+    }
+
+    /// The negation.
+    #[must_use]
+    pub fn negated(self) -> Self {
+        Self(self.0 ^ 1)
+    }
+
+    /// Whether it is negated.
+    pub fn is_negated(self) -> bool {
+        self.0 & 1 == 1
+    }
+
+    /// The node it leads to; `None` for a constant.
+    pub fn node(self) -> Option<usize> {
+        (self.0 > 1).then(|| (self.0 / 2 - 1) as usize)
+    }
+
+    /// The same edge, negated if `negate`.
+    #[must_use]
+    pub fn flipped(self, negate: bool) -> Self {
+        Self(self.0 ^ u32::from(negate))
+    }
+}
+
+/// One decision.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct DiagramNode {
+    /// Which bit is asked.
+    pub bit: Bit,
+    /// Where it goes on when the bit is 1.
+    pub high: Edge,
+    /// Where it goes on when the bit is 0.
+    pub low: Edge,
+}
+
+/// Functions over bits, with shared parts. Every node comes after the nodes it leads to.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Diagram {
+    /// The decisions.
+    pub nodes: Vec<DiagramNode>,
+    /// The functions.
+    pub roots: Vec<Edge>,
+}
+
+impl Diagram {
+    /// The value of a root, bits being indexed by [`Bit`].
+    pub fn evaluate(&self, root: usize, bits: &[bool]) -> bool {
+        let mut edge = self.roots[root];
+        let mut value = false;
+        loop {
+            value ^= edge.is_negated();
+            let Some(node) = edge.node() else {
+                return value;
+            };
+            let node = &self.nodes[node];
+            edge = if bits[node.bit.index()] {
+                node.high
+            } else {
+                node.low
+            };
+        }
+    }
+
+    /// Whether every edge leads to an earlier node and every bit is below `bits`: what [`Diagram::build`] needs.
+    pub fn is_sound(&self, bits: usize) -> bool {
+        let below = |edge: Edge, limit: usize| edge.node().is_none_or(|n| n < limit);
+        let nodes = self.nodes.iter().enumerate();
+        nodes.into_iter().all(|(i, n)| {
+            n.bit.index() < bits && below(n.high, i) && below(n.low, i)
+        }) && self.roots.iter().all(|r| below(*r, self.nodes.len()))
+    }
+
+    /// The roots as functions of a kernel.
+    ///
+    /// # Panics
+    /// When the diagram is not [sound](Diagram::is_sound) for the kernel's bits.
+    pub fn build<K: Kernel>(&self, kernel: &K) -> Result<Vec<K::Function>, Limit> {
+        let mut built: Vec<K::Function> = Vec::with_capacity(self.nodes.len());
+        let get = |built: &[K::Function], edge: Edge| -> Result<K::Function, Limit> {
+            match edge.node() {
+                None => Ok(kernel.constant(edge.is_negated())),
+                Some(n) if edge.is_negated() => kernel.not(&built[n]),
+                Some(n) => Ok(built[n].clone()),
+            }
+        };
+        for node in &self.nodes {
+            let (high, low) = (get(&built, node.high)?, get(&built, node.low)?);
+            let bit = kernel.literal(node.bit, true);
+            built.push(kernel.ite(&bit, &high, &low)?);
+        }
+        self.roots.iter().map(|r| get(&built, *r)).collect()
+    }
+}

@@ -1,0 +1,410 @@
+//! The kernel over OxiDD's diagrams with complement edges: one store for all functions, and a cache that outlives operations.
+//!
+//! Right for large games. The store's capacity is fixed when it is made; its pages are only used as nodes come. Three habits
+//! of the package shape this file:
+//!
+//! - Collecting throws the cache away, so it is done at safe points, and only when the store has doubled since.
+//! - The package's own collector runs beside the operation that fills the store, and can come too late; then the operation
+//!   fails although most nodes are dead. So an operation that fails is tried again after collecting.
+//! - Running out of nodes while levels are swapped ends the process. So nothing is reordered without head room.
+
+use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order, sift};
+use oxidd::bcdd::{BCDDFunction, BCDDManagerRef, new_manager};
+use oxidd::util::{AllocResult, Ref};
+use oxidd::{
+    BooleanFunction, BooleanFunctionQuant, BooleanOperator, Function as _,
+    FunctionSubst, HasLevel, InnerNode, Manager, ManagerRef, Node, Subst, VarNo,
+};
+use std::collections::{HashMap, HashSet};
+use std::fmt;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Bytes a node costs, its place in the unique table included.
+const BYTES_PER_NODE: u64 = 28;
+
+/// The store's capacity without a memory limit: about 3.5 GiB when full.
+const USUAL_NODES: u64 = 1 << 27;
+
+/// More nodes have no number.
+const MOST_NODES: u64 = 1 << 30;
+
+/// The smallest store that makes sense.
+const FEWEST_NODES: u64 = 1 << 16;
+
+/// Below this, nothing is collected.
+const COLLECT_NODES: u64 = 1 << 19;
+
+/// Below this, the order is left as it is.
+const REORDER_NODES: u64 = 10_000;
+
+/// A boolean function.
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub struct Function(BCDDFunction);
+
+impl fmt::Debug for Function {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} nodes", self.0.node_count())
+    }
+}
+
+struct Shared {
+    store: BCDDManagerRef,
+    capacity: u64,
+    yes: Function,
+    no: Function,
+    /// For every bit its negation and itself.
+    literals: Vec<[Function; 2]>,
+    to_primed: Subst<BCDDFunction>,
+    to_current: Subst<BCDDFunction>,
+    cubes: Mutex<HashMap<BitSet, Function>>,
+    peak: AtomicU64,
+    /// How many nodes were left after the last collection.
+    collected: AtomicU64,
+    /// How many nodes were left after the last change of the order.
+    reordered: AtomicU64,
+    reordering: AtomicBool,
+}
+
+/// The kernel.
+#[derive(Clone)]
+pub struct OxiDd {
+    shared: Arc<Shared>,
+    limits: Limits,
+}
+
+impl fmt::Debug for OxiDd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let nodes = self.nodes();
+        f.debug_struct("OxiDd").field("nodes", &nodes).finish()
+    }
+}
+
+impl OxiDd {
+    /// Does an operation; once more after collecting when the store was full.
+    fn attempt(
+        &self,
+        operation: impl Fn() -> AllocResult<BCDDFunction>,
+    ) -> Result<Function, Limit> {
+        self.limits.check_time()?;
+        for _ in 0..2 {
+            if let Ok(function) = operation() {
+                return Ok(Function(function));
+            }
+            self.note_peak();
+            self.collect();
+            if self.nodes() > self.shared.capacity / 10 * 9 {
+                return Err(Limit::Memory);
+            }
+            self.limits.check_time()?;
+        }
+        operation().map(Function).map_err(|_| Limit::Memory)
+    }
+
+    fn note_peak(&self) {
+        self.shared.peak.fetch_max(self.nodes(), Ordering::Relaxed);
+    }
+
+    fn collect(&self) {
+        self.shared.store.with_manager_shared(|m| m.gc());
+        let left = self.nodes();
+        self.shared.collected.store(left, Ordering::Relaxed);
+    }
+
+    /// The conjunction of the bits, which is how the package takes a set of them.
+    fn conjunction(&self, bits: &BitSet) -> Result<Function, Limit> {
+        let mut cubes = self
+            .shared
+            .cubes
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some(cube) = cubes.get(bits) {
+            return Ok(cube.clone());
+        }
+        let literals: Vec<(Bit, bool)> = bits.iter().map(|b| (b, true)).collect();
+        let cube = self.cube(&literals)?;
+        cubes.insert(bits.clone(), cube.clone());
+        Ok(cube)
+    }
+}
+
+/// Calls `visit` for every node below `function` after those it leads to: its number, its bit, its edges.
+fn walk(
+    function: &Function,
+    numbers: &mut HashMap<usize, usize>,
+    visit: &mut impl FnMut(Bit, Edge, Edge) -> usize,
+) -> Edge {
+    fn edge_of<M: Manager>(
+        manager: &M,
+        edge: Ref<'_, M::Edge>,
+        numbers: &mut HashMap<usize, usize>,
+        visit: &mut impl FnMut(Bit, Edge, Edge) -> usize,
+    ) -> Edge
+    where
+        M::InnerNode: HasLevel,
+    {
+        let negated = edge.tag() != M::EdgeTag::default();
+        let Node::Inner(node) = manager.get_node(edge) else {
+            return Edge::TRUE.flipped(negated);
+        };
+        let id = edge.node_id();
+        let number = if let Some(number) = numbers.get(&id) {
+            *number
+        } else {
+            let high = edge_of(manager, node.child(0), numbers, visit);
+            let low = edge_of(manager, node.child(1), numbers, visit);
+            let bit = Bit(manager.level_to_var(node.level()) as u16);
+            let number = visit(bit, high, low);
+            numbers.insert(id, number);
+            number
+        };
+        Edge::to(number).flipped(negated)
+    }
+    function.0.with_manager_shared(|manager, edge| edge_of(manager, edge, numbers, visit))
+}
+
+impl Kernel for OxiDd {
+    type Function = Function;
+
+    const NAME: &'static str = "oxidd";
+
+    fn new(order: &Order, limits: &Limits) -> Result<Self, Limit> {
+        let pairs = order.pairs().len();
+        let capacity = limits.nodes(BYTES_PER_NODE, USUAL_NODES, MOST_NODES);
+        let cache: usize = match pairs {
+            0..=24 => 1 << 16,
+            25..=60 => 1 << 19,
+            _ => 1 << 21,
+        };
+        if capacity < FEWEST_NODES {
+            return Err(Limit::Memory);
+        }
+        let cache = cache.min(usize::try_from(capacity / 8).unwrap_or(cache));
+        let store = new_manager(capacity as usize, cache, 1);
+        let variables = 2 * pairs as VarNo;
+        store.with_manager_exclusive(|m| {
+            m.add_vars(variables);
+        });
+        sift::set_order(&store, order);
+        let literals: AllocResult<Vec<[Function; 2]>> = store.with_manager_shared(|m| {
+            (0..variables)
+                .map(|v| {
+                    let (no, yes) = (BCDDFunction::not_var(m, v)?, BCDDFunction::var(m, v)?);
+                    Ok([Function(no), Function(yes)])
+                })
+                .collect()
+        });
+        let literals = literals.map_err(|_| Limit::Memory)?;
+        let (current, primed): (Vec<VarNo>, Vec<VarNo>) =
+            (0..variables).partition(|v| v % 2 == 0);
+        let functions = |of: &[VarNo]| -> Vec<BCDDFunction> {
+            let positive = of.iter().map(|v| &literals[*v as usize][1].0);
+            positive.cloned().collect()
+        };
+        let yes = Function(store.with_manager_shared(|m| BCDDFunction::t(m)));
+        let no = Function(store.with_manager_shared(|m| BCDDFunction::f(m)));
+        Ok(Self {
+            shared: Arc::new(Shared {
+                to_primed: Subst::new(current.clone(), functions(&primed)),
+                to_current: Subst::new(primed, functions(&current)),
+                literals,
+                yes,
+                no,
+                store,
+                capacity,
+                cubes: Mutex::default(),
+                peak: AtomicU64::new(0),
+                collected: AtomicU64::new(0),
+                reordered: AtomicU64::new(0),
+                reordering: AtomicBool::new(true),
+            }),
+            limits: *limits,
+        })
+    }
+
+    fn with_limits(&self, limits: &Limits) -> Self {
+        Self {
+            shared: Arc::clone(&self.shared),
+            limits: *limits,
+        }
+    }
+
+    fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    fn order(&self) -> Order {
+        sift::order(&self.shared.store)
+    }
+
+    fn constant(&self, value: bool) -> Function {
+        if value {
+            self.shared.yes.clone()
+        } else {
+            self.shared.no.clone()
+        }
+    }
+
+    fn literal(&self, bit: Bit, positive: bool) -> Function {
+        self.shared.literals[bit.index()][usize::from(positive)].clone()
+    }
+
+    fn is_true(&self, a: &Function) -> bool {
+        *a == self.shared.yes
+    }
+
+    fn is_false(&self, a: &Function) -> bool {
+        *a == self.shared.no
+    }
+
+    fn not(&self, a: &Function) -> Result<Function, Limit> {
+        self.attempt(|| a.0.not())
+    }
+
+    fn and(&self, a: &Function, b: &Function) -> Result<Function, Limit> {
+        self.attempt(|| a.0.and(&b.0))
+    }
+
+    fn or(&self, a: &Function, b: &Function) -> Result<Function, Limit> {
+        self.attempt(|| a.0.or(&b.0))
+    }
+
+    fn and_not(&self, a: &Function, b: &Function) -> Result<Function, Limit> {
+        self.attempt(|| b.0.imp_strict(&a.0))
+    }
+
+    fn xor(&self, a: &Function, b: &Function) -> Result<Function, Limit> {
+        self.attempt(|| a.0.xor(&b.0))
+    }
+
+    fn ite(&self, c: &Function, a: &Function, b: &Function) -> Result<Function, Limit> {
+        self.attempt(|| c.0.ite(&a.0, &b.0))
+    }
+
+    fn and_exists(&self, a: &Function, b: &Function, bits: &BitSet) -> Result<Function, Limit> {
+        if bits.is_empty() {
+            return self.and(a, b);
+        }
+        let cube = self.conjunction(bits)?;
+        self.attempt(|| a.0.apply_exists(BooleanOperator::And, &b.0, &cube.0))
+    }
+
+    fn exists(&self, a: &Function, bits: &BitSet) -> Result<Function, Limit> {
+        if bits.is_empty() {
+            return Ok(a.clone());
+        }
+        let cube = self.conjunction(bits)?;
+        self.attempt(|| a.0.exists(&cube.0))
+    }
+
+    fn restrict(&self, a: &Function, values: &[(Bit, bool)]) -> Result<Function, Limit> {
+        if values.is_empty() {
+            return Ok(a.clone());
+        }
+        let cube = self.cube(values)?;
+        self.attempt(|| a.0.restrict(&cube.0))
+    }
+
+    fn prime(&self, a: &Function) -> Result<Function, Limit> {
+        self.attempt(|| a.0.substitute(&self.shared.to_primed))
+    }
+
+    fn unprime(&self, a: &Function) -> Result<Function, Limit> {
+        self.attempt(|| a.0.substitute(&self.shared.to_current))
+    }
+
+    fn size(&self, a: &Function) -> usize {
+        a.0.node_count()
+    }
+
+    fn support(&self, a: &Function) -> Vec<Bit> {
+        let mut bits = HashSet::new();
+        let mut count = 0;
+        walk(a, &mut HashMap::new(), &mut |bit, _, _| {
+            bits.insert(bit);
+            count += 1;
+            count
+        });
+        let mut bits: Vec<Bit> = bits.into_iter().collect();
+        bits.sort_unstable();
+        bits
+    }
+
+    fn witness(&self, a: &Function) -> Option<Vec<bool>> {
+        if self.is_false(a) {
+            return None;
+        }
+        let mut bits = vec![false; self.shared.literals.len()];
+        let mut here = a.clone();
+        let level = |f: &Function| {
+            f.0.with_manager_shared(|m, edge| match m.get_node(edge) {
+                Node::Inner(node) => Some(m.level_to_var(node.level())),
+                Node::Terminal(_) => None,
+            })
+        };
+        while let (Some(variable), Some((high, low))) = (level(&here), here.0.cofactors()) {
+            let take_high = low == self.shared.no.0;
+            bits[variable as usize] = take_high;
+            here = Function(if take_high { high } else { low });
+        }
+        Some(bits)
+    }
+
+    fn export(&self, functions: &[&Function]) -> Diagram {
+        let mut nodes: Vec<DiagramNode> = Vec::new();
+        let mut numbers = HashMap::new();
+        let roots = functions.iter().map(|f| {
+            walk(f, &mut numbers, &mut |bit, high, low| {
+                nodes.push(DiagramNode { bit, high, low });
+                nodes.len() - 1
+            })
+        });
+        let roots = roots.collect();
+        Diagram { nodes, roots }
+    }
+
+    fn nodes(&self) -> u64 {
+        self.shared
+            .store
+            .with_manager_shared(|m| m.num_inner_nodes()) as u64
+    }
+
+    fn peak_nodes(&self) -> u64 {
+        self.note_peak();
+        self.shared.peak.load(Ordering::Relaxed)
+    }
+
+    fn safe_point(&self) -> Result<(), Limit> {
+        self.limits.check_time()?;
+        let nodes = self.nodes();
+        self.shared.peak.fetch_max(nodes, Ordering::Relaxed);
+        let collected = self.shared.collected.load(Ordering::Relaxed);
+        if nodes < COLLECT_NODES.max(3 * collected) {
+            return Ok(());
+        }
+        self.collect();
+        if self.shared.reordering.load(Ordering::Relaxed) {
+            let last = self.shared.reordered.load(Ordering::Relaxed);
+            if self.nodes() > REORDER_NODES.max(2 * last) {
+                return self.sift();
+            }
+        }
+        Ok(())
+    }
+
+    fn sift(&self) -> Result<(), Limit> {
+        self.limits.check_time()?;
+        self.collect();
+        if self.nodes() < self.shared.capacity / 3 {
+            sift::sift(&self.shared.store, &self.limits);
+        }
+        let left = self.nodes();
+        self.shared.reordered.store(left, Ordering::Relaxed);
+        self.shared.collected.store(left, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn set_reordering(&self, allowed: bool) {
+        self.shared.reordering.store(allowed, Ordering::Relaxed);
+    }
+}
