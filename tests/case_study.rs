@@ -132,6 +132,7 @@ fn limits_are_respected() {
     let late = Limits {
         deadline: Some(Instant::now()),
         memory_mib: None,
+        ..Limits::default()
     };
     assert!(matches!(
         solve(&specification, &late),
@@ -140,6 +141,7 @@ fn limits_are_respected() {
     let small = Limits {
         deadline: None,
         memory_mib: Some(0),
+        ..Limits::default()
     };
     assert!(matches!(
         solve(&specification, &small),

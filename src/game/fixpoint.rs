@@ -167,6 +167,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         let mut place = 0;
         for i in (0..assumptions).cycle() {
             count(&self.iterations.middle);
+            if std::env::var("LW_TRACE").is_ok() { eprintln!(" goal {j} assumption {i} place {place}"); }
             let progress = if self.by_state {
                 m.or(&at_goal, &self.predecessor(&y)?)?
             } else {
@@ -243,7 +244,9 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
             self.recent[place..].rotate_left(1);
             return Ok(self.recent[self.recent.len() - 1].1.clone());
         }
+        let t0 = std::time::Instant::now();
         let result = self.predecessor_of_transitions(&m.prime(states)?)?;
+        if std::env::var("LW_TRACE").is_ok() { eprintln!("cpre {} -> {} in {:.3} nodes {}", m.size(states), m.size(&result), t0.elapsed().as_secs_f64(), m.nodes()); }
         if self.arena.heuristics.has(Heuristic::PredecessorCache) {
             if self.recent.len() >= REMEMBERED {
                 self.recent.remove(0);

@@ -80,6 +80,7 @@ impl<K: Kernel> Relation<K> {
             } else {
                 kernel.exists(&kernel.and(&result, cluster)?, bits)?
             };
+            if std::env::var("LW_TRACE2").is_ok() { eprintln!("    cluster {} gone {} -> {} nodes {}", kernel.size(cluster), bits.iter().count(), kernel.size(&result), kernel.nodes()); }
         }
         Ok(result)
     }
@@ -101,11 +102,11 @@ fn clustered<K: Kernel>(kernel: &K, parts: &[K::Function]) -> Result<Vec<K::Func
     for part in parts.iter().filter(|p| !kernel.is_true(p)) {
         let size = kernel.size(part);
         if let Some((last, last_size)) = result.last_mut()
-            && *last_size + size <= CLUSTER_NODES
+            && *last_size + size <= cl()
         {
             let both = kernel.and(last, part)?;
             let both_size = kernel.size(&both);
-            if both_size <= CLUSTER_NODES {
+            if both_size <= cl() {
                 (*last, *last_size) = (both, both_size);
                 continue;
             }
@@ -119,6 +120,7 @@ fn clustered<K: Kernel>(kernel: &K, parts: &[K::Function]) -> Result<Vec<K::Func
 /// fewest that it brings.
 fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     let mut left: Vec<usize> = (0..supports.len()).collect();
+    if std::env::var("LW_TRACE").is_ok() { eprintln!("  {} clusters", supports.len()); }
     let mut present = BitSet::default();
     let mut mentions: HashMap<Bit, usize> = HashMap::new();
     for bit in supports.iter().flat_map(BitSet::iter) {
@@ -150,3 +152,5 @@ fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     }
     order
 }
+
+fn cl() -> usize { std::env::var("LW_CLUSTER").ok().and_then(|s| s.parse().ok()).unwrap_or(CLUSTER_NODES) }

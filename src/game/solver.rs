@@ -206,8 +206,13 @@ fn arena_of<K: Kernel>(
     if sifting {
         formulas.kernel().sift()?;
     }
-    let arena = formulas.arena(&Selection::All)?;
+    let mut arena = formulas.arena(&Selection::All)?;
     if sifting {
+        let n: usize = std::env::var("LW_ROUNDS").ok().and_then(|s| s.parse().ok()).unwrap_or(0);
+        for _ in 0..n {
+            formulas.kernel().sift()?;
+            arena = formulas.arena(&Selection::All)?;
+        }
         formulas.kernel().sift()?;
     }
     Ok(arena)

@@ -15,6 +15,8 @@ use oxidd::{
     BooleanFunction, BooleanFunctionQuant, BooleanOperator, Function as _,
     FunctionSubst, HasLevel, InnerNode, Manager, ManagerRef, Node, Subst, VarNo,
 };
+use oxidd_core::LevelView as _;
+use oxidd_reorder::set_var_order_seq;
 use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -37,6 +39,9 @@ const COLLECT_NODES: u64 = 1 << 19;
 
 /// Below this, the order is left as it is.
 const REORDER_NODES: u64 = 10_000;
+
+/// The store is brought into a new order for less than this many percent of its nodes.
+const WORTHWHILE_PERCENT: usize = 98;
 
 /// A boolean function.
 #[derive(Clone, PartialEq, Eq, Hash)]
@@ -111,6 +116,44 @@ impl OxiDd {
         self.shared.collected.store(left, Ordering::Relaxed);
     }
 
+    /// All nodes of the store. A node is a root when something outside the store refers to it.
+    fn everything(&self) -> Diagram {
+        self.shared.store.with_manager_shared(|m| {
+            let mut nodes = Vec::new();
+            let mut references: Vec<usize> = Vec::new();
+            let mut counts: Vec<usize> = Vec::new();
+            let mut numbers: HashMap<usize, usize> = HashMap::new();
+            for level in (0..m.num_levels()).rev() {
+                let bit = Bit(m.level_to_var(level) as u16);
+                for edge in m.level(level).iter() {
+                    let Node::Inner(node) = m.get_node(edge) else {
+                        continue;
+                    };
+                    let mut child = |n: usize| {
+                        let child = node.child(n);
+                        let negated = child.tag() != Default::default();
+                        match m.get_node(child) {
+                            Node::Terminal(_) => Edge::TRUE.flipped(negated),
+                            Node::Inner(_) => {
+                                let number = numbers[&child.node_id()];
+                                references[number] += 1;
+                                Edge::to(number).flipped(negated)
+                            }
+                        }
+                    };
+                    let (high, low) = (child(0), child(1));
+                    numbers.insert(edge.node_id(), nodes.len());
+                    nodes.push(DiagramNode { bit, high, low });
+                    references.push(0);
+                    counts.push(node.ref_count());
+                }
+            }
+            let roots = (0..nodes.len()).filter(|n| counts[*n] > references[*n]);
+            let roots = roots.map(Edge::to).collect();
+            Diagram { nodes, roots }
+        })
+    }
+
     /// The conjunction of the bits, which is how the package takes a set of them.
     fn conjunction(&self, bits: &BitSet) -> Result<Function, Limit> {
         let mut cubes = self
@@ -126,6 +169,22 @@ impl OxiDd {
         cubes.insert(bits.clone(), cube.clone());
         Ok(cube)
     }
+}
+
+/// The order of the pairs in a store.
+fn order_of(store: &BCDDManagerRef) -> Order {
+    store.with_manager_shared(|m| {
+        let levels = (0..m.num_levels()).step_by(2);
+        let pairs = levels.map(|l| (m.level_to_var(l) / 2) as u16);
+        Order::new(pairs.collect()).expect("twins are not neighbours; please report this")
+    })
+}
+
+/// Brings the pairs into this order.
+fn set_order(store: &BCDDManagerRef, order: &Order) {
+    let variables = order.pairs().iter().map(|p| 2 * VarNo::from(*p));
+    let variables: Vec<VarNo> = variables.flat_map(|v| [v, v + 1]).collect();
+    store.with_manager_exclusive(|m| set_var_order_seq(m, &variables));
 }
 
 /// Calls `visit` for every node below `function` after those it leads to: its number, its bit, its edges.
@@ -185,7 +244,7 @@ impl Kernel for OxiDd {
         store.with_manager_exclusive(|m| {
             m.add_vars(variables);
         });
-        sift::set_order(&store, order);
+        set_order(&store, order);
         let literals: AllocResult<Vec<[Function; 2]>> = store.with_manager_shared(|m| {
             (0..variables)
                 .map(|v| {
@@ -234,7 +293,7 @@ impl Kernel for OxiDd {
     }
 
     fn order(&self) -> Order {
-        sift::order(&self.shared.store)
+        order_of(&self.shared.store)
     }
 
     fn constant(&self, value: bool) -> Function {
@@ -379,13 +438,13 @@ impl Kernel for OxiDd {
         let nodes = self.nodes();
         self.shared.peak.fetch_max(nodes, Ordering::Relaxed);
         let collected = self.shared.collected.load(Ordering::Relaxed);
-        if nodes < COLLECT_NODES.max(3 * collected) {
+        if nodes < ev("LW_COLLECT", COLLECT_NODES).max(ev("LW_CF",3) * collected) {
             return Ok(());
         }
         self.collect();
         if self.shared.reordering.load(Ordering::Relaxed) {
             let last = self.shared.reordered.load(Ordering::Relaxed);
-            if self.nodes() > REORDER_NODES.max(2 * last) {
+            if self.nodes() > ev("LW_REORDER",REORDER_NODES).max(ev("LW_RF",20) * last / 10) {
                 return self.sift();
             }
         }
@@ -394,11 +453,20 @@ impl Kernel for OxiDd {
 
     fn sift(&self) -> Result<(), Limit> {
         self.limits.check_time()?;
+        let t0 = std::time::Instant::now(); let b0=self.nodes();
         self.collect();
+        let b=self.nodes();
         if self.nodes() < self.shared.capacity / 3 {
-            sift::sift(&self.shared.store, &self.limits);
+            let everything = self.everything();
+            if let Some((order, before, after)) =
+                sift::sift(&everything, &self.order(), &self.limits)
+                && after * 100 < before * WORTHWHILE_PERCENT
+            {
+                set_order(&self.shared.store, &order);
+            }
         }
         let left = self.nodes();
+        if std::env::var("LW_TRACE").is_ok() { eprintln!("  SIFT {b0} {b} -> {left} in {:.3}", t0.elapsed().as_secs_f64()); }
         self.shared.reordered.store(left, Ordering::Relaxed);
         self.shared.collected.store(left, Ordering::Relaxed);
         Ok(())
@@ -408,3 +476,5 @@ impl Kernel for OxiDd {
         self.shared.reordering.store(allowed, Ordering::Relaxed);
     }
 }
+
+fn ev(n: &str, d: u64) -> u64 { std::env::var(n).ok().and_then(|s| s.parse().ok()).unwrap_or(d) }

@@ -1,165 +1,283 @@
-//! Group sifting over OxiDD's store: each pair of twins moves as one.
+//! Group sifting on plain data: each pair of twins moves as one, and a kernel is told the order that was found.
 //!
 //! Rudell's sifting ("Dynamic variable ordering for ordered binary decision diagrams", ICCAD 1993) with groups in the sense of
 //! Panda and Somenzi ("Who are the variables in your neighborhood", ICCAD 1995), the groups being fixed: a variable and its
 //! primed twin, current bit on top. Each pair, the largest first, goes to the nearer end and then to the other one, and comes
-//! to rest where the store was smallest; a direction is left when the store has grown by a fifth. So a pass never ends with
+//! to rest where the diagrams were smallest; a direction is left when they have grown by a fifth. So a pass never ends with
 //! more nodes than it began with.
 //!
-//! The work is bounded by a count of nodes that swaps touch, not by a clock: the same functions are always sifted to the same
-//! order.
+//! It works on a copy, with counted references and complement edges (the high edge is never negated), and not inside a
+//! kernel: swaps of levels need no locks here, an order serves every kernel, and running out of memory or time leaves the
+//! kernel as it was. The work is bounded by a count of nodes that swaps touch, not by a clock, so that the same functions are
+//! always sifted to the same order.
 
-use super::{Limits, Order};
-use oxidd::bcdd::BCDDManagerRef;
-use oxidd::{HasLevel, LevelNo, Manager, ManagerRef, VarNo};
-use oxidd_core::LevelView as _;
-use oxidd_reorder::{level_down, set_var_order_seq};
+use super::{Bit, Diagram, Limits, Order};
+use rustc_hash::FxHashMap;
 
-/// A direction is left when the store has more than this many percent of its best size.
+/// A direction is left when there are more than this many percent of the fewest nodes met.
 const GROWTH_PERCENT: usize = 120;
 
-/// Passes go on while one makes the store smaller than this many percent.
-const WORTHWHILE_PERCENT: usize = 97;
+/// Passes go on while one leaves less than this many percent of the nodes.
+const WORTHWHILE_PERCENT: usize = 98;
 
 /// More passes than this are not made.
-const MOST_PASSES: usize = 4;
+const MOST_PASSES: usize = 6;
 
-/// A call touches at most this many nodes, or [`WORK_PER_NODE`] for each node there is if that is more.
-const LEAST_WORK: usize = 20_000_000;
+/// A call touches at most this many nodes, [`MORE_WORK`] more for each of the first [`MANY_NODES`], and [`WORK_PER_NODE`] for
+/// every node.
+const LEAST_WORK: usize = 100_000;
 
 /// See [`LEAST_WORK`].
-const WORK_PER_NODE: usize = 200;
+const MORE_WORK: usize = 1_000;
 
-/// The order of the pairs in a store.
-pub fn order(store: &BCDDManagerRef) -> Order {
-    store.with_manager_shared(|m| {
-        let levels = (0..m.num_levels()).step_by(2);
-        let pairs = levels.map(|l| (m.level_to_var(l) / 2) as u16);
-        Order::new(pairs.collect()).expect("twins are not neighbours; please report this")
+/// See [`LEAST_WORK`].
+const MANY_NODES: usize = 20_000;
+
+/// See [`LEAST_WORK`].
+const WORK_PER_NODE: usize = 100;
+
+/// What is not a bit: the level of the constant.
+const CONSTANT: u16 = u16::MAX;
+
+/// A node; edges are twice a node's number, plus one when negated. Node 0 is the constant `true`.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    bit: u16,
+    references: u32,
+    high: u32,
+    low: u32,
+}
+
+/// Diagrams whose order can be changed.
+#[derive(Debug)]
+pub struct Sifter {
+    nodes: Vec<Node>,
+    free: Vec<u32>,
+    /// For every bit its nodes, by their edges.
+    tables: Vec<FxHashMap<(u32, u32), u32>>,
+    /// The pairs from the top to the bottom, and the reverse.
+    order: Vec<u16>,
+    positions: Vec<u16>,
+    /// How many nodes are referenced, the constant aside.
+    size: usize,
+    /// How many nodes may still be touched.
+    work: usize,
+}
+
+/// An order in which the diagrams are smaller, with the number of nodes before and after; `None` if none was found.
+///
+/// `diagram` must respect `order`.
+pub fn sift(diagram: &Diagram, order: &Order, limits: &Limits) -> Option<(Order, usize, usize)> {
+    let mut sifter = Sifter::new(diagram, order);
+    let before = sifter.size;
+    let after = sifter.sift(limits);
+    (after < before).then(|| {
+        let order = Order::new(sifter.order).expect("sifting lost a pair; please report this");
+        (order, before, after)
     })
 }
 
-/// Brings the pairs into this order.
-pub fn set_order(store: &BCDDManagerRef, order: &Order) {
-    let variables = order.pairs().iter().map(|p| 2 * VarNo::from(*p));
-    let variables: Vec<VarNo> = variables.flat_map(|v| [v, v + 1]).collect();
-    store.with_manager_exclusive(|m| set_var_order_seq(m, &variables));
-}
-
-/// Looks for a better order.
-pub fn sift(store: &BCDDManagerRef, limits: &Limits) {
-    store.with_manager_exclusive(|m| {
-        m.reorder(|m| {
-            let start = m.num_inner_nodes();
-            let mut sifter = Sifter {
-                pairs: m.num_levels() as usize / 2,
-                work: LEAST_WORK.max(WORK_PER_NODE * start),
-                limits,
-            };
-            let mut size = start;
-            for _ in 0..MOST_PASSES {
-                let smaller = sifter.pass(m);
-                let worthwhile = smaller * 100 < size * WORTHWHILE_PERCENT;
-                size = smaller;
-                if !worthwhile || sifter.exhausted() {
-                    break;
-                }
-            }
-        });
-    });
-}
-
-struct Sifter<'a> {
-    pairs: usize,
-    /// How many nodes may still be touched.
-    work: usize,
-    limits: &'a Limits,
-}
-
-impl Sifter<'_> {
-    fn exhausted(&self) -> bool {
-        self.work == 0 || self.limits.check_time().is_err()
+impl Sifter {
+    fn new(diagram: &Diagram, order: &Order) -> Self {
+        let pairs = order.pairs().len();
+        let mut sifter = Self {
+            nodes: vec![Node {
+                bit: CONSTANT,
+                references: 1,
+                high: 0,
+                low: 0,
+            }],
+            free: Vec::new(),
+            tables: vec![FxHashMap::default(); 2 * pairs],
+            order: order.pairs().to_vec(),
+            positions: order.positions(),
+            size: 0,
+            work: 0,
+        };
+        // A diagram's constant is `false`, this one's is `true`.
+        let mut edges: Vec<u32> = Vec::with_capacity(diagram.nodes.len());
+        let edge = |edges: &[u32], e: super::Edge| match e.node() {
+            None => u32::from(!e.is_negated()),
+            Some(n) => edges[n] ^ u32::from(e.is_negated()),
+        };
+        for node in &diagram.nodes {
+            let (high, low) = (edge(&edges, node.high), edge(&edges, node.low));
+            edges.push(sifter.make(node.bit, high, low));
+        }
+        for root in &diagram.roots {
+            sifter.keep(edge(&edges, *root));
+        }
+        // What was made for the diagram's own sake is dropped: only roots and what they need stays.
+        for edge in edges {
+            sifter.release(edge);
+        }
+        sifter.work = LEAST_WORK + WORK_PER_NODE * sifter.size + MORE_WORK * sifter.size.min(MANY_NODES);
+        sifter
     }
 
-    /// Sifts every pair once; gives the size of the store.
-    fn pass<M: Manager>(&mut self, m: &mut M) -> usize
-    where
-        M::InnerNode: HasLevel,
-    {
-        // A pair is known by the variable of its current bit.
-        let mut pairs: Vec<(usize, VarNo)> = (0..self.pairs)
-            .map(|p| (nodes_of(m, p), m.level_to_var(2 * p as LevelNo)))
-            .collect();
-        pairs.sort_unstable_by_key(|(nodes, variable)| (std::cmp::Reverse(*nodes), *variable));
-        let mut size = m.num_inner_nodes();
-        for (_, variable) in pairs {
-            if self.exhausted() {
+    fn keep(&mut self, edge: u32) {
+        self.nodes[(edge >> 1) as usize].references += 1;
+    }
+
+    fn release(&mut self, edge: u32) {
+        let mut dead = vec![edge];
+        while let Some(edge) = dead.pop() {
+            let number = edge >> 1;
+            let node = &mut self.nodes[number as usize];
+            node.references -= 1;
+            if node.references == 0 {
+                let Node { bit, high, low, .. } = *node;
+                self.tables[usize::from(bit)].remove(&(high, low));
+                self.free.push(number);
+                self.size -= 1;
+                dead.extend([high, low]);
+            }
+        }
+    }
+
+    /// The node of these edges, with one more reference.
+    fn make(&mut self, bit: Bit, high: u32, low: u32) -> u32 {
+        if high == low {
+            self.keep(high);
+            return high;
+        }
+        let negated = high & 1;
+        let key = (high ^ negated, low ^ negated);
+        if let Some(number) = self.tables[bit.index()].get(&key) {
+            let edge = number << 1;
+            self.keep(edge);
+            return edge ^ negated;
+        }
+        self.keep(key.0);
+        self.keep(key.1);
+        let node = Node {
+            bit: bit.0,
+            references: 1,
+            high: key.0,
+            low: key.1,
+        };
+        let number = if let Some(number) = self.free.pop() {
+            self.nodes[number as usize] = node;
+            number
+        } else {
+            self.nodes.push(node);
+            self.nodes.len() as u32 - 1
+        };
+        self.tables[bit.index()].insert(key, number);
+        self.size += 1;
+        number << 1 ^ negated
+    }
+
+    /// The edges of an edge for both values of a bit that is not below its own.
+    fn cofactors(&self, edge: u32, bit: u16) -> (u32, u32) {
+        let node = &self.nodes[(edge >> 1) as usize];
+        if node.bit == bit {
+            (node.high ^ edge & 1, node.low ^ edge & 1)
+        } else {
+            (edge, edge)
+        }
+    }
+
+    /// Swaps two bits of which the first lies directly above the second.
+    fn swap_bits(&mut self, upper: Bit, lower: Bit) {
+        let asks_lower = |sifter: &Self, edge: u32| sifter.nodes[(edge >> 1) as usize].bit == lower.0;
+        let mut moving: Vec<u32> = Vec::new();
+        for ((high, low), number) in &self.tables[upper.index()] {
+            if asks_lower(self, *high) || asks_lower(self, *low) {
+                moving.push(*number);
+            }
+        }
+        self.work = self
+            .work
+            .saturating_sub(self.tables[upper.index()].len() + 4 * moving.len() + 1);
+        for number in moving {
+            let Node { high, low, .. } = self.nodes[number as usize];
+            self.tables[upper.index()].remove(&(high, low));
+            let (high_high, high_low) = self.cofactors(high, lower.0);
+            let (low_high, low_low) = self.cofactors(low, lower.0);
+            let new_high = self.make(upper, high_high, low_high);
+            let new_low = self.make(upper, high_low, low_low);
+            debug_assert_eq!(new_high & 1, 0, "a high edge is negated");
+            let node = &mut self.nodes[number as usize];
+            node.bit = lower.0;
+            node.high = new_high;
+            node.low = new_low;
+            self.tables[lower.index()].insert((new_high, new_low), number);
+            self.release(high);
+            self.release(low);
+        }
+    }
+
+    /// Swaps the pair at a position with the one below it.
+    fn swap(&mut self, position: usize) {
+        let (a, b) = (self.order[position], self.order[position + 1]);
+        let (a, b) = (Bit(2 * a), Bit(2 * b));
+        // a a' b b'  →  a b a' b'  →  b a a' b'  →  b a b' a'  →  b b' a a'
+        self.swap_bits(a.primed(), b);
+        self.swap_bits(a, b);
+        self.swap_bits(a.primed(), b.primed());
+        self.swap_bits(a, b.primed());
+        self.order.swap(position, position + 1);
+        self.positions[usize::from(a.pair())] = position as u16 + 1;
+        self.positions[usize::from(b.pair())] = position as u16;
+    }
+
+    fn nodes_of(&self, pair: u16) -> usize {
+        let bit = usize::from(2 * pair);
+        self.tables[bit].len() + self.tables[bit + 1].len()
+    }
+
+    /// Sifts until it is no longer worthwhile; gives the number of nodes.
+    fn sift(&mut self, limits: &Limits) -> usize {
+        for _ in 0..MOST_PASSES {
+            let before = self.size;
+            let mut pairs = self.order.clone();
+            pairs.sort_by_key(|p| std::cmp::Reverse(self.nodes_of(*p)));
+            for pair in pairs {
+                if self.work == 0 || limits.check_time().is_err() {
+                    return self.size;
+                }
+                if self.nodes_of(pair) > 0 {
+                    self.place(pair);
+                }
+            }
+            if self.size * 100 >= before * WORTHWHILE_PERCENT {
                 break;
             }
-            size = self.place(m, variable, size);
         }
-        size
+        self.size
     }
 
-    /// Moves one pair to its best place; `size` is the size of the store.
-    fn place<M: Manager>(&mut self, m: &mut M, variable: VarNo, mut size: usize) -> usize
-    where
-        M::InnerNode: HasLevel,
-    {
-        let mut here = m.var_to_level(variable) as usize / 2;
-        if nodes_of(m, here) == 0 {
-            return size;
-        }
-        let (mut best, mut best_size) = (here, size);
-        let last = self.pairs - 1;
-        let upwards_first = here < self.pairs / 2;
+    /// Moves one pair to its best place.
+    fn place(&mut self, pair: u16) {
+        let mut here = usize::from(self.positions[usize::from(pair)]);
+        let (mut best, mut best_size) = (here, self.size);
+        let last = self.order.len() - 1;
+        let upwards_first = here < last / 2;
         for upwards in [upwards_first, !upwards_first] {
             while here != if upwards { 0 } else { last } {
-                let upper = if upwards { here - 1 } else { here };
-                size = self.swap(m, upper, size);
-                here = if upwards { here - 1 } else { here + 1 };
-                if size < best_size {
-                    (best, best_size) = (here, size);
+                here = self.step(here, upwards);
+                if self.size < best_size {
+                    (best, best_size) = (here, self.size);
                 }
-                if size * 100 > best_size * GROWTH_PERCENT || self.exhausted() {
+                if self.size * 100 > best_size * GROWTH_PERCENT || self.work == 0 {
                     break;
                 }
             }
         }
         while here != best {
-            let upper = if here > best { here - 1 } else { here };
-            size = self.swap(m, upper, size);
-            here = if here > best { here - 1 } else { here + 1 };
+            here = self.step(here, here > best);
         }
-        size
     }
 
-    /// Swaps the pair at `upper` with the one below it; gives the new size of the store.
-    fn swap<M: Manager>(&mut self, m: &mut M, upper: usize, size: usize) -> usize
-    where
-        M::InnerNode: HasLevel,
-    {
-        let before = nodes_of(m, upper) + nodes_of(m, upper + 1);
-        let level = 2 * upper as LevelNo;
-        // a a' b b'  →  a b a' b'  →  b a a' b'  →  b a b' a'  →  b b' a a'
-        for level in [level + 1, level, level + 2, level + 1] {
-            #[expect(
-                unsafe_code,
-                reason = "the package's only way to exchange two levels"
-            )]
-            // SAFETY: called within `Manager::reorder`, with exclusive access to the whole manager, hence to these levels.
-            unsafe {
-                level_down(m, level);
-            }
+    /// Moves the pair at a position by one; gives its new position.
+    fn step(&mut self, here: usize, upwards: bool) -> usize {
+        if upwards {
+            self.swap(here - 1);
+            here - 1
+        } else {
+            self.swap(here);
+            here + 1
         }
-        self.work = self.work.saturating_sub(4 * before + 8);
-        let after = nodes_of(m, upper) + nodes_of(m, upper + 1);
-        size + after - before
     }
-}
-
-/// How many nodes ask one of a pair's bits.
-fn nodes_of<M: Manager>(m: &M, position: usize) -> usize {
-    let level = 2 * position as LevelNo;
-    m.level(level).len() + m.level(level + 1).len()
 }
