@@ -18,7 +18,8 @@ FILTER is a part of a file's path; without one, a selection of a few minutes is 
   --each           a row for each file of a large folder too, not only their sum
   --options TEXT   further options for our own `check`, with blanks between them
 
-LINEWRIGHT_GR1C, LINEWRIGHT_SLUGS: the programs; LINEWRIGHT_SPECS: the folder of specifications [../shared/bench/specs]";
+LINEWRIGHT_GR1C, LINEWRIGHT_SLUGS: the programs; LINEWRIGHT_SPECS: the folder of specifications [../shared/bench/specs];
+LINEWRIGHT_PROGRAM: our own program, where it is not to be the one just built";
 
 /// What is taken without a filter. A name that ends in a slash is a whole folder.
 const SELECTION: [&str; 10] = [
@@ -68,15 +69,16 @@ impl Peer {
         }
     }
 
+    /// From gr1c's exit code, and from slugs' words.
     fn verdict(self, run: &Run) -> Verdict {
         match (self, run.end) {
             (_, End::TimedOut) => Verdict::TimedOut,
             (Self::Gr1c, End::Exit(0)) => Verdict::Realizable,
             (Self::Gr1c, End::Exit(3)) => Verdict::Unrealizable,
-            (Self::Slugs, End::Exit(0)) if run.text.contains("is realizable") => {
+            (Self::Slugs, End::Exit(0)) if run.words.contains("is realizable") => {
                 Verdict::Realizable
             }
-            (Self::Slugs, End::Exit(0)) if run.text.contains("is unrealizable") => {
+            (Self::Slugs, End::Exit(0)) if run.words.contains("is unrealizable") => {
                 Verdict::Unrealizable
             }
             (_, End::Exit(_)) => Verdict::Refused,
@@ -334,7 +336,9 @@ fn measured(
     peer: Option<(Peer, &Path)>,
     options: &Options,
 ) -> Result<Row, String> {
-    let mut ours: Vec<OsString> = vec![env!("CARGO_BIN_EXE_linewright").into()];
+    let built = || env!("CARGO_BIN_EXE_linewright").into();
+    let mut ours: Vec<OsString> =
+        vec![std::env::var_os("LINEWRIGHT_PROGRAM").unwrap_or_else(built)];
     ours.extend(["check", "--format", "json"].map(OsString::from));
     ours.extend(options.check.iter().cloned());
     ours.push(file.into());

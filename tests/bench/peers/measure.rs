@@ -37,8 +37,10 @@ pub struct Run {
     pub seconds: f64,
     /// Peak resident memory, in MiB. Not less than that of the process in between, which is about 2 MiB.
     pub mebibytes: f64,
-    /// What it printed.
+    /// What it printed, ...
     pub text: String,
+    /// ... and what it said beside that.
+    pub words: String,
 }
 
 /// Runs a program with a limit on the time by the clock.
@@ -53,10 +55,10 @@ pub fn run(program: &[OsString], limit: Duration) -> Result<Run, String> {
         .output()
         .map_err(|e| format!("{shown}: {e}"))?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let (said, report) = text.rsplit_once(REPORT).ok_or_else(|| {
-        let words = String::from_utf8_lossy(&output.stderr);
-        format!("{shown} was not measured: {}", words.trim())
-    })?;
+    let words = String::from_utf8_lossy(&output.stderr);
+    let (said, report) = text
+        .rsplit_once(REPORT)
+        .ok_or_else(|| format!("{shown} was not measured: {}", words.trim()))?;
     let report: Vec<&str> = report.split_whitespace().collect();
     let number = |i: usize| report.get(i).and_then(|w| w.parse::<f64>().ok());
     let (Some(seconds), Some(mebibytes), Some(end)) = (number(0), number(1), report.get(2)) else {
@@ -72,6 +74,7 @@ pub fn run(program: &[OsString], limit: Duration) -> Result<Run, String> {
         seconds,
         mebibytes,
         text: said.to_owned(),
+        words: words.into_owned(),
     })
 }
 

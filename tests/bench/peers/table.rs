@@ -39,16 +39,12 @@ pub fn print(rows: &[Row], peer: Option<&str>, limit: Duration) {
     }
     table.push(head.into_iter().map(str::to_owned).collect());
     for row in rows {
-        let decided = row.theirs.filter(|t| t.verdict.is_decided());
-        let verdict = match decided {
-            Some(theirs) if !row.ours.verdict.is_decided() => theirs.verdict,
-            Some(theirs) if theirs.verdict != row.ours.verdict => {
-                table.push(vec![row.name.clone(), "**they differ**".to_owned()]);
-                continue;
-            }
-            _ => row.ours.verdict,
+        let verdict = match row.theirs.map(|t| t.verdict).filter(|v| v.is_decided()) {
+            Some(theirs) if !row.ours.verdict.is_decided() => theirs.word(),
+            Some(theirs) if theirs != row.ours.verdict => "**they differ**",
+            _ => row.ours.verdict.word(),
         };
-        let mut cells = vec![row.name.clone(), verdict.word().to_owned()];
+        let mut cells = vec![row.name.clone(), verdict.to_owned()];
         cells.extend(figures(&row.ours, limit));
         if let Some(theirs) = &row.theirs {
             cells.extend(figures(theirs, limit));
