@@ -1,0 +1,29 @@
+//! Realizability beside other tools: `linewright check` and, where they are at hand, gr1c and slugs, on the same files.
+//!
+//! Every figure is of a whole process as a user starts it: user and system time, and peak resident memory. The tools take turns
+//! on each file, so that what else the machine does hits both. Where a file's format belongs to a tool that is not at
+//! hand, our own figures stand alone. See `README.md` beside this file for how to use it.
+
+#[cfg(unix)]
+#[path = "peers/compare.rs"]
+mod compare;
+#[cfg(unix)]
+#[path = "peers/measure.rs"]
+mod measure;
+#[cfg(unix)]
+#[path = "peers/table.rs"]
+mod table;
+
+#[cfg(unix)]
+fn main() -> std::process::ExitCode {
+    let arguments: Vec<_> = std::env::args_os().skip(1).collect();
+    match arguments.split_first() {
+        Some((first, rest)) if first == measure::ARGUMENT => measure::stand_between(rest),
+        _ => compare::main(&arguments),
+    }
+}
+
+#[cfg(not(unix))]
+fn main() {
+    println!("peers: not measured, the system's account of a process is asked for in Unix's way");
+}

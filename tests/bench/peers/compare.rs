@@ -1,0 +1,416 @@
+//! Which files, which tools, and in what order.
+
+use crate::measure::{self, End, Run};
+use crate::table;
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+const USAGE: &str = "\
+cargo bench --bench peers -- [FILTER...] [OPTION...]
+
+FILTER is a part of a file's path; without one, a selection of a few minutes is taken.
+
+  --runs N         runs of each tool on each file, whose median is shown [3]
+  --timeout S      seconds by the clock after which a run is ended [120]
+  --each           a row for each file of a large folder too, not only their sum
+  --options TEXT   further options for our own `check`, with blanks between them
+
+LINEWRIGHT_GR1C, LINEWRIGHT_SLUGS: the programs; LINEWRIGHT_SPECS: the folder of specifications [../shared/bench/specs];
+LINEWRIGHT_PROGRAM: our own program, where it is not to be the one just built";
+
+/// What is taken without a filter. A name that ends in a slash is a whole folder.
+const SELECTION: [&str; 10] = [
+    "anzu/genbuf5.",
+    "anzu/genbuf10.",
+    "anzu/genbuf20.",
+    "anzu/genbuf40.",
+    "anzu/amba2.",
+    "anzu/amba3.",
+    "anzu/amba4.",
+    "synt15/synt15_4.",
+    "synt15/synt15_8.",
+    "syntech15/",
+];
+
+/// Of a folder with more files than this, only their sum is shown.
+const LARGE: usize = 10;
+
+/// A tool that is not ours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Peer {
+    Gr1c,
+    Slugs,
+}
+
+impl Peer {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Gr1c => "gr1c",
+            Self::Slugs => "slugs",
+        }
+    }
+
+    /// The environment variable that says where it is.
+    const fn variable(self) -> &'static str {
+        match self {
+            Self::Gr1c => "LINEWRIGHT_GR1C",
+            Self::Slugs => "LINEWRIGHT_SLUGS",
+        }
+    }
+
+    /// What makes it decide realizability, and no more. slugs does that unless it is asked for more.
+    const fn options(self) -> &'static [&'static str] {
+        match self {
+            Self::Gr1c => &["-r"],
+            Self::Slugs => &[],
+        }
+    }
+
+    /// From gr1c's exit code, and from slugs' words.
+    fn verdict(self, run: &Run) -> Verdict {
+        match (self, run.end) {
+            (_, End::TimedOut) => Verdict::TimedOut,
+            (Self::Gr1c, End::Exit(0)) => Verdict::Realizable,
+            (Self::Gr1c, End::Exit(3)) => Verdict::Unrealizable,
+            (Self::Slugs, End::Exit(0)) if run.words.contains("is realizable") => {
+                Verdict::Realizable
+            }
+            (Self::Slugs, End::Exit(0)) if run.words.contains("is unrealizable") => {
+                Verdict::Unrealizable
+            }
+            (_, End::Exit(_)) => Verdict::Refused,
+            (_, End::Killed) => Verdict::Killed,
+        }
+    }
+}
+
+/// What a tool says of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    Realizable,
+    Unrealizable,
+    Refused,
+    GaveUp,
+    TimedOut,
+    Killed,
+}
+
+impl Verdict {
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Realizable => "realizable",
+            Self::Unrealizable => "unrealizable",
+            Self::Refused => "refused",
+            Self::GaveUp => "gave up",
+            Self::TimedOut => "out of time",
+            Self::Killed => "killed",
+        }
+    }
+
+    pub const fn is_decided(self) -> bool {
+        matches!(self, Self::Realizable | Self::Unrealizable)
+    }
+}
+
+/// Our own verdict, from the document that `check --format json` prints.
+fn own_verdict(run: &Run) -> Verdict {
+    match run.end {
+        End::TimedOut => return Verdict::TimedOut,
+        End::Killed => return Verdict::Killed,
+        End::Exit(_) => {}
+    }
+    let document: serde_json::Value = serde_json::from_str(&run.text).unwrap_or_default();
+    let count = |what: &str| document["summary"][what].as_u64().unwrap_or(0);
+    // One contract a file, in every format that is read here.
+    if count("unrealizable") > 0 {
+        Verdict::Unrealizable
+    } else if count("gave_up") > 0 {
+        Verdict::GaveUp
+    } else if count("realizable") > 0 {
+        Verdict::Realizable
+    } else {
+        Verdict::Refused
+    }
+}
+
+/// What one tool took on one file, over all runs.
+#[derive(Debug, Clone, Copy)]
+pub struct Figures {
+    pub verdict: Verdict,
+    /// The median.
+    pub seconds: f64,
+    /// The largest.
+    pub mebibytes: f64,
+}
+
+fn figures(runs: &[(Verdict, Run)]) -> Figures {
+    let mut seconds: Vec<f64> = runs.iter().map(|(_, r)| r.seconds).collect();
+    seconds.sort_by(f64::total_cmp);
+    let memory = runs.iter().map(|(_, r)| r.mebibytes);
+    // A run that found no verdict says more than the others: it was the last.
+    let verdict = runs[runs.len() - 1].0;
+    Figures {
+        verdict,
+        seconds: seconds[seconds.len() / 2],
+        mebibytes: memory.fold(0.0, f64::max),
+    }
+}
+
+/// One file, or the sum of some.
+#[derive(Debug, Clone)]
+pub struct Row {
+    pub name: String,
+    pub ours: Figures,
+    pub theirs: Option<Figures>,
+}
+
+struct Options {
+    filters: Vec<String>,
+    runs: usize,
+    limit: Duration,
+    each: bool,
+    check: Vec<OsString>,
+}
+
+fn options(arguments: &[OsString]) -> Result<Options, String> {
+    let mut options = Options {
+        filters: Vec::new(),
+        runs: 3,
+        limit: Duration::from_secs(120),
+        each: false,
+        check: Vec::new(),
+    };
+    let mut arguments = arguments.iter().map(|a| a.to_string_lossy());
+    while let Some(argument) = arguments.next() {
+        let mut value = || {
+            let value = arguments.next();
+            value.ok_or_else(|| format!("{argument} needs a value"))
+        };
+        match &*argument {
+            // Cargo's own.
+            "--bench" => {}
+            "--each" => options.each = true,
+            "--runs" => {
+                let runs = value()?.parse().ok().filter(|n| *n > 0);
+                options.runs = runs.ok_or("--runs needs a number from 1")?;
+            }
+            "--timeout" => {
+                let seconds = value()?.parse().ok();
+                let seconds = seconds.filter(|s| (0.001..1e6).contains(s));
+                options.limit =
+                    Duration::from_secs_f64(seconds.ok_or("--timeout needs a number of seconds")?);
+            }
+            "--options" => {
+                let text = value()?;
+                options.check = text.split_whitespace().map(OsString::from).collect();
+            }
+            other if other.starts_with('-') => return Err(format!("{other} is no option")),
+            filter => options.filters.push(filter.to_owned()),
+        }
+    }
+    Ok(options)
+}
+
+/// The specifications below a folder: path from there, and ending.
+fn specifications(root: &Path) -> Vec<(String, String)> {
+    fn visit(root: &Path, folder: &Path, found: &mut Vec<(String, String)>) {
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                visit(root, &path, found);
+                continue;
+            }
+            let ending = path.extension().unwrap_or_default().to_string_lossy();
+            if ["spc", "slugsin", "structuredslugs"].contains(&&*ending) {
+                let name = path.strip_prefix(root).unwrap_or(&path);
+                let parts: Vec<_> = name.iter().map(|p| p.to_string_lossy()).collect();
+                found.push((parts.join("/"), ending.into_owned()));
+            }
+        }
+    }
+    let mut found = Vec::new();
+    visit(root, root, &mut found);
+    // `genbuf5` before `genbuf10`.
+    found.sort_by_cached_key(|(name, _)| table::natural(name));
+    found
+}
+
+/// Which of them are asked for.
+fn selected(name: &str, filters: &[String]) -> bool {
+    if filters.is_empty() {
+        SELECTION.iter().any(|s| name.starts_with(s))
+    } else {
+        filters.iter().any(|f| name.contains(f.as_str()))
+    }
+}
+
+pub fn main(arguments: &[OsString]) -> ExitCode {
+    // `cargo test --benches` only asks whether it runs. `cargo bench` always says `--bench`.
+    if !arguments.iter().any(|a| a == "--bench") {
+        println!("peers: nothing is measured but by `cargo bench`");
+        return ExitCode::SUCCESS;
+    }
+    if arguments.iter().any(|a| a == "--help" || a == "-h") {
+        println!("{USAGE}");
+        return ExitCode::SUCCESS;
+    }
+    match options(arguments).and_then(|options| compare(&options)) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(why) => {
+            eprintln!("{why}\n\n{USAGE}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Measures and prints; whether all verdicts agree.
+fn compare(options: &Options) -> Result<bool, String> {
+    let root = match std::env::var_os("LINEWRIGHT_SPECS") {
+        Some(root) => PathBuf::from(root),
+        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/bench/specs"),
+    };
+    let files = specifications(&root);
+    if files.is_empty() {
+        println!("skipped: no specifications; LINEWRIGHT_SPECS names a folder of them");
+        return Ok(true);
+    }
+    let mut peers: BTreeMap<Peer, PathBuf> = BTreeMap::new();
+    for peer in [Peer::Gr1c, Peer::Slugs] {
+        let Some(path) = std::env::var_os(peer.variable()) else {
+            let (name, variable) = (peer.name(), peer.variable());
+            println!(
+                "{name} is not at hand ({variable} names the program): our own figures stand alone"
+            );
+            continue;
+        };
+        let path = PathBuf::from(path);
+        if !path.is_file() {
+            return Err(format!(
+                "{}: {} is no file",
+                peer.variable(),
+                path.display()
+            ));
+        }
+        peers.insert(peer, path);
+    }
+
+    let mut agree = true;
+    for (ending, peer) in [
+        ("slugsin", Some(Peer::Slugs)),
+        ("spc", Some(Peer::Gr1c)),
+        ("structuredslugs", None),
+    ] {
+        let peer = peer.filter(|p| peers.contains_key(p));
+        let mut rows: Vec<Row> = Vec::new();
+        let files = files.iter().filter(|(_, e)| e == ending);
+        for (name, _) in files.filter(|(n, _)| selected(n, &options.filters)) {
+            let file = root.join(name);
+            let peer = peer.map(|p| (p, peers[&p].as_path()));
+            let row = measured(name, &file, peer, options)?;
+            eprintln!("{}", table::line(&row));
+            if let Some(theirs) = row.theirs {
+                let decided = row.ours.verdict.is_decided() && theirs.verdict.is_decided();
+                if decided && row.ours.verdict != theirs.verdict {
+                    agree = false;
+                    println!("{name}: VERDICTS DIFFER");
+                }
+            }
+            rows.push(row);
+        }
+        if !rows.is_empty() {
+            let name = peer.map(Peer::name);
+            println!();
+            table::print(&summed(rows, options.each, ending), name, options.limit);
+        }
+    }
+    Ok(agree)
+}
+
+/// All tools on one file, in turns. A tool that found no verdict is not asked again.
+fn measured(
+    name: &str,
+    file: &Path,
+    peer: Option<(Peer, &Path)>,
+    options: &Options,
+) -> Result<Row, String> {
+    let built = || env!("CARGO_BIN_EXE_linewright").into();
+    let mut ours: Vec<OsString> =
+        vec![std::env::var_os("LINEWRIGHT_PROGRAM").unwrap_or_else(built)];
+    ours.extend(["check", "--format", "json"].map(OsString::from));
+    ours.extend(options.check.iter().cloned());
+    ours.push(file.into());
+    let (mut own, mut other) = (Vec::<(Verdict, Run)>::new(), Vec::new());
+    let again = |runs: &[(Verdict, Run)]| runs.last().is_none_or(|(v, _)| v.is_decided());
+    for _ in 0..options.runs {
+        if again(&own) {
+            let run = measure::run(&ours, options.limit)?;
+            own.push((own_verdict(&run), run));
+        }
+        if let Some((peer, program)) = peer
+            && again(&other)
+        {
+            let mut theirs = vec![program.as_os_str().to_owned()];
+            theirs.extend(peer.options().iter().map(OsString::from));
+            theirs.push(file.into());
+            let run = measure::run(&theirs, options.limit)?;
+            other.push((peer.verdict(&run), run));
+        }
+    }
+    Ok(Row {
+        name: name.to_owned(),
+        ours: figures(&own),
+        theirs: peer.map(|_| figures(&other)),
+    })
+}
+
+/// The rows of large folders replaced by their sum; or the sum behind them.
+fn summed(rows: Vec<Row>, each: bool, ending: &str) -> Vec<Row> {
+    let folder = |row: &Row| {
+        let folder = row.name.rsplit_once('/');
+        folder.map_or(String::new(), |(folder, _)| folder.to_owned())
+    };
+    let mut folders: Vec<(String, Vec<Row>)> = Vec::new();
+    for row in rows {
+        match folders.last_mut() {
+            Some((name, rows)) if *name == folder(&row) => rows.push(row),
+            _ => folders.push((folder(&row), vec![row])),
+        }
+    }
+    let mut result = Vec::new();
+    for (folder, rows) in folders {
+        if rows.len() <= LARGE {
+            result.extend(rows);
+            continue;
+        }
+        let theirs: Option<Vec<Figures>> = rows.iter().map(|r| r.theirs).collect();
+        let ours: Vec<Figures> = rows.iter().map(|r| r.ours).collect();
+        let sum = Row {
+            name: format!("{folder}: all {} .{ending}", rows.len()),
+            ours: added(&ours),
+            theirs: theirs.map(|t| added(&t)),
+        };
+        if each {
+            result.extend(rows);
+        }
+        result.push(sum);
+    }
+    result
+}
+
+/// Times added up, the largest memory; decided where all are.
+fn added(figures: &[Figures]) -> Figures {
+    let odd = figures.iter().find(|f| !f.verdict.is_decided());
+    let unrealizable = figures
+        .iter()
+        .find(|f| f.verdict == Verdict::Unrealizable)
+        .map_or(Verdict::Realizable, |f| f.verdict);
+    Figures {
+        verdict: odd.map_or(unrealizable, |f| f.verdict),
+        seconds: figures.iter().map(|f| f.seconds).sum(),
+        mebibytes: figures.iter().map(|f| f.mebibytes).fold(0.0, f64::max),
+    }
+}
