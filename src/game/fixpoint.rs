@@ -51,7 +51,13 @@ pub fn winning_region<K: Kernel>(
     if early && !arena.wins_initially(&arena.states)? {
         return Ok(None);
     }
-    let good = |z: &K::Function| if early { arena.wins_initially(z) } else { Ok(true) };
+    let good = |z: &K::Function| {
+        if early {
+            arena.wins_initially(z)
+        } else {
+            Ok(true)
+        }
+    };
     let region = Fixpoint::new(arena, iterations).region(good)?;
     Ok(match region {
         Some(z) if arena.wins_initially(&z)? => Some(z),
@@ -167,7 +173,6 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         let mut place = 0;
         for i in (0..assumptions).cycle() {
             count(&self.iterations.middle);
-            if std::env::var("LW_TRACE").is_ok() { eprintln!(" goal {j} assumption {i} place {place}"); }
             let progress = if self.by_state {
                 m.or(&at_goal, &self.predecessor(&y)?)?
             } else {
@@ -244,9 +249,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
             self.recent[place..].rotate_left(1);
             return Ok(self.recent[self.recent.len() - 1].1.clone());
         }
-        let t0 = std::time::Instant::now();
         let result = self.predecessor_of_transitions(&m.prime(states)?)?;
-        if std::env::var("LW_TRACE").is_ok() { eprintln!("cpre {} -> {} in {:.3} nodes {}", m.size(states), m.size(&result), t0.elapsed().as_secs_f64(), m.nodes()); }
         if self.arena.heuristics.has(Heuristic::PredecessorCache) {
             if self.recent.len() >= REMEMBERED {
                 self.recent.remove(0);
@@ -282,7 +285,8 @@ pub fn layers<K: Kernel>(
     let m = &arena.kernel;
     let iterations = Iterations::default();
     let mut steps = Vec::new();
-    Fixpoint::new(arena, &iterations).reach_goal(j, region, &mut |i, x| steps.push((i, x.clone())))?;
+    Fixpoint::new(arena, &iterations)
+        .reach_goal(j, region, &mut |i, x| steps.push((i, x.clone())))?;
     let mut y = m.constant(false);
     let mut layers = Vec::new();
     for (assumption, wait) in steps {

@@ -58,7 +58,7 @@ pub struct Statistics {
     pub pairs: usize,
     /// Seconds of the clock until all formulas were functions.
     pub encode_seconds: f64,
-    /// Seconds spent on the order before the fixpoint.
+    /// Seconds spent on the order and the clusters before the fixpoint.
     pub order_seconds: f64,
     /// Seconds of the fixpoint.
     pub fixpoint_seconds: f64,
@@ -90,11 +90,7 @@ pub struct Solved {
 /// What a won game can do, whatever its kernel.
 pub trait Game: Debug + Send + Sync {
     /// See [`Won::explore`].
-    fn explore(
-        &self,
-        specification: &Specification,
-        limits: &Limits,
-    ) -> Result<Explicit, Limit>;
+    fn explore(&self, specification: &Specification, limits: &Limits) -> Result<Explicit, Limit>;
 
     /// See [`Won::examine_environment`].
     fn examine_environment(
@@ -113,11 +109,7 @@ struct WonGame<K: Kernel> {
 }
 
 impl<K: Kernel> Game for WonGame<K> {
-    fn explore(
-        &self,
-        specification: &Specification,
-        limits: &Limits,
-    ) -> Result<Explicit, Limit> {
+    fn explore(&self, specification: &Specification, limits: &Limits) -> Result<Explicit, Limit> {
         let arena = self.arena.with_limits(limits);
         let strategy = strategy::strategy(&arena, specification, &self.region)?;
         explore::explore(&arena, specification, &strategy, limits)
@@ -193,29 +185,61 @@ fn examine_on<K: Kernel>(
     limits: &Limits,
     heuristics: Heuristics,
 ) -> Result<EnvironmentFindings, Limit> {
-    let formulas = Formulas::<K>::encode(specification, order, heuristics, limits)?;
-    findings::examine(&arena_of(&formulas, heuristics)?, specification)
+    let (_, arena, _) = set_up::<K>(specification, order, heuristics, limits)?;
+    findings::examine(&arena, specification)
 }
 
-/// The whole game, in a good order.
-fn arena_of<K: Kernel>(
-    formulas: &Formulas<K>,
+/// Bounds of the clusters, in nodes. Some relations want to be in one piece (generators of buffers, three to four times
+/// faster), others in a few (AMBA's arbiter, the reverse).
+const FIRST_BOUND: usize = 1_000;
+
+/// The bound for relations that may be in one piece.
+const WHOLE_BOUND: usize = 5_000;
+
+/// The bound for relations that had better stay in pieces.
+pub const SPLIT_BOUND: usize = 3_000;
+
+/// A relation stays in pieces when putting it together takes more than this many percent of the nodes that its pieces have.
+const WHOLE_PERCENT: usize = 180;
+
+/// The formulas and the whole game, in a good order, and the seconds it took to encode them.
+///
+/// The order is sifted for small clusters first, so that larger ones can be built in it. Whether the pieces of a relation
+/// belong together is then a matter of size: if the larger clusters take far more nodes than the smaller ones did, the game
+/// is set up once more, with clusters that are sifted but not put together further.
+fn set_up<K: Kernel>(
+    specification: &Specification,
+    order: &Order,
     heuristics: Heuristics,
-) -> Result<Arena<K>, Limit> {
-    let sifting = heuristics.has(Heuristic::Sifting);
-    if sifting {
-        formulas.kernel().sift()?;
+    limits: &Limits,
+) -> Result<(Formulas<K>, Arena<K>, f64), Limit> {
+    let start = Instant::now();
+    let encode = || Formulas::<K>::encode(specification, order, heuristics, limits);
+    let formulas = encode()?;
+    let encoding = start.elapsed().as_secs_f64();
+    let kernel = formulas.kernel();
+    if !heuristics.has(Heuristic::Sifting) || !K::REORDERS {
+        let arena = formulas.arena(&Selection::All, SPLIT_BOUND)?;
+        return Ok((formulas, arena, encoding));
     }
-    let mut arena = formulas.arena(&Selection::All)?;
-    if sifting {
-        let n: usize = std::env::var("LW_ROUNDS").ok().and_then(|s| s.parse().ok()).unwrap_or(0);
-        for _ in 0..n {
-            formulas.kernel().sift()?;
-            arena = formulas.arena(&Selection::All)?;
-        }
+    let sifted = |formulas: &Formulas<K>, bound: usize| -> Result<_, Limit> {
+        let arena = formulas.arena(&Selection::All, bound)?;
         formulas.kernel().sift()?;
+        let size = arena.environment.size(&arena.kernel) + arena.system.size(&arena.kernel);
+        Ok((arena, size))
+    };
+    kernel.sift()?;
+    let (arena, pieces) = sifted(&formulas, FIRST_BOUND)?;
+    drop(arena);
+    let (arena, whole) = sifted(&formulas, WHOLE_BOUND)?;
+    if whole * 100 <= pieces * WHOLE_PERCENT {
+        return Ok((formulas, arena, encoding));
     }
-    Ok(arena)
+    drop((arena, formulas));
+    let formulas = encode()?;
+    formulas.kernel().sift()?;
+    let (arena, _) = sifted(&formulas, SPLIT_BOUND)?;
+    Ok((formulas, arena, encoding))
 }
 
 /// Solves a game on one kernel.
@@ -260,12 +284,10 @@ fn decide<K: Kernel>(
     statistics: &mut Statistics,
 ) -> Result<Outcome, Limit> {
     let start = Instant::now();
-    let formulas = Formulas::<K>::encode(specification, order, options.heuristics, limits)?;
-    statistics.encode_seconds = start.elapsed().as_secs_f64();
-
-    let start = Instant::now();
-    let arena = arena_of(&formulas, options.heuristics)?;
-    statistics.order_seconds = start.elapsed().as_secs_f64();
+    let (formulas, arena, encoding) =
+        set_up::<K>(specification, order, options.heuristics, limits)?;
+    statistics.encode_seconds = encoding;
+    statistics.order_seconds = start.elapsed().as_secs_f64() - encoding;
 
     let start = Instant::now();
     let region = winning_region(&arena, iterations);

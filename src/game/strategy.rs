@@ -116,7 +116,12 @@ impl<'a, K: Kernel> Maker<'a, K> {
 
     /// The transitions to aim at in pursuit of goal `j`, the best kind first. Each holds only what is a winning move in the
     /// state where it begins.
-    fn targets(&self, j: usize, own: &[Layer<K>], next: &[Layer<K>]) -> Result<Vec<K::Function>, Limit> {
+    fn targets(
+        &self,
+        j: usize,
+        own: &[Layer<K>],
+        next: &[Layer<K>],
+    ) -> Result<Vec<K::Function>, Limit> {
         let m = &self.arena.kernel;
         let goal = &self.arena.goals[j];
         let mut targets = Vec::new();
@@ -251,7 +256,11 @@ impl<'a, K: Kernel> Maker<'a, K> {
     }
 
     /// For every goal, the states in which it may be pursued.
-    fn reachable(&self, moves: &[K::Function], initial: &K::Function) -> Result<Vec<K::Function>, Limit> {
+    fn reachable(
+        &self,
+        moves: &[K::Function],
+        initial: &K::Function,
+    ) -> Result<Vec<K::Function>, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let goals = moves.len();
         let mut known = vec![m.constant(false); goals];

@@ -86,9 +86,10 @@ impl Diagram {
     pub fn is_sound(&self, bits: usize) -> bool {
         let below = |edge: Edge, limit: usize| edge.node().is_none_or(|n| n < limit);
         let nodes = self.nodes.iter().enumerate();
-        nodes.into_iter().all(|(i, n)| {
-            n.bit.index() < bits && below(n.high, i) && below(n.low, i)
-        }) && self.roots.iter().all(|r| below(*r, self.nodes.len()))
+        nodes
+            .into_iter()
+            .all(|(i, n)| n.bit.index() < bits && below(n.high, i) && below(n.low, i))
+            && self.roots.iter().all(|r| below(*r, self.nodes.len()))
     }
 
     /// The roots as functions of a kernel.

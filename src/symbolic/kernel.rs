@@ -117,6 +117,9 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// The package's name, as `--kernel` takes it.
     const NAME: &'static str;
 
+    /// Whether it can change its order.
+    const REORDERS: bool;
+
     /// Room for functions over the pairs of an order.
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit>;
 
@@ -177,11 +180,8 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     fn exists(&self, a: &Self::Function, bits: &BitSet) -> Result<Self::Function, Limit>;
 
     /// The function with some bits fixed.
-    fn restrict(
-        &self,
-        a: &Self::Function,
-        values: &[(Bit, bool)],
-    ) -> Result<Self::Function, Limit>;
+    fn restrict(&self, a: &Self::Function, values: &[(Bit, bool)])
+    -> Result<Self::Function, Limit>;
 
     /// A function of current bits as one of primed bits.
     fn prime(&self, a: &Self::Function) -> Result<Self::Function, Limit>;
