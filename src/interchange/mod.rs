@@ -13,17 +13,26 @@
 //! them, and no deeper structure, which explicit stacks read in linear time and without recursion, however deep a formula
 //! nests. Recursive descent, pest's included, would need a bound on nesting before it starts.
 
+pub mod contract;
 mod infix;
+pub mod lower;
 mod names;
+pub mod own_tool;
 mod prefix;
 mod slugsin;
 mod spc;
 mod structured;
+mod rename;
 mod terms;
+mod gates;
+mod write_slugsin;
+mod write_spc;
 
 use crate::diagnostics::{Diagnostic, has_errors};
 use crate::gr1::Specification;
 use crate::source::{FileId, Span};
+
+pub use own_tool::{Inquiry, inquiries};
 
 /// A format of another tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -104,3 +113,20 @@ pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
     }
 }
 
+/// The formats that [`write`] knows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// gr1c's.
+    Spc,
+    /// slugs'.
+    Slugsin,
+}
+
+/// Writes a specification in another tool's format, so that this tool gives the same verdict. What the format cannot say is
+/// lowered with helper variables, or refused in the findings.
+pub fn write(specification: &Specification, target: Target) -> Result<String, Vec<Diagnostic>> {
+    match target {
+        Target::Spc => write_spc::write(specification),
+        Target::Slugsin => write_slugsin::write(specification),
+    }
+}
