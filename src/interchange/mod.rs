@@ -14,17 +14,17 @@
 //! nests. Recursive descent, pest's included, would need a bound on nesting before it starts.
 
 pub mod contract;
+mod gates;
 mod infix;
 pub mod lower;
 mod names;
 pub mod own_tool;
 mod prefix;
+mod rename;
 mod slugsin;
 mod spc;
 mod structured;
-mod rename;
 mod terms;
-mod gates;
 mod write_slugsin;
 mod write_spc;
 

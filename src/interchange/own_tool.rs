@@ -12,7 +12,9 @@
 
 use super::{Format, Reading};
 use crate::diagnostics::{Diagnostic, codes};
-use crate::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable};
+use crate::gr1::{
+    Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
+};
 use crate::source::Span;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,6 +39,10 @@ pub fn inquiries(reading: &Reading) -> Vec<Inquiry> {
     let Some(specification) = &reading.specification else {
         return Vec::new();
     };
+    // What the tool refuses, it answers nothing about.
+    if reading.findings.iter().any(|f| f.code == codes::OWN_TOOL) {
+        return Vec::new();
+    }
     let place = |side: &Side| side.initial.first().map_or(reading.span, |f| f.span);
     let (environment, machine) = (&specification.assumptions, &specification.guarantees);
     let mut found = Vec::new();
@@ -49,8 +55,15 @@ pub fn inquiries(reading: &Reading) -> Vec<Inquiry> {
         });
     };
     if reading.reachability {
-        let both = satisfiable(specification, environment.initial.iter().chain(&machine.initial));
-        add(Kind::EveryStart, place(machine), vec![both, every_start(specification)]);
+        let both = satisfiable(
+            specification,
+            environment.initial.iter().chain(&machine.initial),
+        );
+        add(
+            Kind::EveryStart,
+            place(machine),
+            vec![both, every_start(specification)],
+        );
         return found;
     }
     if reading.format == Format::Spc && !machine.initial.is_empty() {
@@ -95,7 +108,10 @@ impl Inquiry {
 }
 
 /// Realizable exactly if these formulas have a common valuation: the machine chooses all variables.
-fn satisfiable<'f>(specification: &Specification, formulas: impl IntoIterator<Item = &'f Formula>) -> Specification {
+fn satisfiable<'f>(
+    specification: &Specification,
+    formulas: impl IntoIterator<Item = &'f Formula>,
+) -> Specification {
     let mut variables = specification.variables.clone();
     for variable in &mut variables {
         variable.owner = Owner::System;
@@ -136,12 +152,18 @@ fn every_start(specification: &Specification) -> Specification {
         span: Span::default(),
         text: String::new(),
     };
-    let named = |v: VarId| given.iter().find(|(w, _)| *w == v).map_or(v, |(_, name)| *name);
+    let named = |v: VarId| {
+        given
+            .iter()
+            .find(|(w, _)| *w == v)
+            .map_or(v, |(_, name)| *name)
+    };
     let chosen = std::mem::take(&mut result.guarantees.initial);
-    result
-        .assumptions
-        .initial
-        .extend(chosen.iter().map(|f| formula(f.expr.substitute(&mut |v, _| Expr::now(named(v))))));
+    result.assumptions.initial.extend(
+        chosen
+            .iter()
+            .map(|f| formula(f.expr.substitute(&mut |v, _| Expr::now(named(v))))),
+    );
     for (v, name) in &given {
         result
             .guarantees

@@ -11,7 +11,7 @@
 //! (the machine chooses after it has seen them), goals may have primes. Formulas are in [`prefix`] notation, and in
 //! structured files also in [`infix`](super::infix) notation.
 
-use super::names::{Names, Part, Section};
+use super::names::{Names, Part, Section, quoted};
 use super::{prefix, structured};
 use crate::diagnostics::{codes, nearest};
 use crate::gr1::{Domain, Owner};
@@ -126,8 +126,9 @@ fn section_of(names: &mut Names<'_>, text: &str, line: Range<usize>) -> Head {
             }
         }
     }
+    let (name, text) = (quoted(name), quoted(text));
     let known = SECTIONS.iter().map(|s| s.name).chain(["INPUT", "OUTPUT"]);
-    let help = match nearest(name, known) {
+    let help = match nearest(&name, known) {
         Some(near) => format!("did you mean `[{near}]`?"),
         None => "sections are [INPUT], [OUTPUT], and [ENV_INIT], [ENV_TRANS], [ENV_LIVENESS] with their SYS counterparts".to_owned(),
     };
@@ -151,7 +152,11 @@ fn declaration(names: &mut Names<'_>, owner: Owner, dialect: Dialect, line: Rang
         None
     };
     if let Some(message) = bad {
-        names.syntax(line, message, "write one name a line; its next value is called by it and a prime");
+        names.syntax(
+            line,
+            message,
+            "write one name a line; its next value is called by it and a prime",
+        );
         return;
     }
     names.declare(owner, text, Domain::Bool, line);

@@ -204,7 +204,13 @@ impl Terms {
 
     /// Whether `(p inner q) outer r` may be put together otherwise: same operator, associative. `=` and `!=` are that for truth
     /// values only.
-    fn chains(&self, outer: BinaryOp, operands: Kind, inner: BinaryOp, inner_operands: Kind) -> bool {
+    fn chains(
+        &self,
+        outer: BinaryOp,
+        operands: Kind,
+        inner: BinaryOp,
+        inner_operands: Kind,
+    ) -> bool {
         use BinaryOp as B;
         outer == inner
             && match outer {
@@ -289,7 +295,13 @@ impl Terms {
             Shape::Binary(op, a, b) => {
                 let operands = self.kind(a);
                 if self.chains(op, operands, op, operands) {
-                    balanced(op, self.links(op, operands, term).into_iter().map(|t| self.build(t)).collect())
+                    balanced(
+                        op,
+                        self.links(op, operands, term)
+                            .into_iter()
+                            .map(|t| self.build(t))
+                            .collect(),
+                    )
                 } else {
                     Expr::binary(op, self.build(a), self.build(b))
                 }

@@ -17,7 +17,11 @@ const MAX_SIZE: u64 = 1 << 18;
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
     let lowered = lower::answering_second(&lower::without_invariants(specification));
     let lowered = lower::starting_alone(&lower::goals_of_states(&lowered));
-    let names = renamed(lowered.variables.iter().map(|v| v.name.as_str()), "v_", is_name);
+    let names = renamed(
+        lowered.variables.iter().map(|v| v.name.as_str()),
+        "v_",
+        is_name,
+    );
     let mut writer = Writer {
         specification: &lowered,
         names: &names,
@@ -34,10 +38,13 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
 
 fn is_name(name: &str) -> bool {
     const WORDS: [&str; 10] = [
-        "True", "False", "ENV", "SYS", "ENVINIT", "ENVTRANS", "ENVGOAL", "SYSINIT", "SYSTRANS", "SYSGOAL",
+        "True", "False", "ENV", "SYS", "ENVINIT", "ENVTRANS", "ENVGOAL", "SYSINIT", "SYSTRANS",
+        "SYSGOAL",
     ];
     name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && name.chars().all(|c| c.is_ascii_alphanumeric() || "_.".contains(c))
+        && name
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || "_.".contains(c))
         && !WORDS.contains(&name)
 }
 
@@ -70,7 +77,10 @@ impl Writer<'_> {
             text.push_str(";\n");
         }
         let specification = self.specification;
-        for (head, side) in [("ENV", &specification.assumptions), ("SYS", &specification.guarantees)] {
+        for (head, side) in [
+            ("ENV", &specification.assumptions),
+            ("SYS", &specification.guarantees),
+        ] {
             text.push('\n');
             self.side(head, side, &mut text);
         }
