@@ -7,10 +7,11 @@ use super::libraries;
 use super::machines::Planned;
 use super::options::{Format, GlobalOptions};
 use super::outline::{self, Declaration, Kind};
-use super::pipeline::{CheckedContract, Jobs, Verdict};
+use super::pipeline::{CheckedContract, Goal, Jobs, Verdict};
 use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes, has_errors, json, sarif};
 use crate::gr1::{Specification, VarId};
+use crate::interchange::inquiries;
 use crate::source::{FileId, SourceMap};
 use crate::station::composition::By;
 use clap::Args;
@@ -23,12 +24,16 @@ mod table;
 #[command(after_help = "Examples:
     linewright check contracts/
     linewright check --format short contracts/handling/turn.lw
+    linewright check examples/other-tools/arbiter.spc examples/other-tools/arbiter.slugsin
 
 A contract is realizable when a controller exists that keeps its guarantees for as long as the plant \
 keeps the assumptions (safety first, strictly). Each such controller is synthesized and verified, but \
-not written.")]
+not written.
+
+Files of gr1c (.spc) and slugs (.slugsin, .structuredslugs) are read by their ending; for these only the \
+verdict is given.")]
 pub struct Arguments {
-    /// Files, or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
+    /// Files (.lw, .spc, .slugsin, .structuredslugs), or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]
     pub paths: Vec<String>,
 }
@@ -50,6 +55,9 @@ struct Document {
 struct ContractEntry {
     name: String,
     file: String,
+    /// For a specification of another tool: its format, by the ending of its files.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    format: Option<&'static str>,
     codes: Vec<String>,
     verdict: &'static str,
     findings: Vec<json::Finding>,
@@ -126,7 +134,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .contracts
         .iter()
         .filter(|c| view(&files, c.span.file).is_some_and(|f| f.is_sound(c.span)))
-        .map(|c| (c, jobs.add(&c.specification, c.span)))
+        .map(|c| match loaded.foreign(c.span.file) {
+            Some(foreign) => {
+                let inquiries = inquiries(&foreign.reading);
+                let job = jobs.add_foreign(&c.specification, c.span, Goal::Verdict, inquiries);
+                (c, job)
+            }
+            None => (c, jobs.add(&c.specification, c.span)),
+        })
         .collect();
     let machines: Vec<Planned<'_>> = library
         .machines
@@ -164,7 +179,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             _ => ExitCode::Success,
         })
         .fold(ExitCode::Success, ExitCode::and);
-    Ok(options.exit_code(&findings).and(verdicts))
+    Ok(options
+        .exit_code(&findings)
+        .and(verdicts)
+        .and(loaded.exit_code()))
 }
 
 fn print(
@@ -204,7 +222,14 @@ impl<'a> FileView<'a> {
         sources
             .files()
             .map(|(id, file)| {
-                let declarations = outline::declarations(sources, id);
+                let declarations = match loaded.foreign(id) {
+                    Some(foreign) => vec![Declaration {
+                        kind: Kind::Contract,
+                        name: foreign.name.clone(),
+                        extent: foreign.reading.span,
+                    }],
+                    None => outline::declarations(sources, id),
+                };
                 let findings: Vec<&Diagnostic> = loaded
                     .findings
                     .iter()
@@ -392,6 +417,10 @@ impl Assembly<'_> {
         ContractEntry {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
+            format: self
+                .loaded
+                .foreign(file.id)
+                .map(|f| f.reading.format.ending()),
             codes: contract.map(|c| texts(&c.codes)).unwrap_or_default(),
             verdict: result.map_or(Verdict::Invalid, |r| r.verdict).word(),
             findings: json::findings(sources, findings),
@@ -471,6 +500,7 @@ fn nameless(file: &str) -> ContractEntry {
     ContractEntry {
         name: stem.map_or(file.to_owned(), |s| s.to_string_lossy().into_owned()),
         file: file.to_owned(),
+        format: None,
         codes: Vec::new(),
         verdict: Verdict::Invalid.word(),
         findings: Vec::new(),

@@ -6,6 +6,7 @@ use super::environment;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{self, Limit, Limits, Outcome};
 use crate::gr1::{Specification, overflow};
+use crate::interchange::Inquiry;
 use crate::mealy;
 use crate::source::Span;
 use indicatif::ProgressBar;
@@ -89,6 +90,20 @@ pub struct Job {
     pub specification: Arc<Specification>,
     /// The contract's name, or the component that gives it other arguments.
     pub span: Span,
+    /// How far to go.
+    pub goal: Goal,
+    /// For a specification of another tool: what to find out beside, to say what that tool answers.
+    pub inquiries: Vec<Inquiry>,
+}
+
+/// How far a job goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Goal {
+    /// Only whether there is a controller. Nothing is extracted, verified or examined: for specifications whose controller nobody
+    /// asked for, and which may be far larger than a contract.
+    Verdict,
+    /// A verified controller.
+    Controller,
 }
 
 /// Jobs without repetition: equal contracts are synthesized once, however many machines use them.
@@ -111,15 +126,30 @@ impl Jobs {
     /// Adds a job, or finds an equal one, and gives its index.
     pub fn add(&mut self, specification: &Arc<Specification>, span: Span) -> usize {
         let equal = |job: &Job| {
-            Arc::ptr_eq(&job.specification, specification) || job.specification == *specification
+            job.goal == Goal::Controller
+                && job.inquiries.is_empty()
+                && (Arc::ptr_eq(&job.specification, specification)
+                    || job.specification == *specification)
         };
-        self.jobs.iter().position(equal).unwrap_or_else(|| {
-            self.jobs.push(Job {
-                specification: Arc::clone(specification),
-                span,
-            });
-            self.jobs.len() - 1
-        })
+        let found = self.jobs.iter().position(equal);
+        found.unwrap_or_else(|| self.add_foreign(specification, span, Goal::Controller, Vec::new()))
+    }
+
+    /// Adds a specification of another tool.
+    pub fn add_foreign(
+        &mut self,
+        specification: &Arc<Specification>,
+        span: Span,
+        goal: Goal,
+        inquiries: Vec<Inquiry>,
+    ) -> usize {
+        self.jobs.push(Job {
+            specification: Arc::clone(specification),
+            span,
+            goal,
+            inquiries,
+        });
+        self.jobs.len() - 1
     }
 
     /// The job of an index.
@@ -147,7 +177,7 @@ impl Jobs {
             .jobs
             .par_iter()
             .map(|job| {
-                let result = check(&job.specification, job.span, self.examine, limits);
+                let result = check(job, self.examine, limits);
                 progress.set_message(job.specification.name.clone());
                 progress.inc(1);
                 result
@@ -158,14 +188,11 @@ impl Jobs {
     }
 }
 
-/// Solves one specification, extracts its controller, and verifies that. With `examine`, also looks for what makes a
-/// realizable contract mean less than it seems to.
-pub fn check(
-    specification: &Specification,
-    span: Span,
-    examine: bool,
-    limits: &Limits,
-) -> Result<CheckedContract, InternalError> {
+/// Solves one specification, extracts its controller, and verifies that, as far as the job goes. With `examine`, also looks for
+/// what makes a realizable contract mean less than it seems to.
+fn check(job: &Job, examine: bool, limits: &Limits) -> Result<CheckedContract, InternalError> {
+    let (specification, span) = (&*job.specification, job.span);
+    let examine = examine && job.goal == Goal::Controller;
     let start = Instant::now();
     let mut checked = CheckedContract {
         verdict: Verdict::GaveUp,
@@ -194,22 +221,27 @@ pub fn check(
         Outcome::Realizable(won) => {
             checked.verdict = Verdict::Realizable;
             checked.peak_nodes = Some(won.peak_nodes);
-            let machine = mealy::extract::extract(specification, &won, limits)
-                .and_then(|m| mealy::verify::verify(specification, &m, limits).map(|v| (m, v)));
-            match machine {
-                Ok((machine, Ok(()))) => checked.machine = Some(machine),
-                Ok((_, Err(violation))) => {
-                    return Err(InternalError {
-                        contract: specification.name.clone(),
-                        rule: violation.rule,
-                    });
+            if job.goal == Goal::Controller {
+                let machine = mealy::extract::extract(specification, &won, limits)
+                    .and_then(|m| mealy::verify::verify(specification, &m, limits).map(|v| (m, v)));
+                match machine {
+                    Ok((machine, Ok(()))) => checked.machine = Some(machine),
+                    Ok((_, Err(violation))) => {
+                        return Err(InternalError {
+                            contract: specification.name.clone(),
+                            rule: violation.rule,
+                        });
+                    }
+                    Err(limit) => checked
+                        .findings
+                        .push(no_machine(specification, span, limit)),
                 }
-                Err(limit) => checked
-                    .findings
-                    .push(no_machine(specification, span, limit)),
             }
         }
     }
+    checked
+        .findings
+        .extend(own_tool(job, checked.verdict, limits));
     if examine && checked.verdict == Verdict::Realizable {
         let findings = environment::examine(specification, span, limits);
         checked.findings.extend(findings);
@@ -219,6 +251,25 @@ pub fn check(
     }
     checked.seconds = start.elapsed().as_secs_f64();
     Ok(checked)
+}
+
+/// LW006: what the tool of another's file answers. Nothing where a limit was reached first.
+fn own_tool(job: &Job, verdict: Verdict, limits: &Limits) -> Vec<Diagnostic> {
+    let realizable = match verdict {
+        Verdict::Realizable => true,
+        Verdict::Unrealizable => false,
+        Verdict::GaveUp | Verdict::Invalid => return Vec::new(),
+    };
+    let answer = |question: &Specification| match game::solve(question, limits) {
+        Outcome::Realizable(_) => Some(true),
+        Outcome::Unrealizable(_) => Some(false),
+        Outcome::GaveUp(_) => None,
+    };
+    let note = |inquiry: &Inquiry| {
+        let answers: Option<Vec<bool>> = inquiry.questions.iter().map(answer).collect();
+        inquiry.note(realizable, &answers?)
+    };
+    job.inquiries.iter().filter_map(note).collect()
 }
 
 fn unrealizable(specification: &Specification, span: Span, core: &[String]) -> Diagnostic {
