@@ -87,6 +87,11 @@ impl<K: Kernel> Relation<K> {
         kernel.all(self.clusters.iter().map(|(c, _)| c))
     }
 
+    /// The number of clusters.
+    pub fn count(&self) -> usize {
+        self.clusters.len()
+    }
+
     /// The number of nodes of all clusters.
     pub fn size(&self, kernel: &K) -> usize {
         self.clusters.iter().map(|(c, _)| kernel.size(c)).sum()

@@ -199,6 +199,12 @@ const WHOLE_BOUND: usize = 5_000;
 /// The bound for relations that had better stay in pieces.
 pub const SPLIT_BOUND: usize = 3_000;
 
+/// So few clusters need not become fewer.
+const FEW_CLUSTERS: usize = 3;
+
+/// How often larger clusters are built anew in the order that the last ones led to, while that makes them fewer or smaller.
+const MORE_ROUNDS: usize = 3;
+
 /// A relation stays in pieces when putting it together takes more than this many percent of the nodes that its pieces have.
 const WHOLE_PERCENT: usize = 180;
 
@@ -231,8 +237,19 @@ fn set_up<K: Kernel>(
     kernel.sift()?;
     let (arena, pieces) = sifted(&formulas, FIRST_BOUND)?;
     drop(arena);
-    let (arena, whole) = sifted(&formulas, WHOLE_BOUND)?;
+    let (mut arena, mut whole) = sifted(&formulas, WHOLE_BOUND)?;
     if whole * 100 <= pieces * WHOLE_PERCENT {
+        let count = |arena: &Arena<K>| arena.environment.count() + arena.system.count();
+        for _ in 0..MORE_ROUNDS {
+            if count(&arena) <= FEW_CLUSTERS {
+                break;
+            }
+            let (next, size) = sifted(&formulas, WHOLE_BOUND)?;
+            if count(&next) >= count(&arena) && size >= whole {
+                break;
+            }
+            (arena, whole) = (next, size);
+        }
         return Ok((formulas, arena, encoding));
     }
     drop((arena, formulas));
