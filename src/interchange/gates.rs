@@ -36,7 +36,7 @@ pub(super) enum Shape {
 pub(super) struct TooMany;
 
 impl TooMany {
-    pub fn finding(self, formula: &Formula) -> Diagnostic {
+    pub fn finding(formula: &Formula) -> Diagnostic {
         Diagnostic::error(
             codes::TOO_LARGE,
             formula.span,

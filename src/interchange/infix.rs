@@ -72,7 +72,7 @@ pub(super) fn words(text: &str, range: Range<usize>, dialect: Dialect) -> Vec<To
             at += rest.find('\n').unwrap_or(rest.len());
             continue;
         }
-        if c.is_whitespace() {
+        if c.is_whitespace() || c == '\u{feff}' {
             at += c.len_utf8();
             continue;
         }
@@ -83,8 +83,52 @@ pub(super) fn words(text: &str, range: Range<usize>, dialect: Dialect) -> Vec<To
     found
 }
 
+/// Signs that both formats have; of two that begin alike the longer one stands first.
+const COMMON: &[(&str, Word)] = &[
+    ("<->", Word::Infix(Infix::Iff)),
+    ("->", Word::Infix(Infix::Op(BinaryOp::Implies))),
+    ("<>", Word::Eventually),
+    ("[]", Word::Always),
+    ("<=", Word::Infix(Infix::Op(BinaryOp::Le))),
+    (">=", Word::Infix(Infix::Op(BinaryOp::Ge))),
+    ("!=", Word::Infix(Infix::Op(BinaryOp::Ne))),
+    ("<", Word::Infix(Infix::Op(BinaryOp::Lt))),
+    (">", Word::Infix(Infix::Op(BinaryOp::Gt))),
+    ("=", Word::Infix(Infix::Op(BinaryOp::Eq))),
+    ("&", Word::Infix(Infix::Op(BinaryOp::And))),
+    ("|", Word::Infix(Infix::Op(BinaryOp::Or))),
+    ("!", Word::Not),
+    ("(", Word::Open),
+    (")", Word::Close),
+    ("[", Word::OpenBracket),
+    ("]", Word::CloseBracket),
+];
+/// gr1c's own.
+const SPC: &[(&str, Word)] = &[
+    ("'", Word::Prime),
+    (",", Word::Comma),
+    (";", Word::Semicolon),
+    (":", Word::Colon),
+];
+/// Those of structured slugs, looked for before the common ones.
+const STRUCTURED: &[(&str, Word)] = &[
+    ("<-->", Word::Infix(Infix::Iff)),
+    ("-->", Word::Infix(Infix::Op(BinaryOp::Implies))),
+    ("->", Word::Infix(Infix::Op(BinaryOp::Implies))),
+    ("()", Word::Next),
+    ("&&", Word::Infix(Infix::Op(BinaryOp::And))),
+    ("/\\", Word::Infix(Infix::Op(BinaryOp::And))),
+    ("||", Word::Infix(Infix::Op(BinaryOp::Or))),
+    ("\\/", Word::Infix(Infix::Op(BinaryOp::Or))),
+    ("~", Word::Not),
+    ("^", Word::Infix(Infix::Xor)),
+    ("+", Word::Infix(Infix::Op(BinaryOp::Add))),
+    ("-", Word::Infix(Infix::Op(BinaryOp::Sub))),
+    ("*", Word::Infix(Infix::Op(BinaryOp::Mul))),
+    ("/", Word::Infix(Infix::Op(BinaryOp::Div))),
+];
+
 fn word(rest: &str, c: char, dialect: Dialect) -> (Word, usize) {
-    use BinaryOp as B;
     let structured = dialect == Dialect::Structured;
     let starts = |c: char| c.is_ascii_alphabetic() || c == '_' || structured && ".'@".contains(c);
     if starts(c) {
@@ -114,47 +158,6 @@ fn word(rest: &str, c: char, dialect: Dialect) -> (Word, usize) {
         }
         return (Word::Number, length);
     }
-    const COMMON: &[(&str, Word)] = &[
-        ("<->", Word::Infix(Infix::Iff)),
-        ("->", Word::Infix(Infix::Op(B::Implies))),
-        ("<>", Word::Eventually),
-        ("[]", Word::Always),
-        ("<=", Word::Infix(Infix::Op(B::Le))),
-        (">=", Word::Infix(Infix::Op(B::Ge))),
-        ("!=", Word::Infix(Infix::Op(B::Ne))),
-        ("<", Word::Infix(Infix::Op(B::Lt))),
-        (">", Word::Infix(Infix::Op(B::Gt))),
-        ("=", Word::Infix(Infix::Op(B::Eq))),
-        ("&", Word::Infix(Infix::Op(B::And))),
-        ("|", Word::Infix(Infix::Op(B::Or))),
-        ("!", Word::Not),
-        ("(", Word::Open),
-        (")", Word::Close),
-        ("[", Word::OpenBracket),
-        ("]", Word::CloseBracket),
-    ];
-    const SPC: &[(&str, Word)] = &[
-        ("'", Word::Prime),
-        (",", Word::Comma),
-        (";", Word::Semicolon),
-        (":", Word::Colon),
-    ];
-    const STRUCTURED: &[(&str, Word)] = &[
-        ("<-->", Word::Infix(Infix::Iff)),
-        ("-->", Word::Infix(Infix::Op(B::Implies))),
-        ("->", Word::Infix(Infix::Op(B::Implies))),
-        ("()", Word::Next),
-        ("&&", Word::Infix(Infix::Op(B::And))),
-        ("/\\", Word::Infix(Infix::Op(B::And))),
-        ("||", Word::Infix(Infix::Op(B::Or))),
-        ("\\/", Word::Infix(Infix::Op(B::Or))),
-        ("~", Word::Not),
-        ("^", Word::Infix(Infix::Xor)),
-        ("+", Word::Infix(Infix::Op(B::Add))),
-        ("-", Word::Infix(Infix::Op(B::Sub))),
-        ("*", Word::Infix(Infix::Op(B::Mul))),
-        ("/", Word::Infix(Infix::Op(B::Div))),
-    ];
     let own = if structured { STRUCTURED } else { SPC };
     own.iter()
         .chain(COMMON)
@@ -245,7 +248,7 @@ impl Yard<'_, '_> {
                         self.waiting.push(Waiting::Prefix(*word, range, mark));
                     }
                     Word::Open | Word::OpenBracket => {
-                        self.waiting.push(Waiting::Open(*word, range))
+                        self.waiting.push(Waiting::Open(*word, range));
                     }
                     Word::True | Word::False => {
                         let term = self.names.terms.bool(*word == Word::True);

@@ -102,7 +102,7 @@ pub fn starting_alone(specification: &Specification) -> Specification {
     let about_inputs = |f: &Formula| {
         let mut found = false;
         f.expr.for_each_var(&mut |v, _| {
-            found |= specification.variable(v).owner == Owner::Environment
+            found |= specification.variable(v).owner == Owner::Environment;
         });
         found
     };

@@ -286,18 +286,16 @@ impl<'t> Names<'t> {
         self.terms.clear();
     }
 
-    /// The number of the next formula of a section: it counts those that are refused too, so that names stay as the author counts.
-    pub fn count(&mut self, section: Section) -> usize {
+    /// Adds the formula at hand to a section's list, unless it could not be read or speaks of something it may not, and ends it.
+    /// `range` is its text. Names count refused formulas too, as the author does.
+    pub fn formula(&mut self, section: Section, term: Option<Term>, range: Range<usize>) {
         let count = self.counts.entry(section).or_default();
         *count += 1;
-        *count
-    }
-
-    /// Adds the formula at hand to a section's list, if it speaks of nothing it may not, and ends it. `range` is its text.
-    pub fn formula(&mut self, section: Section, term: Term, range: Range<usize>) {
-        let number = self.count(section);
-        let permitted = self.permitted(section);
-        if permitted && let Some(expr) = self.tree(term, &range) {
+        let number = *count;
+        if let Some(term) = term
+            && self.permitted(section)
+            && let Some(expr) = self.tree(term, &range)
+        {
             let formula = Formula {
                 name: format!("{} {number}", section.name),
                 requirement: None,

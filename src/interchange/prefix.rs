@@ -111,24 +111,22 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                     Waiting::Buffer(_, cells) => Some(cells),
                     _ => None,
                 });
-                match cells.and_then(|cells| cells.get(index)) {
-                    Some(term) => *term,
-                    None => {
-                        let (message, help) = if cells.is_some() {
-                            (
-                                "the buffer has no such formula yet",
-                                "formulas are counted from 0, and only those before can be recalled",
-                            )
-                        } else {
-                            (
-                                "`?` stands outside of any memory buffer",
-                                "a buffer begins with `$` and the number of its formulas",
-                            )
-                        };
-                        names.syntax(range, message, help);
-                        return None;
-                    }
-                }
+                let Some(term) = cells.and_then(|cells| cells.get(index)) else {
+                    let (message, help) = if cells.is_some() {
+                        (
+                            "the buffer has no such formula yet",
+                            "formulas are counted from 0, and only those before can be recalled",
+                        )
+                    } else {
+                        (
+                            "`?` stands outside of any memory buffer",
+                            "a buffer begins with `$` and the number of its formulas",
+                        )
+                    };
+                    names.syntax(range, message, help);
+                    return None;
+                };
+                *term
             }
             "0" | "1" => names.terms.bool(word == "1"),
             name => {
@@ -158,7 +156,7 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                     break;
                 }
                 Some(Waiting::Binary(op, Some(first))) => {
-                    value = names.terms.binary(op, first, value)
+                    value = names.terms.binary(op, first, value);
                 }
                 Some(Waiting::Buffer(count, mut cells)) => {
                     cells.push(value);

@@ -79,13 +79,7 @@ pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
         } else {
             prefix::formula(names, line.clone())
         };
-        match term {
-            Some(term) => names.formula(section, term, line),
-            None => {
-                names.count(section);
-                names.forget();
-            }
-        }
+        names.formula(section, term, line);
     }
 }
 
@@ -94,8 +88,10 @@ fn lines(text: &str) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut start = 0;
     for line in text.split_inclusive('\n') {
-        let trimmed = line.trim();
-        let begin = start + (line.len() - line.trim_start().len());
+        // Some editors put a mark in front of a file.
+        let blank = |c: char| c.is_whitespace() || c == '\u{feff}';
+        let trimmed = line.trim_matches(blank);
+        let begin = start + (line.len() - line.trim_start_matches(blank).len());
         start += line.len();
         if !trimmed.is_empty() && !trimmed.starts_with('#') {
             found.push(begin..begin + trimmed.len());

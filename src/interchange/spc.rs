@@ -34,7 +34,6 @@
 
 use super::infix::{self, Dialect, Infix, Token, Word};
 use super::names::{Names, Part, Section, one_line, quoted};
-use super::terms::Term;
 use crate::diagnostics::codes;
 use crate::gr1::{BinaryOp, Domain, Expr, Formula, Owner};
 use std::ops::Range;
@@ -295,17 +294,8 @@ impl Reader<'_, '_> {
     }
 
     fn formula(&mut self, section: Section, tokens: &[Token], place: Range<usize>) {
-        match infix::formula(self.names, tokens, place.clone(), Dialect::Spc) {
-            Some(term) => self.finish(section, term, place),
-            None => {
-                self.names.count(section);
-                self.names.forget();
-            }
-        }
-    }
-
-    fn finish(&mut self, section: Section, term: Term, place: Range<usize>) {
-        if section.part == Part::Goal && self.names.terms.has_next(term) {
+        let term = infix::formula(self.names, tokens, place.clone(), Dialect::Spc);
+        if section.part == Part::Goal && term.is_some_and(|t| self.names.terms.has_next(t)) {
             self.names.note(
                 codes::OWN_TOOL,
                 place.clone(),
@@ -365,13 +355,7 @@ impl Reader<'_, '_> {
             }
             self.names.forget();
         } else {
-            match infix::formula(self.names, rest, place.clone(), Dialect::Spc) {
-                Some(term) => self.finish(section, term, place),
-                None => {
-                    self.names.count(section);
-                    self.names.forget();
-                }
-            }
+            self.formula(section, rest, place);
         }
     }
 

@@ -100,7 +100,7 @@ impl Writer<'_> {
                         let gate = self.in_bits(gate);
                         let _ = writeln!(text, "{}", self.line(gate));
                     }
-                    Err(TooMany) => self.findings.push(TooMany.finding(formula)),
+                    Err(TooMany) => self.findings.push(TooMany::finding(formula)),
                 }
             }
             if let Some(time) = time {

@@ -108,7 +108,7 @@ impl Writer<'_> {
         let mut text = String::new();
         match self.gates.formula(self.specification, &formula.expr) {
             Ok(gate) if self.gates.tree_size(gate) <= MAX_SIZE => self.gate(gate, &mut text),
-            _ => self.findings.push(TooMany.finding(formula)),
+            _ => self.findings.push(TooMany::finding(formula)),
         }
         text
     }
@@ -124,13 +124,14 @@ impl Writer<'_> {
         };
         match self.gates.shape(gate) {
             Shape::Const(value) => text.push_str(if value { "True" } else { "False" }),
-            Shape::Not(a) => match self.gates.shape(a) {
-                Shape::Xor(a, b) => binary(text, a, " <-> ", b),
-                _ => {
+            Shape::Not(a) => {
+                if let Shape::Xor(a, b) = self.gates.shape(a) {
+                    binary(text, a, " <-> ", b);
+                } else {
                     text.push('!');
                     self.gate(a, text);
                 }
-            },
+            }
             Shape::And(a, b) => binary(text, a, " & ", b),
             Shape::Or(a, b) => binary(text, a, " | ", b),
             Shape::Xor(a, b) => {

@@ -86,7 +86,7 @@ fn gr1c_formulas() {
     spc("a & !False", |v, _| is(v, A));
     spc("a | b & c", |v, _| (is(v, A) || is(v, B)) && is(v, C));
     spc("a & b | c", |v, _| (is(v, A) && is(v, B)) || is(v, C));
-    spc("a -> b -> c", |v, _| !(!is(v, A) || is(v, B)) || is(v, C));
+    spc("a -> b -> c", |v, _| (is(v, A) && !is(v, B)) || is(v, C));
     spc("a -> b & c", |v, _| !is(v, A) || (is(v, B) && is(v, C)));
     spc("a <-> b -> c", |v, _| is(v, A) == (!is(v, B) || is(v, C)));
     spc("!a & b'", |v, n| !is(v, A) && is(n, B));
@@ -103,7 +103,7 @@ fn structured_formulas() {
     structured("a | b & c", |v, _| is(v, A) || (is(v, B) && is(v, C)));
     structured("a ^ b | c", |v, _| is(v, A) != (is(v, B) || is(v, C)));
     structured("a -> b ^ c", |v, _| !is(v, A) || (is(v, B) != is(v, C)));
-    structured("a -> b -> c", |v, _| !(!is(v, A) || is(v, B)) || is(v, C));
+    structured("a -> b -> c", |v, _| (is(v, A) && !is(v, B)) || is(v, C));
     structured("a <-> b -> c", |v, _| is(v, A) == (!is(v, B) || is(v, C)));
     structured("a && b || ~ c", |v, _| (is(v, A) && is(v, B)) || !is(v, C));
     structured("a /\\ b \\/ c", |v, _| (is(v, A) && is(v, B)) || is(v, C));
@@ -353,7 +353,9 @@ fn huge_and_deep_texts_take_linear_time() {
     let n = 100_000;
     let slugs = |formula: &str| format!("[INPUT]\na\n[OUTPUT]\nb\n[SYS_TRANS]\n{formula}\n");
     let spc = |formula: &str| format!("ENV: a;\nSYS: b;\nSYSTRANS: []({formula});\n");
-    let doubling: String = (0..n / 10).map(|i| format!(" ^ ? {i} & a ? {i}")).collect();
+    let doubling = (0..n / 10).fold(String::new(), |text, i| {
+        text + &format!(" ^ ? {i} & a ? {i}")
+    });
     let texts = [
         (
             Format::Slugsin,
@@ -485,4 +487,12 @@ fn what_another_game_asks_for_is_refused() {
     );
     assert_eq!(codes(Format::Spc, ""), ["LW002"]);
     assert_eq!(codes(Format::Slugsin, ""), [""; 0]);
+    assert_eq!(
+        codes(Format::Slugsin, "\u{feff}[INPUT]\r\na\r\n[OUTPUT]\r\nb\r\n"),
+        [""; 0]
+    );
+    assert_eq!(
+        codes(Format::Spc, "\u{feff}ENV: a;\r\nSYS: b;\r\n"),
+        [""; 0]
+    );
 }

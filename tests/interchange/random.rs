@@ -46,6 +46,7 @@ fn number(readable: Vec<(VarId, Time)>) -> BoxedStrategy<Expr> {
 }
 
 fn formula(variables: &[Variable], scope: Scope) -> BoxedStrategy<Expr> {
+    use BinaryOp as B;
     let readable: Vec<(VarId, Time)> = variables
         .iter()
         .enumerate()
@@ -63,7 +64,6 @@ fn formula(variables: &[Variable], scope: Scope) -> BoxedStrategy<Expr> {
         readable.iter().copied().filter(|(v, _)| is(v)).collect()
     };
     let (truths, numbers) = (of(true), of(false));
-    use BinaryOp as B;
     let compare = prop::sample::select(vec![B::Eq, B::Ne, B::Lt, B::Le, B::Gt, B::Ge]);
     let comparison = (compare, number(numbers.clone()), number(numbers))
         .prop_map(|(op, a, b)| Expr::binary(op, a, b));
