@@ -7,14 +7,18 @@ use super::libraries;
 use super::machines::Planned;
 use super::options::{Format, GlobalOptions};
 use super::outline::{self, Declaration, Kind};
-use super::pipeline::{CheckedContract, Jobs, Verdict};
+use super::output;
+use super::pipeline::{CheckedContract, Goal, Jobs, Verdict};
+use super::proof;
+use super::statistics::Statistics;
 use crate::contract::{Contract, TaxonomyCode};
-use crate::diagnostics::{Diagnostic, codes, has_errors, json, sarif};
+use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
 use crate::gr1::{Specification, VarId};
 use crate::source::{FileId, SourceMap};
 use crate::station::composition::By;
 use clap::Args;
 use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 mod table;
 
@@ -23,14 +27,27 @@ mod table;
 #[command(after_help = "Examples:
     linewright check contracts/
     linewright check --format short contracts/handling/turn.lw
+    linewright check --stats --proof turn.proof.json contracts/handling/turn.lw
 
 A contract is realizable when a controller exists that keeps its guarantees for as long as the plant \
 keeps the assumptions (safety first, strictly). Each such controller is synthesized and verified, but \
-not written.")]
+not written; for a large contract that no machine uses, only the verdict is given. What is known of a contract \
+that has not changed is not worked out again (see --no-cache).")]
 pub struct Arguments {
     /// Files, or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]
     pub paths: Vec<String>,
+    /// Also say what each verdict took: kernel, times by phase, nodes, iterations, orders of the variables
+    #[arg(long)]
+    pub stats: bool,
+    /// Write down why the contract is realizable, in a form that others can check
+    #[arg(
+        long,
+        value_name = "FILE",
+        long_help = "Write down why the contract is realizable: the ranking of the winning region, as JSON that others \
+                     can check; docs/proof.md says how. There must be exactly one contract"
+    )]
+    pub proof: Option<PathBuf>,
 }
 
 /// The JSON document.
@@ -64,6 +81,15 @@ struct ContractEntry {
     seconds: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     peak_nodes: Option<u64>,
+    /// With `--stats`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    statistics: Option<Statistics>,
+    /// The kernel, for people; in JSON it is among the statistics.
+    #[serde(skip)]
+    kernel: String,
+    /// Whether only the verdict was asked for, since the game is large.
+    #[serde(skip)]
+    verdict_only: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -113,20 +139,23 @@ struct Summary {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let limits = options.limits();
+    let settings = options.settings();
     let loaded = files::load(
         &arguments.paths,
         &StandardLibrary::new(options.library.clone()),
     );
     let files = FileView::all(&loaded);
 
-    let mut jobs = Jobs::examining();
+    let mut jobs = Jobs::examining().ranking(arguments.proof.is_some());
     let library = &loaded.library;
     let contracts: Vec<(&Contract, usize)> = library
         .contracts
         .iter()
         .filter(|c| view(&files, c.span.file).is_some_and(|f| f.is_sound(c.span)))
-        .map(|c| (c, jobs.add(&c.specification, c.span)))
+        .map(|c| {
+            let job = jobs.add_for(Goal::Verdict, &c.specification, c.span);
+            (c, job)
+        })
         .collect();
     let machines: Vec<Planned<'_>> = library
         .machines
@@ -134,7 +163,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .filter(|m| view(&files, m.span.file).is_some_and(|f| f.is_sound(m.span)))
         .map(|m| Planned::new(m, &mut jobs))
         .collect();
-    let checked = jobs.run(&limits, &console.progress(jobs.len(), "checking"))?;
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "checking"))?;
 
     let report = Assembly {
         loaded: &loaded,
@@ -144,9 +173,20 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         jobs: &jobs,
         checked: &checked,
         timing: !options.no_timing,
+        statistics: arguments.stats,
     }
     .document();
-    let (document, findings) = report;
+    let (mut document, mut findings) = report;
+    if let Some(path) = &arguments.proof {
+        let own = contracts
+            .iter()
+            .filter(|(c, _)| loaded.roots.contains(&library.sources.file(c.span.file).name));
+        let own: Vec<_> = own.map(|(c, job)| (*c, &checked[*job])).collect();
+        let found = write_proof(path, &own)?;
+        document.findings.extend(json::findings(&library.sources, &found));
+        document.summary.findings += found.len();
+        findings.extend(found);
+    }
     print(
         console,
         &loaded.library.sources,
@@ -165,6 +205,38 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         })
         .fold(ExitCode::Success, ExitCode::and);
     Ok(options.exit_code(&findings).and(verdicts))
+}
+
+/// Writes the proof of the only contract; the findings say why there is none.
+fn write_proof(
+    path: &Path,
+    contracts: &[(&Contract, &CheckedContract)],
+) -> anyhow::Result<Vec<Diagnostic>> {
+    let [(contract, checked)] = contracts else {
+        anyhow::bail!(
+            "--proof is for a single contract, and there are {}: give a file with one",
+            contracts.len()
+        );
+    };
+    let name = &contract.name;
+    let note = |text: String| {
+        let mut note = Diagnostic::error(codes::UNREALIZABLE, contract.span, text);
+        note.severity = Severity::Note;
+        note
+    };
+    Ok(match (&checked.ranking, checked.verdict) {
+        (Some(ranking), _) => {
+            let text = proof::to_text(&contract.specification, ranking);
+            output::write(path, &text).err().map(|f| *f).into_iter().collect()
+        }
+        (None, Verdict::Unrealizable) => vec![
+            note(format!("there is no proof for `{name}` in {}", path.display())).with_help(
+                "a proof can only be written of a realizable contract as yet; the guarantees that clash are named above",
+            ),
+        ],
+        // Its own finding says why there is no verdict.
+        (None, _) => Vec::new(),
+    })
 }
 
 fn print(
@@ -265,6 +337,7 @@ struct Assembly<'a> {
     jobs: &'a Jobs,
     checked: &'a [CheckedContract],
     timing: bool,
+    statistics: bool,
 }
 
 impl Assembly<'_> {
@@ -403,6 +476,11 @@ impl Assembly<'_> {
                 .map(|m| m.states.len()),
             seconds: result.filter(|_| self.timing).map(|r| r.seconds),
             peak_nodes: result.filter(|_| self.timing).and_then(|r| r.peak_nodes),
+            statistics: result
+                .filter(|_| self.statistics)
+                .map(|r| r.statistics.timed(self.timing)),
+            kernel: result.map(|r| r.statistics.kernel.clone()).unwrap_or_default(),
+            verdict_only: result.is_some_and(|r| r.left_out),
         }
     }
 
@@ -480,6 +558,9 @@ fn nameless(file: &str) -> ContractEntry {
         states: None,
         seconds: None,
         peak_nodes: None,
+        statistics: None,
+        kernel: String::new(),
+        verdict_only: false,
     }
 }
 

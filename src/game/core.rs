@@ -44,5 +44,5 @@ fn clash<K: Kernel>(
 
 fn unrealizable<K: Kernel>(formulas: &Formulas<K>, guarantees: &[GuaranteeRef]) -> Result<bool, Limit> {
     let arena = formulas.arena(&Selection::Only(guarantees))?;
-    Ok(winning_region(&arena, &Iterations::default())?.is_none())
+    Ok(winning_region(&arena, None, &Iterations::default())?.is_none())
 }
