@@ -14,6 +14,7 @@ use super::statistics::Statistics;
 use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
 use crate::gr1::{Specification, VarId};
+use crate::interchange::inquiries;
 use crate::source::{FileId, SourceMap};
 use crate::station::composition::By;
 use clap::Args;
@@ -28,13 +29,17 @@ mod table;
     linewright check contracts/
     linewright check --format short contracts/handling/turn.lw
     linewright check --stats --proof turn.proof.json contracts/handling/turn.lw
+    linewright check examples/other-tools/arbiter.spc examples/other-tools/arbiter.slugsin
 
 A contract is realizable when a controller exists that keeps its guarantees for as long as the plant \
 keeps the assumptions (safety first, strictly). Each such controller is synthesized and verified, but \
 not written; for a large contract that no machine uses, only the verdict is given. What is known of a contract \
-that has not changed is not worked out again (see --no-cache).")]
+that has not changed is not worked out again (see --no-cache).
+
+Files of gr1c (.spc) and slugs (.slugsin, .structuredslugs) are read by their ending; for these only the \
+verdict is given.")]
 pub struct Arguments {
-    /// Files, or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
+    /// Files (.lw, .spc, .slugsin, .structuredslugs), or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]
     pub paths: Vec<String>,
     /// Also say what each verdict took: kernel, times by phase, nodes, iterations, orders of the variables
@@ -67,6 +72,9 @@ struct Document {
 struct ContractEntry {
     name: String,
     file: String,
+    /// For a specification of another tool: its format, by the ending of its files.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    format: Option<&'static str>,
     codes: Vec<String>,
     verdict: &'static str,
     findings: Vec<json::Finding>,
@@ -152,9 +160,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .contracts
         .iter()
         .filter(|c| view(&files, c.span.file).is_some_and(|f| f.is_sound(c.span)))
-        .map(|c| {
-            let job = jobs.add_for(Goal::Verdict, &c.specification, c.span);
-            (c, job)
+        .map(|c| match loaded.foreign(c.span.file) {
+            Some(foreign) => {
+                let inquiries = inquiries(&foreign.reading);
+                let job = jobs.add_foreign(&c.specification, c.span, Goal::Verdict, inquiries);
+                (c, job)
+            }
+            None => (c, jobs.add_for(Goal::Small, &c.specification, c.span)),
         })
         .collect();
     let machines: Vec<Planned<'_>> = library
@@ -204,7 +216,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             _ => ExitCode::Success,
         })
         .fold(ExitCode::Success, ExitCode::and);
-    Ok(options.exit_code(&findings).and(verdicts))
+    Ok(options
+        .exit_code(&findings)
+        .and(verdicts)
+        .and(loaded.exit_code()))
 }
 
 /// Writes the proof of the only contract; the findings say why there is none.
@@ -276,7 +291,14 @@ impl<'a> FileView<'a> {
         sources
             .files()
             .map(|(id, file)| {
-                let declarations = outline::declarations(sources, id);
+                let declarations = match loaded.foreign(id) {
+                    Some(foreign) => vec![Declaration {
+                        kind: Kind::Contract,
+                        name: foreign.name.clone(),
+                        extent: foreign.reading.span,
+                    }],
+                    None => outline::declarations(sources, id),
+                };
                 let findings: Vec<&Diagnostic> = loaded
                     .findings
                     .iter()
@@ -465,6 +487,10 @@ impl Assembly<'_> {
         ContractEntry {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
+            format: self
+                .loaded
+                .foreign(file.id)
+                .map(|f| f.reading.format.ending()),
             codes: contract.map(|c| texts(&c.codes)).unwrap_or_default(),
             verdict: result.map_or(Verdict::Invalid, |r| r.verdict).word(),
             findings: json::findings(sources, findings),
@@ -549,6 +575,7 @@ fn nameless(file: &str) -> ContractEntry {
     ContractEntry {
         name: stem.map_or(file.to_owned(), |s| s.to_string_lossy().into_owned()),
         file: file.to_owned(),
+        format: None,
         codes: Vec::new(),
         verdict: Verdict::Invalid.word(),
         findings: Vec::new(),

@@ -14,6 +14,7 @@ pub mod environment;
 pub mod exit;
 pub mod explain;
 pub mod files;
+pub mod import;
 pub mod interrupt;
 pub mod libraries;
 pub mod machines;
@@ -63,6 +64,8 @@ pub enum Command {
     Build(build::Arguments),
     /// Run a line in the bundled runner
     Run(run::Arguments),
+    /// Print another tool's specification as a contract
+    Import(import::Arguments),
     /// Say what a finding means, with a minimal contract that shows it
     Explain(explain::Arguments),
     /// Look things up in DIN 8580 and VDI 2860
@@ -105,6 +108,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Synth(a) => synth::run(a, options),
         Command::Build(a) => build::run(a, options),
         Command::Run(a) => run::run(a, options),
+        Command::Import(a) => import::run(a, options),
         Command::Explain(a) => explain::run(a, options),
         Command::Din(a) => din::run(a, options),
         Command::Completions(a) => completions::run(a, options, Arguments::command()),

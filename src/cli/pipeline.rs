@@ -14,6 +14,7 @@ use crate::game::{
     Outcome, Phase, Progress, Ranking,
 };
 use crate::gr1::{Specification, overflow};
+use crate::interchange::Inquiry;
 use crate::mealy;
 use crate::source::Span;
 use indicatif::ProgressBar;
@@ -122,16 +123,34 @@ pub struct Job {
     pub span: Span,
     /// How far to go.
     pub goal: Goal,
+    /// For a specification of another tool: what to find out beside, to say what that tool answers.
+    pub inquiries: Vec<Inquiry>,
 }
 
 /// How far a job goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Goal {
-    /// Whether there is a controller; and that controller, verified, if the game is small. How it is to be decided what is
-    /// small is the solver's business; the clock has no part in it.
+    /// Only whether there is a controller.
+    Answer,
+    /// The same; and if there is none, which guarantees clash. Nothing is extracted, verified or examined: for specifications
+    /// whose controller nobody asked for, and which may be far larger than a contract.
     Verdict,
+    /// The same; and if the game is small, a verified controller. What is small is the solver's business; the clock has no
+    /// part in it.
+    Small,
     /// A verified controller, whatever it costs.
     Controller,
+}
+
+impl Goal {
+    /// Whether a controller is asked for.
+    fn extracts(self, large: bool) -> bool {
+        match self {
+            Self::Answer | Self::Verdict => false,
+            Self::Small => !large,
+            Self::Controller => true,
+        }
+    }
 }
 
 /// Jobs without repetition: equal contracts are synthesized once, however many machines use them.
@@ -171,17 +190,33 @@ impl Jobs {
         span: Span,
     ) -> usize {
         let equal = |job: &Job| {
-            Arc::ptr_eq(&job.specification, specification) || job.specification == *specification
+            job.goal >= Goal::Small
+                && job.inquiries.is_empty()
+                && (Arc::ptr_eq(&job.specification, specification)
+                    || job.specification == *specification)
         };
-        if let Some(index) = self.jobs.iter().position(equal) {
+        let found = self.jobs.iter().position(equal);
+        if let Some(index) = found {
             let job = &mut self.jobs[index];
             job.goal = job.goal.max(goal);
             return index;
         }
+        self.add_foreign(specification, span, goal, Vec::new())
+    }
+
+    /// Adds a specification of another tool.
+    pub fn add_foreign(
+        &mut self,
+        specification: &Arc<Specification>,
+        span: Span,
+        goal: Goal,
+        inquiries: Vec<Inquiry>,
+    ) -> usize {
         self.jobs.push(Job {
             specification: Arc::clone(specification),
             span,
             goal,
+            inquiries,
         });
         self.jobs.len() - 1
     }
@@ -291,6 +326,8 @@ struct Known {
     environment: Option<EnvironmentFindings>,
     controller: Controller,
     ranking: Option<Ranking>,
+    /// For every inquiry the answers to its questions; `None` where a limit was reached first.
+    answers: Vec<Option<Vec<bool>>>,
     peak_nodes: u64,
     statistics: Statistics,
 }
@@ -325,7 +362,7 @@ impl Task {
                 Ended::Left(stop, None) => gave_up(&job, stop.into(), &solve),
                 Ended::Left(stop, Some(known)) => {
                     let known: Known = known;
-                    known.stopped(stop.into()).told(&job, examine)
+                    known.stopped(stop.into(), &job).told(&job, examine)
                 }
             }
         };
@@ -354,21 +391,58 @@ impl Task {
             },
         );
         let found = cache.and_then(|c| c.find(&key));
-        if let Some(known) = found.and_then(|entry| self.recall(entry)) {
-            return Ok(Ok(known));
-        }
-        let known = self.solve(cache, report)?;
-        if let (Some(cache), Ok(known)) = (cache, &known)
-            && let Some(entry) = self.entry(known)
+        let mut known = match found.and_then(|entry| self.recall(entry)) {
+            Some(known) => Ok(known),
+            None => {
+                let known = self.solve(cache, report)?;
+                if let (Some(cache), Ok(known)) = (cache, &known)
+                    && let Some(entry) = self.entry(known)
+                {
+                    cache.keep(&key, &entry);
+                }
+                known
+            }
+        };
+        if let Ok(known) = &mut known
+            && !self.job.inquiries.is_empty()
         {
-            cache.keep(&key, &entry);
+            report(known.clone());
+            known.answers = self.answers()?;
         }
         Ok(known)
     }
 
+    /// The answers to the questions about another tool.
+    fn answers(&self) -> Result<Vec<Option<Vec<bool>>>, InternalError> {
+        let answer = |question: &Specification| -> Result<Option<bool>, InternalError> {
+            let task = Self {
+                job: Job {
+                    specification: Arc::new(question.clone()),
+                    span: self.job.span,
+                    goal: Goal::Answer,
+                    inquiries: Vec::new(),
+                },
+                examine: false,
+                rank: false,
+                settings: self.settings.clone(),
+                solve: Arc::default(),
+            };
+            Ok(task.check(&|_| ())?.ok().map(|known| known.realizable))
+        };
+        let inquiries = self.job.inquiries.iter();
+        inquiries
+            .map(|inquiry| inquiry.questions.iter().map(answer).collect())
+            .collect()
+    }
+
     /// Whether a controller is asked for.
     fn extracts(&self, large: bool) -> bool {
-        self.job.goal == Goal::Controller || !large
+        self.job.goal.extracts(large)
+    }
+
+    /// Whether the plant's side is examined.
+    fn examines(&self, large: bool) -> bool {
+        self.examine && self.job.goal >= Goal::Small && !large
     }
 
     fn solve(
@@ -380,7 +454,7 @@ impl Task {
         let limits = &self.settings.limits;
         // What a written controller looks like may depend on the order. So only where none is written may the search begin
         // with what earlier runs have left.
-        let version = cache.filter(|_| self.job.goal == Goal::Verdict);
+        let version = cache.filter(|_| self.job.goal != Goal::Controller);
         let hints = version.and_then(|c| c.version(specification));
         let hints = hints.map(|v| v.hints(specification)).unwrap_or_default();
         let solved = self.play(&hints);
@@ -398,6 +472,7 @@ impl Task {
             environment: None,
             controller: Controller::Unasked,
             ranking: None,
+            answers: Vec::new(),
             peak_nodes: 0,
             statistics,
         };
@@ -433,7 +508,7 @@ impl Task {
             known.controller = self.controller(&won, &mut known.statistics)?;
         }
         report(known.clone());
-        if self.examine && !large {
+        if self.examines(large) {
             // A game that is small may still be large here: then this gives up by itself.
             let limits = Limits {
                 most_nodes: Some(MOST_EXAMINED_NODES),
@@ -456,7 +531,7 @@ impl Task {
             } else {
                 heuristics
             },
-            without_core: false,
+            without_core: self.job.goal == Goal::Answer,
             first_order: hints.order.clone(),
             first_region: hints.region.clone(),
             progress: Arc::clone(&self.solve),
@@ -502,8 +577,12 @@ impl Task {
     fn recall(&self, entry: Entry) -> Option<Known> {
         let large = entry.statistics.large;
         let extracts = entry.realizable && self.extracts(large);
-        let examines = entry.realizable && self.examine && !large;
-        if extracts && !entry.extracted || examines && !entry.examined {
+        let examines = entry.realizable && self.examines(large);
+        let explains = !entry.realizable && self.job.goal > Goal::Answer;
+        if extracts && !entry.extracted
+            || examines && !entry.examined
+            || explains && entry.core.is_none()
+        {
             return None;
         }
         let mut statistics = entry.statistics;
@@ -525,6 +604,7 @@ impl Task {
                 }),
             },
             ranking: None,
+            answers: Vec::new(),
             peak_nodes: entry.peak_nodes,
             statistics,
         })
@@ -538,8 +618,9 @@ impl Task {
             Controller::Stopped(_) => return None,
             Controller::Verified(machine) => (true, Some(machine.clone())),
         };
-        let wanted = self.examine && known.realizable && !known.statistics.large;
-        if wanted && !known.examined || !known.realizable && known.core.is_none() {
+        let examines = known.realizable && self.examines(known.statistics.large);
+        let explains = !known.realizable && self.job.goal > Goal::Answer;
+        if examines && !known.examined || explains && known.core.is_none() {
             return None;
         }
         Some(Entry {
@@ -566,14 +647,16 @@ impl Known {
             environment: None,
             controller: Controller::Unasked,
             ranking: None,
+            answers: Vec::new(),
             peak_nodes: statistics.peak_nodes.unwrap_or(0),
             statistics,
         }
     }
 
     /// The same, when what was still to be done is not waited for.
-    fn stopped(mut self, reason: Reason) -> Self {
-        if self.realizable && matches!(self.controller, Controller::Unasked) {
+    fn stopped(mut self, reason: Reason, job: &Job) -> Self {
+        let asked = self.realizable && job.goal.extracts(self.statistics.large);
+        if asked && matches!(self.controller, Controller::Unasked) {
             self.controller = Controller::Stopped(reason);
         }
         self
@@ -587,7 +670,7 @@ impl Known {
         let mut machine = None;
         let mut left_out = false;
         if self.realizable {
-            left_out = self.statistics.large && matches!(self.controller, Controller::Unasked);
+            left_out = job.goal == Goal::Small && self.statistics.large;
             match self.controller {
                 Controller::Unasked => {}
                 Controller::Stopped(reason) => {
@@ -603,7 +686,10 @@ impl Known {
             core.extend(formulas.map(|r| r.formula(&specification.guarantees).name.clone()));
             findings.push(unrealizable(specification, job.span, &core));
         }
-        if examine {
+        for (inquiry, answers) in job.inquiries.iter().zip(&self.answers) {
+            findings.extend(answers.as_ref().and_then(|a| inquiry.note(self.realizable, a)));
+        }
+        if examine && job.goal >= Goal::Small {
             findings.extend(overflows(specification));
         }
         CheckedContract {

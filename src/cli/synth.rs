@@ -3,10 +3,11 @@
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::output;
-use super::pipeline::Jobs;
+use super::pipeline::{Goal, Jobs};
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::game::Limit;
+use crate::interchange::{self, Target, inquiries};
 use crate::mealy;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -16,10 +17,14 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
     linewright synth contracts/handling/turn.lw
     linewright synth contracts/handling/turn.lw::Turn --emit dot --emit svg --out controllers
+    linewright synth examples/other-tools/arbiter.spc
+    linewright synth contracts/handling/turn.lw --emit spc
 
-A controller is written only after it was verified against its contract.")]
+A controller is written only after it was verified against its contract. `--emit spc` and `--emit slugsin` \
+write the specification itself, for gr1c and slugs, and need no controller.")]
 pub struct Arguments {
-    /// A file with contracts, and the name of one of them; without a name, all that the file declares
+    /// A file with contracts, and the name of one of them; without a name, all that the file declares. Also a specification of
+    /// gr1c (.spc) or slugs (.slugsin, .structuredslugs)
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
     /// The form of the controller; can be given several times
@@ -44,6 +49,10 @@ pub enum Emit {
     Dot,
     /// A drawing for a browser
     Svg,
+    /// The specification, for gr1c
+    Spc,
+    /// The specification, for slugs
+    Slugsin,
 }
 
 impl Emit {
@@ -53,6 +62,17 @@ impl Emit {
             Self::Gr1c => "gr1c.json",
             Self::Dot => "dot",
             Self::Svg => "svg",
+            Self::Spc => "spc",
+            Self::Slugsin => "slugsin",
+        }
+    }
+
+    /// The format of a specification, if it is one rather than a controller's.
+    fn target(self) -> Option<Target> {
+        match self {
+            Self::Spc => Some(Target::Spc),
+            Self::Slugsin => Some(Target::Slugsin),
+            _ => None,
         }
     }
 }
@@ -76,15 +96,33 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         anyhow::bail!("there are {results} results: name a folder for them with --out DIR");
     }
 
-    let mut jobs = Jobs::examining();
-    let indices: Vec<usize> = contracts
-        .iter()
-        .map(|c| jobs.add(&c.specification, c.span))
-        .collect();
-    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"))?;
-
     let mut findings = loaded.findings.clone();
     let mut written: Vec<(String, String)> = Vec::new();
+    let (specifications, controllers): (Vec<Emit>, Vec<Emit>) =
+        arguments.emit.iter().partition(|e| e.target().is_some());
+    for contract in &contracts {
+        for emit in &specifications {
+            let Some(target) = emit.target() else {
+                continue;
+            };
+            match interchange::write(&contract.specification, target) {
+                Ok(text) => written.push((format!("{}.{}", contract.name, emit.ending()), text)),
+                Err(found) => findings.extend(found),
+            }
+        }
+    }
+    let mut jobs = Jobs::examining();
+    let mut indices: Vec<usize> = Vec::new();
+    if !controllers.is_empty() {
+        indices.extend(contracts.iter().map(|c| match loaded.foreign(c.span.file) {
+            Some(foreign) => {
+                let inquiries = inquiries(&foreign.reading);
+                jobs.add_foreign(&c.specification, c.span, Goal::Controller, inquiries)
+            }
+            None => jobs.add(&c.specification, c.span),
+        }));
+    }
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"))?;
     if arguments.stats {
         for (contract, index) in contracts.iter().zip(&indices) {
             let statistics = checked[*index].statistics.timed(!options.no_timing);
@@ -96,10 +134,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         let Some(machine) = &checked[index].machine else {
             continue;
         };
-        for emit in &arguments.emit {
-            match write(*emit, machine) {
-                Ok(text) => written.push((format!("{}.{}", contract.name, emit.ending()), text)),
-                Err(finding) => findings.push(*finding),
+        for emit in &controllers {
+            if let Some(result) = write(*emit, machine) {
+                match result {
+                    Ok(text) => {
+                        written.push((format!("{}.{}", contract.name, emit.ending()), text));
+                    }
+                    Err(finding) => findings.push(*finding),
+                }
             }
         }
     }
@@ -122,8 +164,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// A controller in one of its written forms. A finding (LW204) where that form would be too large.
-fn write(emit: Emit, machine: &mealy::Machine) -> Result<String, Box<Diagnostic>> {
+/// A controller in one of its written forms; nothing for the forms of a specification. A finding (LW204) where that form would be
+/// too large.
+fn write(emit: Emit, machine: &mealy::Machine) -> Option<Result<String, Box<Diagnostic>>> {
     let too_large = |limit: Limit| {
         Box::new(
             Diagnostic::error(
@@ -135,10 +178,14 @@ fn write(emit: Emit, machine: &mealy::Machine) -> Result<String, Box<Diagnostic>
         )
     };
     let pretty = |value: &serde_json::Value| format!("{value:#}\n");
-    Ok(match emit {
+    Some(Ok(match emit {
         Emit::Json => mealy::json::to_text(&mealy::json::to_json(machine, true)),
-        Emit::Gr1c => pretty(&mealy::gr1c::to_json(machine).map_err(too_large)?),
+        Emit::Gr1c => match mealy::gr1c::to_json(machine) {
+            Ok(value) => pretty(&value),
+            Err(limit) => return Some(Err(too_large(limit))),
+        },
         Emit::Dot => mealy::dot::to_dot(machine),
         Emit::Svg => mealy::svg::to_svg(machine),
-    })
+        Emit::Spc | Emit::Slugsin => return None,
+    }))
 }

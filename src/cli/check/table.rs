@@ -33,7 +33,10 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
             verdict: c.verdict,
             cells: vec![
                 c.name.clone(),
-                term(&c.codes),
+                match c.format {
+                    Some(ending) => format!(".{ending}"),
+                    None => term(&c.codes),
+                },
                 interface(c.input_bits, c.output_bits),
                 c.verdict.replace('_', " "),
                 c.states.map(|n| count(n, "state")).unwrap_or_default(),
