@@ -11,6 +11,10 @@ mod exits;
 mod inputs;
 #[path = "cli/libraries.rs"]
 mod libraries;
+#[path = "cli/cache.rs"]
+mod cache;
+#[path = "cli/limits.rs"]
+mod limits;
 #[path = "cli/outside.rs"]
 mod outside;
 #[path = "cli/session.rs"]

@@ -104,7 +104,7 @@ impl fmt::Display for Reached<'_> {
                 let plural = |n: u64| if n == 1 { "" } else { "s" };
                 write!(
                     f,
-                    "in round {rounds}, step {steps}, with {} of {} goal{} settled and {} nodes",
+                    "in round {rounds}, step {steps} of its fixpoint, with {} of {} goal{} settled and {} nodes",
                     get(&at.settled),
                     get(&at.goals),
                     plural(get(&at.goals)),
@@ -148,7 +148,7 @@ mod tests {
         at.nodes.store(1_234_567, Ordering::Relaxed);
         assert_eq!(
             progress.reached(),
-            "in round 12, step 31, with 3 of 40 goals settled and 1.2 M nodes"
+            "in round 12, step 31 of its fixpoint, with 3 of 40 goals settled and 1.2 M nodes"
         );
     }
 

@@ -298,7 +298,10 @@ fn play<K: Kernel>(
         ..Statistics::default()
     });
     let outcome = decide::<K>(specification, order, limits, options, start);
-    progress.enter(Phase::Ended);
+    // Otherwise what it was at says how far it came.
+    if outcome.is_ok() {
+        progress.enter(Phase::Ended);
+    }
     Solved {
         outcome: outcome.unwrap_or_else(Outcome::GaveUp),
         statistics: progress.statistics(),
