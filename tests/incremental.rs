@@ -46,7 +46,9 @@ fn states(spec: &Specification, solved: &Solved) -> Option<Vec<bool>> {
         bits += u64::BITS - (v.domain.size() - 1).leading_zeros();
     }
     let value = |code: u64| {
-        let values: Vec<bool> = (0..2 * bits + 2).map(|b| code >> (b / 2) & 1 == 1).collect();
+        let values: Vec<bool> = (0..2 * bits + 2)
+            .map(|b| code >> (b / 2) & 1 == 1)
+            .collect();
         region.evaluate(0, &values)
     };
     Some((0..1 << bits).map(value).collect())
@@ -93,7 +95,10 @@ fn the_last_region_changes_nothing() {
         refused += u32::from(hints.region.is_none());
         shrunk += u32::from(hints.region.is_some() && states(&old, &before) != expected);
     }
-    assert!(used >= 100 && refused >= 100 && shrunk >= 20, "{used} {refused} {shrunk}");
+    assert!(
+        used >= 100 && refused >= 100 && shrunk >= 20,
+        "{used} {refused} {shrunk}"
+    );
 }
 
 /// With the rules the other way round, the old region is not used.
@@ -105,21 +110,31 @@ fn a_weaker_contract_does_not_begin_in_the_old_region() {
         let old = random::specification(&mut r);
         let mut new = old.clone();
         thin_side(&mut r, &mut new.guarantees, true);
-        if new.guarantees.safety == old.guarantees.safety && new.guarantees.justice == old.guarantees.justice {
+        if new.guarantees.safety == old.guarantees.safety
+            && new.guarantees.justice == old.guarantees.justice
+        {
             continue;
         }
         let before = solve(&old, KernelChoice::OxiDd, None);
         let version = version(&old, &before);
         // Lists that hold a formula twice are the same set with one of them gone.
         if let Some(region) = version.hints(&new).region {
-            let same = |a: &[Formula], b: &[Formula]| a.iter().all(|f| b.iter().any(|g| g.expr == f.expr));
+            let same =
+                |a: &[Formula], b: &[Formula]| a.iter().all(|f| b.iter().any(|g| g.expr == f.expr));
             let (o, n) = (&old.guarantees, &new.guarantees);
-            assert!(same(&o.safety, &n.safety) && same(&o.justice, &n.justice), "seed {seed} {region:?}");
+            assert!(
+                same(&o.safety, &n.safety) && same(&o.justice, &n.justice),
+                "seed {seed} {region:?}"
+            );
         }
         tried += 1;
         let fresh = solve(&new, KernelChoice::OxiDd, None);
         let incremental = solve(&new, KernelChoice::OxiDd, Some(&version));
-        assert_eq!(states(&new, &fresh), states(&new, &incremental), "seed {seed}");
+        assert_eq!(
+            states(&new, &fresh),
+            states(&new, &incremental),
+            "seed {seed}"
+        );
         differ += u32::from(states(&new, &fresh) != states(&old, &before));
     }
     assert!(tried >= 100 && differ >= 20, "{tried} {differ}");
@@ -139,7 +154,11 @@ fn other_variables_keep_the_order() {
     let hints = version.hints(&new);
     assert!(!hints.exact && hints.region.is_none());
     let order = hints.order.expect("an order");
-    let bits: u32 = new.variables.iter().map(|v| u64::BITS - (v.domain.size() - 1).leading_zeros()).sum();
+    let bits: u32 = new
+        .variables
+        .iter()
+        .map(|v| u64::BITS - (v.domain.size() - 1).leading_zeros())
+        .sum();
     assert_eq!(order.pairs().len() as u32, bits + 1);
     let fresh = solve(&new, KernelChoice::OxiDd, None);
     let incremental = solve(&new, KernelChoice::OxiDd, Some(&version));
@@ -148,5 +167,8 @@ fn other_variables_keep_the_order() {
     for v in &mut new.variables {
         v.name.push('x');
     }
-    assert_eq!(version.hints(&new), linewright::cli::cache::Hints::default());
+    assert_eq!(
+        version.hints(&new),
+        linewright::cli::cache::Hints::default()
+    );
 }

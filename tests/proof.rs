@@ -30,7 +30,9 @@ fn number(value: &Value) -> Result<usize, String> {
 }
 
 fn list(value: &Value) -> Result<&Vec<Value>, String> {
-    value.as_array().ok_or_else(|| "a list is missing".to_owned())
+    value
+        .as_array()
+        .ok_or_else(|| "a list is missing".to_owned())
 }
 
 fn numbers<const N: usize>(values: [&Value; N]) -> Result<[usize; N], String> {
@@ -49,8 +51,14 @@ impl Proof {
         let layer = |l: &Value| numbers([&l["assumption"], &l["wait"], &l["reached"]]);
         let proof = Self {
             bits: variables.iter().map(bits).collect::<Result<_, String>>()?,
-            lows: variables.iter().map(|v| v["low"].as_i64().unwrap_or(0)).collect(),
-            nodes: list(&document["nodes"])?.iter().map(node).collect::<Result<_, _>>()?,
+            lows: variables
+                .iter()
+                .map(|v| v["low"].as_i64().unwrap_or(0))
+                .collect(),
+            nodes: list(&document["nodes"])?
+                .iter()
+                .map(node)
+                .collect::<Result<_, _>>()?,
             region: number(&document["region"])?,
             goals: list(&document["goals"])?
                 .iter()
@@ -58,11 +66,21 @@ impl Proof {
                 .collect::<Result<_, String>>()?,
         };
         let forward = proof.nodes.iter().enumerate();
-        if forward.into_iter().any(|(i, [_, high, low])| high.max(low) / 2 > i) {
+        if forward
+            .into_iter()
+            .any(|(i, [_, high, low])| high.max(low) / 2 > i)
+        {
             return Err("a node leads to a later one".to_owned());
         }
-        let roots = proof.goals.iter().flatten().flat_map(|[_, wait, reached]| [wait, reached]);
-        if roots.chain([&proof.region]).any(|r| r / 2 > proof.nodes.len()) {
+        let roots = proof
+            .goals
+            .iter()
+            .flatten()
+            .flat_map(|[_, wait, reached]| [wait, reached]);
+        if roots
+            .chain([&proof.region])
+            .any(|r| r / 2 > proof.nodes.len())
+        {
             return Err("a root is missing".to_owned());
         }
         Ok(proof)
@@ -136,14 +154,20 @@ fn accepts(specification: &Specification, document: &Value, extent: Extent) -> R
     let proof = Proof::read(document)?;
     let (assume, guarantee) = (&specification.assumptions, &specification.guarantees);
     let all = |formulas: &[Formula], now: &[i64], next: &[i64]| {
-        formulas.iter().all(|f| game::value(&f.expr, now, next) != 0)
+        formulas
+            .iter()
+            .all(|f| game::value(&f.expr, now, next) != 0)
     };
     let justice = |formulas: &[Formula], i: usize, now: &[i64], next: &[i64]| {
-        formulas.get(i).is_none_or(|f| game::value(&f.expr, now, next) != 0)
+        formulas
+            .get(i)
+            .is_none_or(|f| game::value(&f.expr, now, next) != 0)
     };
     let inputs = valuations(specification, Owner::Environment);
     let outputs = valuations(specification, Owner::System);
-    let legal = |state: &[i64]| all(&assume.invariants, state, &[]) && all(&guarantee.invariants, state, &[]);
+    let legal = |state: &[i64]| {
+        all(&assume.invariants, state, &[]) && all(&guarantee.invariants, state, &[])
+    };
     let region = |state: &[i64]| proof.holds(proof.region, state);
 
     // 1. Every first choice of the plant has an answer within the region.
@@ -170,13 +194,20 @@ fn accepts(specification: &Specification, document: &Value, extent: Extent) -> R
 
     let (states, tried): (Vec<Vec<i64>>, u64) = match extent {
         Extent::All => {
-            let states = inputs.iter().flat_map(|x| outputs.iter().map(|y| joined(specification, x, y)));
+            let states = inputs
+                .iter()
+                .flat_map(|x| outputs.iter().map(|y| joined(specification, x, y)));
             (states.collect(), u64::MAX)
         }
-        Extent::Some { seed, states, inputs: tried } => {
+        Extent::Some {
+            seed,
+            states,
+            inputs: tried,
+        } => {
             let mut r = Random::new(seed);
             let mut pick = |of: &[Vec<i64>]| of[r.below(of.len() as u64) as usize].clone();
-            let states = (0..states).map(|_| joined(specification, &pick(&inputs), &pick(&outputs)));
+            let states =
+                (0..states).map(|_| joined(specification, &pick(&inputs), &pick(&outputs)));
             (states.collect(), tried)
         }
     };
@@ -255,7 +286,13 @@ fn accepts(specification: &Specification, document: &Value, extent: Extent) -> R
 fn can_start(specification: &Specification) -> bool {
     let assume = &specification.assumptions;
     let inputs = valuations(specification, Owner::Environment);
-    let good = |x: &Vec<i64>| assume.initial.iter().chain(&assume.invariants).all(|f| game::value(&f.expr, x, &[]) != 0);
+    let good = |x: &Vec<i64>| {
+        assume
+            .initial
+            .iter()
+            .chain(&assume.invariants)
+            .all(|f| game::value(&f.expr, x, &[]) != 0)
+    };
     inputs.iter().any(good)
 }
 
@@ -267,7 +304,9 @@ fn document(specification: &Specification, kernel: KernelChoice) -> Option<Value
     let Outcome::Realizable(won) = solve_with(specification, &options).outcome else {
         return None;
     };
-    let ranking = won.ranking(specification, &Limits::default()).expect("no limit");
+    let ranking = won
+        .ranking(specification, &Limits::default())
+        .expect("no limit");
     let text = proof::to_text(specification, &ranking);
     Some(serde_json::from_str(&text).expect("a document"))
 }
@@ -282,18 +321,29 @@ fn proofs_of_random_specifications_are_accepted_and_damaged_ones_are_not() {
             continue;
         };
         proofs += 1;
-        assert_eq!(accepts(&spec, &proof, Extent::All), Ok(()), "seed {seed}\n{spec:#?}\n{proof:#}");
+        assert_eq!(
+            accepts(&spec, &proof, Extent::All),
+            Ok(()),
+            "seed {seed}\n{spec:#?}\n{proof:#}"
+        );
 
         // What no proof can survive.
         let mut nowhere = proof.clone();
         nowhere["region"] = json!(0);
         // Only where the plant has no first choice is there nothing to answer.
         let nothing = !can_start(&spec);
-        assert_eq!(accepts(&spec, &nowhere, Extent::All).is_ok(), nothing, "seed {seed}");
+        assert_eq!(
+            accepts(&spec, &nowhere, Extent::All).is_ok(),
+            nothing,
+            "seed {seed}"
+        );
         let mut without_layers = proof.clone();
         without_layers["goals"][0]["layers"] = json!([]);
         if proof["region"] != json!(0) {
-            assert!(accepts(&spec, &without_layers, Extent::All).is_err(), "seed {seed}");
+            assert!(
+                accepts(&spec, &without_layers, Extent::All).is_err(),
+                "seed {seed}"
+            );
         }
         // What may: most damage is seen, none of it makes the checker fall over.
         let mut r = Random::new(seed);
@@ -333,7 +383,11 @@ fn contracts_of_the_library() {
     for contract in &loaded.library.contracts {
         let spec = &contract.specification;
         let proof = document(spec, KernelChoice::Automatic).expect("realizable");
-        let extent = Extent::Some { seed: 7, states: 60, inputs: 12 };
+        let extent = Extent::Some {
+            seed: 7,
+            states: 60,
+            inputs: 12,
+        };
         assert_eq!(accepts(spec, &proof, extent), Ok(()), "{}", contract.name);
         checked += 1;
     }
@@ -349,7 +403,10 @@ fn every_obligation_can_be_broken() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("lift.lw");
     std::fs::write(&path, text).expect("a file");
-    let loaded = files::load(&[path.display().to_string()], &files::StandardLibrary::new(None));
+    let loaded = files::load(
+        &[path.display().to_string()],
+        &files::StandardLibrary::new(None),
+    );
     let spec = &loaded.library.contracts[0].specification;
     let proof = document(spec, KernelChoice::Automatic).expect("realizable");
     assert_eq!(accepts(spec, &proof, Extent::All), Ok(()));
@@ -359,17 +416,33 @@ fn every_obligation_can_be_broken() {
         let error = accepts(spec, &other, Extent::All).expect_err("it is broken");
         error.chars().next().unwrap_or_default()
     };
-    let layers = proof["goals"][0]["layers"].as_array().expect("layers").len();
+    let layers = proof["goals"][0]["layers"]
+        .as_array()
+        .expect("layers")
+        .len();
     assert_eq!(layers, 3);
     assert_eq!(broken(&|p| p["region"] = json!(0)), '1');
     assert_eq!(broken(&|p| p["region"] = json!(1)), '2');
-    assert_eq!(broken(&|p| p["goals"][0]["layers"][0]["reached"] = json!(1)), '3');
     assert_eq!(
-        broken(&|p| drop(p["goals"][0]["layers"].as_array_mut().expect("layers").remove(1))),
+        broken(&|p| p["goals"][0]["layers"][0]["reached"] = json!(1)),
+        '3'
+    );
+    assert_eq!(
+        broken(&|p| drop(
+            p["goals"][0]["layers"]
+                .as_array_mut()
+                .expect("layers")
+                .remove(1)
+        )),
         '4'
     );
     assert_eq!(
-        broken(&|p| drop(p["goals"][0]["layers"].as_array_mut().expect("layers").pop())),
+        broken(&|p| drop(
+            p["goals"][0]["layers"]
+                .as_array_mut()
+                .expect("layers")
+                .pop()
+        )),
         '5'
     );
 }

@@ -398,7 +398,10 @@ fn tidy(folder: &Path, most: u64) -> std::io::Result<()> {
         let file = file?;
         let name = file.file_name();
         let name = name.to_string_lossy();
-        if ["entry-", "version-", ".new-"].iter().any(|p| name.starts_with(p)) {
+        if ["entry-", "version-", ".new-"]
+            .iter()
+            .any(|p| name.starts_with(p))
+        {
             let about = file.metadata()?;
             files.push((about.modified()?, about.len(), file.path()));
         }
@@ -459,7 +462,10 @@ mod tests {
             &whole[..10],
             &[],
             &[&whole[..], b" "].concat(),
-            &String::from_utf8(whole.clone()).unwrap().replace("17", "18").into_bytes(),
+            &String::from_utf8(whole.clone())
+                .unwrap()
+                .replace("17", "18")
+                .into_bytes(),
         ] {
             std::fs::write(&path, damaged).unwrap();
             assert!(cache.find(&key).is_none());
@@ -483,11 +489,17 @@ mod tests {
     fn the_oldest_go_first() {
         let folder = tempfile::tempdir().unwrap();
         let now = SystemTime::now();
-        for (name, age) in [("entry-1", 30), ("entry-2", 20), ("version-3", 10), ("other", 40)] {
+        for (name, age) in [
+            ("entry-1", 30),
+            ("entry-2", 20),
+            ("version-3", 10),
+            ("other", 40),
+        ] {
             let path = folder.path().join(name);
             std::fs::write(&path, [0; 100]).unwrap();
             let file = std::fs::File::options().write(true).open(&path).unwrap();
-            file.set_modified(now - std::time::Duration::from_secs(age)).unwrap();
+            file.set_modified(now - std::time::Duration::from_secs(age))
+                .unwrap();
         }
         tidy(folder.path(), 300).unwrap();
         assert!(folder.path().join("entry-1").exists());

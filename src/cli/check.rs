@@ -190,12 +190,16 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     .document();
     let (mut document, mut findings) = report;
     if let Some(path) = &arguments.proof {
-        let own = contracts
-            .iter()
-            .filter(|(c, _)| loaded.roots.contains(&library.sources.file(c.span.file).name));
+        let own = contracts.iter().filter(|(c, _)| {
+            loaded
+                .roots
+                .contains(&library.sources.file(c.span.file).name)
+        });
         let own: Vec<_> = own.map(|(c, job)| (*c, &checked[*job])).collect();
         let found = write_proof(path, &own)?;
-        document.findings.extend(json::findings(&library.sources, &found));
+        document
+            .findings
+            .extend(json::findings(&library.sources, &found));
         document.summary.findings += found.len();
         findings.extend(found);
     }
@@ -505,7 +509,9 @@ impl Assembly<'_> {
             statistics: result
                 .filter(|_| self.statistics)
                 .map(|r| r.statistics.timed(self.timing)),
-            kernel: result.map(|r| r.statistics.kernel.clone()).unwrap_or_default(),
+            kernel: result
+                .map(|r| r.statistics.kernel.clone())
+                .unwrap_or_default(),
             verdict_only: result.is_some_and(|r| r.left_out),
         }
     }

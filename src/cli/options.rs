@@ -1,7 +1,7 @@
 //! The options that every command takes.
 
-use super::console::Console;
 use super::cache::Cache;
+use super::console::Console;
 use super::exit::ExitCode;
 use super::pipeline::Settings;
 use crate::diagnostics::Diagnostic;
@@ -130,7 +130,10 @@ impl GlobalOptions {
 
     /// How to solve; a time limit counts from now.
     pub fn settings(&self) -> Settings {
-        let on = self.without.iter().fold(Heuristics::default(), |h, w| h.without(*w));
+        let on = self
+            .without
+            .iter()
+            .fold(Heuristics::default(), |h, w| h.without(*w));
         Settings {
             limits: self.limits(),
             kernel: match self.kernel {

@@ -183,12 +183,7 @@ impl Jobs {
     }
 
     /// Adds a job, or finds an equal one, and gives its index.
-    pub fn add_for(
-        &mut self,
-        goal: Goal,
-        specification: &Arc<Specification>,
-        span: Span,
-    ) -> usize {
+    pub fn add_for(&mut self, goal: Goal, specification: &Arc<Specification>, span: Span) -> usize {
         let equal = |job: &Job| {
             job.goal >= Goal::Small
                 && job.inquiries.is_empty()
@@ -493,7 +488,10 @@ impl Task {
         if let (Some(cache), Some(order), true) = (cache, &last_order, large) {
             let names = &known.statistics.order_after;
             let region = won.as_ref().map(game::Won::region);
-            cache.keep_version(specification, &Version::new(specification, order, names, region));
+            cache.keep_version(
+                specification,
+                &Version::new(specification, order, names, region),
+            );
         }
         let Some(won) = won else {
             return Ok(Ok(known));
@@ -687,7 +685,11 @@ impl Known {
             findings.push(unrealizable(specification, job.span, &core));
         }
         for (inquiry, answers) in job.inquiries.iter().zip(&self.answers) {
-            findings.extend(answers.as_ref().and_then(|a| inquiry.note(self.realizable, a)));
+            findings.extend(
+                answers
+                    .as_ref()
+                    .and_then(|a| inquiry.note(self.realizable, a)),
+            );
         }
         if examine && job.goal >= Goal::Small {
             findings.extend(overflows(specification));
@@ -788,8 +790,7 @@ fn no_machine(specification: &Specification, span: Span, reason: Reason) -> Diag
     let name = &specification.name;
     let message =
         format!("`{name}` is realizable, but its controller was not written down: {reason}");
-    let mut finding =
-        Diagnostic::error(codes::GAVE_UP, span, message).with_help(reason.help());
+    let mut finding = Diagnostic::error(codes::GAVE_UP, span, message).with_help(reason.help());
     finding.severity = crate::diagnostics::Severity::Note;
     finding
 }

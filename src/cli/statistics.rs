@@ -116,9 +116,15 @@ impl Statistics {
             return text;
         }
         if self.cached {
-            line("result", "from the cache; the rest is of the run that found it".to_owned());
+            line(
+                "result",
+                "from the cache; the rest is of the run that found it".to_owned(),
+            );
         }
-        line("kernel", format!("{}, {} pairs of bits", self.kernel, self.pairs));
+        line(
+            "kernel",
+            format!("{}, {} pairs of bits", self.kernel, self.pairs),
+        );
         let known = match (self.known_order, self.known_region) {
             (true, true) => Some("the order and the winning region of the version before"),
             (true, false) => Some("the order of the version before"),

@@ -1,7 +1,7 @@
 //! Why a game is won, as plain data: the winning region, and for every goal the layers in which it is approached.
 //!
 //! This is what an outsider needs to check the verdict without solving anything; the page
-//! `src/cli/proof.md` says what is to be checked.
+//! `docs/proof.md` says what is to be checked.
 
 use super::arena::Arena;
 use super::fixpoint::layers;

@@ -42,8 +42,14 @@ fn the_second_run_prints_the_same() {
         assert!(!files(&session).is_empty(), "{line}");
         let second = run(&session, line);
         let anew = session.run(line);
-        assert_eq!((first.code, &first.out, &first.err), (second.code, &second.out, &second.err));
-        assert_eq!((first.code, &first.out, &first.err), (anew.code, &anew.out, &anew.err));
+        assert_eq!(
+            (first.code, &first.out, &first.err),
+            (second.code, &second.out, &second.err)
+        );
+        assert_eq!(
+            (first.code, &first.out, &first.err),
+            (anew.code, &anew.out, &anew.err)
+        );
     }
 }
 
@@ -54,13 +60,33 @@ fn a_hit_can_be_seen() {
     assert_eq!(cached(&session, line), [false, false]);
     assert_eq!(cached(&session, line), [true, true]);
     let printed = run(&session, &format!("{line} --stats"));
-    assert_eq!(printed.out.matches("from the cache").count(), 2, "{}", printed.out);
+    assert_eq!(
+        printed.out.matches("from the cache").count(),
+        2,
+        "{}",
+        printed.out
+    );
     // What a verdict depends on.
-    assert_eq!(cached(&session, &format!("{line} --kernel oxidd")), [false, false]);
-    assert_eq!(cached(&session, &format!("{line} --without recycling")), [false, false]);
-    assert_eq!(cached(&session, &format!("{line} --memory 100")), [false, false]);
-    assert_eq!(cached(&session, &format!("{line} --no-cache")), [false, false]);
-    assert_eq!(cached(&session, &format!("{line} --timeout 60")), [true, true]);
+    assert_eq!(
+        cached(&session, &format!("{line} --kernel oxidd")),
+        [false, false]
+    );
+    assert_eq!(
+        cached(&session, &format!("{line} --without recycling")),
+        [false, false]
+    );
+    assert_eq!(
+        cached(&session, &format!("{line} --memory 100")),
+        [false, false]
+    );
+    assert_eq!(
+        cached(&session, &format!("{line} --no-cache")),
+        [false, false]
+    );
+    assert_eq!(
+        cached(&session, &format!("{line} --timeout 60")),
+        [true, true]
+    );
 }
 
 #[test]
@@ -73,8 +99,15 @@ fn a_changed_contract_is_solved_again() {
     std::fs::write(session.path("unrealizable.lw"), format!("\n\n{text}")).expect("a file");
     assert_eq!(cached(&session, line), [true]);
     let moved = run(&session, "check unrealizable.lw --no-timing");
-    assert_eq!(moved.out, session.run("check unrealizable.lw --no-timing").out);
-    std::fs::write(session.path("unrealizable.lw"), text.replace("always (", "always (not ")).expect("a file");
+    assert_eq!(
+        moved.out,
+        session.run("check unrealizable.lw --no-timing").out
+    );
+    std::fs::write(
+        session.path("unrealizable.lw"),
+        text.replace("always (", "always (not "),
+    )
+    .expect("a file");
     assert_eq!(cached(&session, line), [false]);
 }
 
@@ -82,10 +115,16 @@ fn a_changed_contract_is_solved_again() {
 #[test]
 fn a_controller_is_there_where_it_is_needed() {
     let session = Session::new();
-    assert_eq!(run(&session, "build lamp.lw --target source --out built").code, 0);
+    assert_eq!(
+        run(&session, "build lamp.lw --target source --out built").code,
+        0
+    );
     let first = run(&session, "check lamp.lw --no-timing");
     assert_eq!(first.out, session.run("check lamp.lw --no-timing").out);
-    assert_eq!(run(&session, "build lamp.lw --target source --out built").code, 0);
+    assert_eq!(
+        run(&session, "build lamp.lw --target source --out built").code,
+        0
+    );
 }
 
 #[test]
@@ -104,7 +143,10 @@ fn damaged_and_deleted_entries_are_made_again() {
         std::fs::write(path, damaged).expect("a file");
     }
     let second = run(&session, line);
-    assert_eq!((first.code, &first.out, &first.err), (second.code, &second.out, &second.err));
+    assert_eq!(
+        (first.code, &first.out, &first.err),
+        (second.code, &second.out, &second.err)
+    );
     assert!(cached(&session, "check unrealizable.lw").iter().all(|c| *c));
     std::fs::remove_dir_all(session.path("cache")).expect("deleted");
     assert_eq!(run(&session, line).out, first.out);
@@ -117,13 +159,17 @@ fn runs_beside_each_other_do_not_harm() {
     let line = "check lamp.lw unrealizable.lw warning.lw --no-timing";
     let expected = session.run(line).out;
     std::thread::scope(|scope| {
-        let runs: Vec<_> = (0..6).map(|_| scope.spawn(|| run(&session, line))).collect();
+        let runs: Vec<_> = (0..6)
+            .map(|_| scope.spawn(|| run(&session, line)))
+            .collect();
         for one in runs {
             assert_eq!(one.join().expect("a run").out, expected);
         }
     });
     let left = files(&session);
-    let names = left.iter().map(|p| p.file_name().unwrap_or_default().to_string_lossy());
+    let names = left
+        .iter()
+        .map(|p| p.file_name().unwrap_or_default().to_string_lossy());
     assert!(names.clone().all(|n| n.starts_with("entry-")), "{left:?}");
 }
 
@@ -136,7 +182,11 @@ fn a_place_that_cannot_be_written_is_no_matter() {
     std::fs::write(session.path("file"), "mine").expect("a file");
     for place in ["file", "file/below", "/proc/none", "off", ""] {
         let home = session.path("home").display().to_string();
-        let environment = [("LINEWRIGHT_CACHE", place), ("HOME", &home), ("XDG_CACHE_HOME", "")];
+        let environment = [
+            ("LINEWRIGHT_CACHE", place),
+            ("HOME", &home),
+            ("XDG_CACHE_HOME", ""),
+        ];
         let printed = session.run_with(line, &environment);
         assert_eq!((printed.code, &printed.out), (0, &expected.out), "{place}");
         assert_eq!(printed.err, expected.err, "{place}");

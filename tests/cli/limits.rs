@@ -27,7 +27,8 @@ fn a_time_limit_ends_a_run_that_would_last() {
 #[test]
 fn the_other_contracts_keep_their_verdicts() {
     let session = Session::new();
-    let printed = session.run("check lamp.lw product.lw unrealizable.lw --format short --timeout 3");
+    let printed =
+        session.run("check lamp.lw product.lw unrealizable.lw --format short --timeout 3");
     assert_eq!(printed.code, 3, "{}", printed.out);
     for line in [
         "lamp.lw: contract Light: realizable",
@@ -41,11 +42,25 @@ fn the_other_contracts_keep_their_verdicts() {
 #[test]
 fn a_memory_limit_ends_in_a_message() {
     let session = Session::new();
-    for (kernel, mib) in [("auto", 1), ("auto", 8), ("biodivine", 8), ("oxidd", 8), ("oxidd", 0)] {
+    for (kernel, mib) in [
+        ("auto", 1),
+        ("auto", 8),
+        ("biodivine", 8),
+        ("oxidd", 8),
+        ("oxidd", 0),
+    ] {
         let printed = session.run(&format!("{HARD} --kernel {kernel} --memory {mib}"));
-        assert_eq!(printed.code, 3, "{kernel} {mib}: {}{}", printed.out, printed.err);
+        assert_eq!(
+            printed.code, 3,
+            "{kernel} {mib}: {}{}",
+            printed.out, printed.err
+        );
         let wanted = "there is no verdict on `Product`: the memory limit was reached";
-        assert!(printed.out.contains(wanted), "{kernel} {mib}: {}", printed.out);
+        assert!(
+            printed.out.contains(wanted),
+            "{kernel} {mib}: {}",
+            printed.out
+        );
         assert_eq!(printed.err, "", "{kernel} {mib}");
     }
 }
