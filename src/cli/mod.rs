@@ -5,6 +5,7 @@
 //! keeps it from running at all.
 
 pub mod build;
+pub mod cache;
 pub mod check;
 pub mod completions;
 pub mod console;
@@ -14,16 +15,20 @@ pub mod exit;
 pub mod explain;
 pub mod files;
 pub mod import;
+pub mod interrupt;
 pub mod libraries;
 pub mod machines;
 pub mod options;
 pub mod outline;
 pub mod output;
 pub mod pipeline;
+pub mod proof;
 pub mod run;
 pub mod select;
+pub mod statistics;
 pub mod synth;
 pub mod time;
+pub mod worker;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use exit::ExitCode;
@@ -86,6 +91,10 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     report_panics();
     let console = arguments.options.console();
     let result = on_large_stack(|| dispatch(&arguments));
+    let result = result.map(|code| match interrupt::interrupted() {
+        true => code.and(ExitCode::GaveUp),
+        false => code,
+    });
     result.unwrap_or_else(|error| {
         let _ = console.remark(&format!("\u{1b}[1m\u{1b}[91merror\u{1b}[0m: {error:#}\n"));
         ExitCode::CannotRun

@@ -33,6 +33,9 @@ pub struct Arguments {
     /// The folder to write to; without it, a single result goes to standard output
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Also say what each verdict took, by phase; to standard error
+    #[arg(long)]
+    pub stats: bool,
 }
 
 /// The forms of a controller.
@@ -77,7 +80,7 @@ impl Emit {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let limits = options.limits();
+    let settings = options.settings();
     let loaded = match arguments.selection.load_alone("synth", options)? {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
@@ -119,7 +122,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             None => jobs.add(&c.specification, c.span),
         }));
     }
-    let checked = jobs.run(&limits, &console.progress(jobs.len(), "synthesizing"))?;
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"))?;
+    if arguments.stats {
+        for (contract, index) in contracts.iter().zip(&indices) {
+            let statistics = checked[*index].statistics.timed(!options.no_timing);
+            console.remark(&(statistics.show(&contract.name) + "\n"))?;
+        }
+    }
     for (contract, index) in contracts.iter().zip(indices) {
         findings.extend(checked[index].findings_where_needed());
         let Some(machine) = &checked[index].machine else {

@@ -6,7 +6,7 @@
 use super::GuaranteeRef;
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};
-use super::solver::SPLIT_BOUND;
+use super::set_up::SPLIT_BOUND;
 use crate::symbolic::{Kernel, Limit};
 
 /// A minimal unrealizable set of guarantees of an unrealizable specification.
@@ -48,5 +48,5 @@ fn unrealizable<K: Kernel>(
     guarantees: &[GuaranteeRef],
 ) -> Result<bool, Limit> {
     let arena = formulas.arena(&Selection::Only(guarantees), SPLIT_BOUND)?;
-    Ok(winning_region(&arena, &Iterations::default())?.is_none())
+    Ok(winning_region(&arena, None, &Iterations::default())?.is_none())
 }

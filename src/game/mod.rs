@@ -15,7 +15,10 @@ mod explore;
 mod findings;
 mod fixpoint;
 mod heuristics;
+mod progress;
+mod ranking;
 mod relation;
+mod set_up;
 mod solver;
 mod strategy;
 mod structure;
@@ -23,10 +26,15 @@ mod structure;
 pub use self::explore::{Explicit, Row};
 pub use self::findings::{EnvironmentFindings, examine_environment};
 pub use self::heuristics::{Heuristic, Heuristics};
-pub use self::solver::{KernelChoice, Options, Solved, Statistics, solve, solve_with};
-pub use crate::symbolic::{Limit, Limits};
+pub use self::progress::{Phase, Progress};
+pub use self::ranking::{Rank, Ranking};
+pub use self::solver::{
+    KernelChoice, Options, Solved, Statistics, order_of_variables, solve, solve_with,
+};
+pub use crate::symbolic::{Diagram, DiagramNode, Edge, Limit, Limits, Order};
 
 use crate::gr1::{Side, Specification};
+use serde::{Deserialize, Serialize};
 
 /// The verdict on a specification.
 #[derive(Debug)]
@@ -58,7 +66,7 @@ pub struct Lost {
 }
 
 /// Points at one guarantee of a specification.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct GuaranteeRef {
     /// Its list.
     pub kind: GuaranteeKind,
@@ -67,7 +75,7 @@ pub struct GuaranteeRef {
 }
 
 /// The lists of [`Side`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum GuaranteeKind {
     /// [`Side::initial`]
     Initial,
@@ -117,5 +125,18 @@ impl Won {
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit> {
         self.game.examine_environment(specification, limits)
+    }
+    /// Why it is won, for whoever wants to check it.
+    pub fn ranking(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<Ranking, Limit> {
+        self.game.ranking(specification, limits)
+    }
+
+    /// The states from which the machine wins, over current bits, as the only root.
+    pub fn region(&self) -> Diagram {
+        self.game.region()
     }
 }

@@ -4,18 +4,21 @@
 //! than [`SMALL_PAIRS`] pairs of bits, is played on OxiDD's. The choice depends on the specification only, so that the same
 //! input always gives the same machine.
 
-use super::arena::{Arena, Formulas, Selection, first_order};
+use super::arena::{Arena, first_order};
 use super::core;
 use super::explore::{self, Explicit};
 use super::findings::{self, EnvironmentFindings};
-use super::fixpoint::{Iterations, winning_region};
-use super::heuristics::{Heuristic, Heuristics};
+use super::fixpoint::winning_region;
+use super::heuristics::Heuristics;
+use super::progress::{Phase, Progress};
+use super::ranking::{self, Ranking};
+use super::set_up;
 use super::strategy;
 use super::{Lost, Outcome, Won};
 use crate::gr1::{Specification, Time, VarId};
-use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, Order, OxiDd};
+use crate::symbolic::{Biodivine, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
 use std::fmt::Debug;
-use std::sync::atomic::Ordering;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// A game of more pairs of bits than this is not small.
@@ -23,6 +26,9 @@ const SMALL_PAIRS: usize = 48;
 
 /// A game that needs more nodes than this at once is not small.
 const SMALL_NODES: u64 = 100_000;
+
+/// The same where dead nodes count until they are collected.
+const SMALL_NODES_SHARED: u64 = 1 << 20;
 
 /// Which kernel a game is played on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -47,6 +53,13 @@ pub struct Options {
     pub heuristics: Heuristics,
     /// Whether no core is looked for when there is no machine.
     pub without_core: bool,
+    /// An order to begin with, instead of looking for one. With the automatic kernel, only a large game begins with it.
+    pub first_order: Option<Order>,
+    /// A set of states, as the first root, to which the winning region is known to belong. With the automatic kernel, only a
+    /// large game begins with it.
+    pub first_region: Option<Diagram>,
+    /// Where to publish how far it is. Options that are cloned publish to the same place.
+    pub progress: Arc<Progress>,
 }
 
 /// What a verdict took.
@@ -58,7 +71,7 @@ pub struct Statistics {
     pub pairs: usize,
     /// Seconds of the clock until all formulas were functions.
     pub encode_seconds: f64,
-    /// Seconds spent on the order and the clusters before the fixpoint.
+    /// Seconds spent on the order before the fixpoint.
     pub order_seconds: f64,
     /// Seconds of the fixpoint.
     pub fixpoint_seconds: f64,
@@ -72,10 +85,14 @@ pub struct Statistics {
     pub inner: u64,
     /// Controllable predecessors that were computed.
     pub predecessors: u64,
+    /// Whether the game is too large to be examined further beside a verdict. By its bits and nodes, never by the clock.
+    pub large: bool,
     /// The variables from the top of the diagrams to their bottom at the start, by the place of their first bit.
     pub order_before: Vec<VarId>,
     /// The same at the end.
     pub order_after: Vec<VarId>,
+    /// The order at the end; `None` until then.
+    pub last_order: Option<Order>,
 }
 
 /// A verdict and what it took.
@@ -98,6 +115,12 @@ pub trait Game: Debug + Send + Sync {
         specification: &Specification,
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit>;
+
+    /// See [`Won::ranking`].
+    fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit>;
+
+    /// See [`Won::region`].
+    fn region(&self) -> Diagram;
 }
 
 /// A game that was won on one kernel.
@@ -122,6 +145,14 @@ impl<K: Kernel> Game for WonGame<K> {
     ) -> Result<EnvironmentFindings, Limit> {
         findings::examine(&self.arena.with_limits(limits), specification)
     }
+
+    fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit> {
+        ranking::ranking(&self.arena.with_limits(limits), specification, &self.region)
+    }
+
+    fn region(&self) -> Diagram {
+        self.arena.kernel.export(&[&self.region])
+    }
 }
 
 /// Decides whether a machine exists, in the usual way; where there is none, also looks for a minimal core of guarantees.
@@ -137,14 +168,45 @@ pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
 pub fn solve_with(specification: &Specification, options: &Options) -> Solved {
     let order = first_order(specification, options.heuristics);
     if let Some(limits) = small(&order, options) {
-        let solved = play::<Biodivine>(specification, &order, &limits, options);
+        let solved = if options.kernel == KernelChoice::Automatic {
+            play::<Biodivine>(specification, &order, &limits, options, Start::default())
+        } else {
+            play::<Biodivine>(specification, &order, &limits, options, Start::of(options))
+        };
         let outgrown = options.kernel == KernelChoice::Automatic
             && matches!(solved.outcome, Outcome::GaveUp(Limit::Memory));
         if !outgrown {
             return solved;
         }
     }
-    play::<OxiDd>(specification, &order, &options.limits, options)
+    let start = Start::of(options);
+    play::<OxiDd>(specification, &order, &options.limits, options, start)
+}
+
+/// What is known beforehand.
+#[derive(Clone, Copy, Default)]
+struct Start<'a> {
+    order: Option<&'a Order>,
+    region: Option<&'a Diagram>,
+}
+
+impl<'a> Start<'a> {
+    fn of(options: &'a Options) -> Self {
+        Self {
+            order: options.first_order.as_ref(),
+            region: options.first_region.as_ref(),
+        }
+    }
+
+    /// Nothing that does not fit the bits of the game.
+    fn fitting(self, pairs: usize) -> Self {
+        Self {
+            order: self.order.filter(|o| o.pairs().len() == pairs),
+            region: self
+                .region
+                .filter(|r| r.roots.len() == 1 && r.is_sound(2 * pairs)),
+        }
+    }
 }
 
 /// The limits for a try on biodivine's kernel, if there shall be one.
@@ -185,78 +247,9 @@ fn examine_on<K: Kernel>(
     limits: &Limits,
     heuristics: Heuristics,
 ) -> Result<EnvironmentFindings, Limit> {
-    let (_, arena, _) = set_up::<K>(specification, order, heuristics, limits)?;
+    let progress = Progress::default();
+    let (_, arena) = set_up::set_up::<K>(specification, order, heuristics, limits, &progress)?;
     findings::examine(&arena, specification)
-}
-
-/// Bounds of the clusters, in nodes. Some relations want to be in one piece (generators of buffers, three to four times
-/// faster), others in a few (AMBA's arbiter, the reverse).
-const FIRST_BOUND: usize = 1_000;
-
-/// The bound for relations that may be in one piece.
-const WHOLE_BOUND: usize = 5_000;
-
-/// The bound for relations that had better stay in pieces.
-pub const SPLIT_BOUND: usize = 3_000;
-
-/// So few clusters need not become fewer.
-const FEW_CLUSTERS: usize = 3;
-
-/// How often larger clusters are built anew in the order that the last ones led to, while that makes them fewer or smaller.
-const MORE_ROUNDS: usize = 3;
-
-/// A relation stays in pieces when putting it together takes more than this many percent of the nodes that its pieces have.
-const WHOLE_PERCENT: usize = 180;
-
-/// The formulas and the whole game, in a good order, and the seconds it took to encode them.
-///
-/// The order is sifted for small clusters first, so that larger ones can be built in it. Whether the pieces of a relation
-/// belong together is then a matter of size: if the larger clusters take far more nodes than the smaller ones did, the game
-/// is set up once more, with clusters that are sifted but not put together further.
-fn set_up<K: Kernel>(
-    specification: &Specification,
-    order: &Order,
-    heuristics: Heuristics,
-    limits: &Limits,
-) -> Result<(Formulas<K>, Arena<K>, f64), Limit> {
-    let start = Instant::now();
-    let encode = || Formulas::<K>::encode(specification, order, heuristics, limits);
-    let formulas = encode()?;
-    let encoding = start.elapsed().as_secs_f64();
-    let kernel = formulas.kernel();
-    if !heuristics.has(Heuristic::Sifting) || !K::REORDERS {
-        let arena = formulas.arena(&Selection::All, SPLIT_BOUND)?;
-        return Ok((formulas, arena, encoding));
-    }
-    let sifted = |formulas: &Formulas<K>, bound: usize| -> Result<_, Limit> {
-        let arena = formulas.arena(&Selection::All, bound)?;
-        formulas.kernel().sift()?;
-        let size = arena.environment.size(&arena.kernel) + arena.system.size(&arena.kernel);
-        Ok((arena, size))
-    };
-    kernel.sift()?;
-    let (arena, pieces) = sifted(&formulas, FIRST_BOUND)?;
-    drop(arena);
-    let (mut arena, mut whole) = sifted(&formulas, WHOLE_BOUND)?;
-    if whole * 100 <= pieces * WHOLE_PERCENT {
-        let count = |arena: &Arena<K>| arena.environment.count() + arena.system.count();
-        for _ in 0..MORE_ROUNDS {
-            if count(&arena) <= FEW_CLUSTERS {
-                break;
-            }
-            let (next, size) = sifted(&formulas, WHOLE_BOUND)?;
-            if count(&next) >= count(&arena) && size >= whole {
-                break;
-            }
-            (arena, whole) = (next, size);
-        }
-        return Ok((formulas, arena, encoding));
-    }
-    drop((arena, formulas));
-    let formulas = encode()?;
-    formulas.kernel().sift()?;
-    let (arena, _) = sifted(&formulas, SPLIT_BOUND)?;
-    Ok((formulas, arena, encoding))
 }
 
 /// Solves a game on one kernel.
@@ -265,30 +258,26 @@ fn play<K: Kernel>(
     order: &Order,
     limits: &Limits,
     options: &Options,
+    start: Start<'_>,
 ) -> Solved {
-    let mut statistics = Statistics {
+    let start = start.fitting(order.pairs().len());
+    let order = start.order.unwrap_or(order);
+    let progress = &*options.progress;
+    progress.begin(Statistics {
         kernel: K::NAME,
         pairs: order.pairs().len(),
+        large: order.pairs().len() > SMALL_PAIRS,
         order_before: variables(specification, order),
         ..Statistics::default()
-    };
-    let iterations = Iterations::default();
-    let outcome = decide::<K>(
-        specification,
-        order,
-        limits,
-        options,
-        &iterations,
-        &mut statistics,
-    )
-    .unwrap_or_else(Outcome::GaveUp);
-    statistics.outer = iterations.outer.load(Ordering::Relaxed);
-    statistics.middle = iterations.middle.load(Ordering::Relaxed);
-    statistics.inner = iterations.inner.load(Ordering::Relaxed);
-    statistics.predecessors = iterations.predecessors.load(Ordering::Relaxed);
+    });
+    let outcome = decide::<K>(specification, order, limits, options, start);
+    // Otherwise what it was at says how far it came.
+    if outcome.is_ok() {
+        progress.enter(Phase::Ended);
+    }
     Solved {
-        outcome,
-        statistics,
+        outcome: outcome.unwrap_or_else(Outcome::GaveUp),
+        statistics: progress.statistics(),
     }
 }
 
@@ -297,27 +286,41 @@ fn decide<K: Kernel>(
     order: &Order,
     limits: &Limits,
     options: &Options,
-    iterations: &Iterations,
-    statistics: &mut Statistics,
+    start: Start<'_>,
 ) -> Result<Outcome, Limit> {
-    let start = Instant::now();
-    let (formulas, arena, encoding) =
-        set_up::<K>(specification, order, options.heuristics, limits)?;
-    statistics.encode_seconds = encoding;
-    statistics.order_seconds = start.elapsed().as_secs_f64() - encoding;
+    let progress = &*options.progress;
+    let (formulas, arena) =
+        set_up::set_up::<K>(specification, order, options.heuristics, limits, progress)?;
 
-    let start = Instant::now();
-    let region = winning_region(&arena, iterations);
-    statistics.fixpoint_seconds = start.elapsed().as_secs_f64();
-    statistics.peak_nodes = formulas.peak_nodes();
-    statistics.order_after = variables(specification, &formulas.kernel().order());
+    progress.enter(Phase::Fixpoint);
+    let clock = Instant::now();
+    let within = match start.region {
+        Some(region) => Some(arena.kernel.import(region)?.swap_remove(0)),
+        None => None,
+    };
+    let region = winning_region(&arena, within.as_ref(), progress.iterations());
+    drop(within);
+    let peak_nodes = formulas.peak_nodes();
+    let last_order = formulas.kernel().order();
+    progress.note(|s| {
+        s.fixpoint_seconds = clock.elapsed().as_secs_f64();
+        s.peak_nodes = peak_nodes;
+        s.order_after = variables(specification, &last_order);
+        s.last_order = Some(last_order);
+        s.large |= peak_nodes
+            > match K::NAME {
+                Biodivine::NAME => SMALL_NODES,
+                _ => SMALL_NODES_SHARED,
+            };
+    });
     if let Some(region) = region? {
         return Ok(Outcome::Realizable(Won {
             game: Box::new(WonGame { arena, region }),
-            peak_nodes: formulas.peak_nodes(),
+            peak_nodes,
         }));
     }
     drop(arena);
+    progress.enter(Phase::Core);
     let core = if options.without_core {
         None
     } else {
@@ -327,6 +330,24 @@ fn decide<K: Kernel>(
         core,
         peak_nodes: formulas.peak_nodes(),
     }))
+}
+
+/// An order of the pairs of bits from one of the variables, given by their indices. `None` unless each occurs once.
+pub fn order_of_variables(
+    specification: &Specification,
+    variables: impl IntoIterator<Item = usize>,
+) -> Option<Order> {
+    let encoding = Encoding::new(specification);
+    let known = specification.variables.len();
+    let variables = variables.into_iter().filter(|v| *v < known);
+    let pairs = variables.flat_map(|v| {
+        let bits = encoding.bits(VarId(v as u32), Time::Now);
+        bits.map(|b| b.pair()).collect::<Vec<_>>()
+    });
+    // The strategy's own pair comes last.
+    let last = encoding.pairs() as u16;
+    let order = Order::new(pairs.chain([last]).collect())?;
+    (order.pairs().len() == usize::from(last) + 1).then_some(order)
 }
 
 /// The variables by the place of their topmost bit.
