@@ -61,6 +61,9 @@ pub struct Entry {
     pub statistics: Statistics,
 }
 
+/// The nodes of a winning region (bit, high, low) and its root.
+type Region = (Vec<(u16, u32, u32)>, u32);
+
 /// What is known of the last version of a contract.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Version {
@@ -72,8 +75,8 @@ pub struct Version {
     order: Vec<u16>,
     /// Hashes of the formulas that the winning region depends on.
     formulas: Formulas,
-    /// The region's nodes (bit, high, low) and its root.
-    region: Option<(Vec<(u16, u32, u32)>, u32)>,
+    /// The region.
+    region: Option<Region>,
 }
 
 /// Hashes of the formulas that a winning region depends on. Initial conditions are none of them.

@@ -91,9 +91,12 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     report_panics();
     let console = arguments.options.console();
     let result = on_large_stack(|| dispatch(&arguments));
-    let result = result.map(|code| match interrupt::interrupted() {
-        true => code.and(ExitCode::GaveUp),
-        false => code,
+    let result = result.map(|code| {
+        if interrupt::interrupted() {
+            code.and(ExitCode::GaveUp)
+        } else {
+            code
+        }
     });
     result.unwrap_or_else(|error| {
         let _ = console.remark(&format!("\u{1b}[1m\u{1b}[91merror\u{1b}[0m: {error:#}\n"));

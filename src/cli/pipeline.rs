@@ -156,7 +156,7 @@ impl Goal {
 /// Jobs without repetition: equal contracts are synthesized once, however many machines use them.
 #[derive(Debug, Default)]
 pub struct Jobs {
-    jobs: Vec<Job>,
+    list: Vec<Job>,
     examine: bool,
     rank: bool,
 }
@@ -190,9 +190,9 @@ impl Jobs {
                 && (Arc::ptr_eq(&job.specification, specification)
                     || job.specification == *specification)
         };
-        let found = self.jobs.iter().position(equal);
+        let found = self.list.iter().position(equal);
         if let Some(index) = found {
-            let job = &mut self.jobs[index];
+            let job = &mut self.list[index];
             job.goal = job.goal.max(goal);
             return index;
         }
@@ -207,28 +207,28 @@ impl Jobs {
         goal: Goal,
         inquiries: Vec<Inquiry>,
     ) -> usize {
-        self.jobs.push(Job {
+        self.list.push(Job {
             specification: Arc::clone(specification),
             span,
             goal,
             inquiries,
         });
-        self.jobs.len() - 1
+        self.list.len() - 1
     }
 
     /// The job of an index.
     pub fn get(&self, index: usize) -> &Job {
-        &self.jobs[index]
+        &self.list[index]
     }
 
     /// How many there are.
     pub fn len(&self) -> usize {
-        self.jobs.len()
+        self.list.len()
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.jobs.is_empty()
+        self.list.is_empty()
     }
 
     /// Does them all, in parallel; the results are in the order of the jobs. It ends shortly after the time limit, and after
@@ -240,7 +240,7 @@ impl Jobs {
     ) -> Result<Vec<CheckedContract>, InternalError> {
         let _watch = Watch::new();
         let results = self
-            .jobs
+            .list
             .par_iter()
             .map(|job| {
                 let result = Task {
@@ -386,17 +386,17 @@ impl Task {
             },
         );
         let found = cache.and_then(|c| c.find(&key));
-        let mut known = match found.and_then(|entry| self.recall(entry)) {
-            Some(known) => Ok(known),
-            None => {
-                let known = self.solve(cache, report)?;
-                if let (Some(cache), Ok(known)) = (cache, &known)
-                    && let Some(entry) = self.entry(known)
-                {
-                    cache.keep(&key, &entry);
-                }
-                known
+        let recalled = found.and_then(|entry| self.recall(entry));
+        let mut known = if let Some(known) = recalled {
+            Ok(known)
+        } else {
+            let known = self.solve(cache, report)?;
+            if let (Some(cache), Ok(known)) = (cache, &known)
+                && let Some(entry) = self.entry(known)
+            {
+                cache.keep(&key, &entry);
             }
+            known
         };
         if let Ok(known) = &mut known
             && !self.job.inquiries.is_empty()

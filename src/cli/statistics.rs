@@ -7,6 +7,10 @@ use std::fmt::Write as _;
 
 /// What a verdict took.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each says one thing that is known of a solve"
+)]
 pub struct Statistics {
     /// Whether this was read from the cache: then all that follows is of the run that put it there.
     pub cached: bool,

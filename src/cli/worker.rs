@@ -72,10 +72,11 @@ where
         match receiver.recv_timeout(left.min(LOOK)) {
             Ok(Ok(result)) => return Ended::Done(result),
             Ok(Err(partly)) => reported = Some(partly),
-            Err(RecvTimeoutError::Timeout) => match stop(last) {
-                Some(stop) => return Ended::Left(stop, reported),
-                None => {}
-            },
+            Err(RecvTimeoutError::Timeout) => {
+                if let Some(stop) = stop(last) {
+                    return Ended::Left(stop, reported);
+                }
+            }
             Err(RecvTimeoutError::Disconnected) => match thread.join() {
                 Err(panic) => std::panic::resume_unwind(panic),
                 Ok(()) => unreachable!("work ends with a result; please report this"),
@@ -104,7 +105,7 @@ mod tests {
         let ended = run(Some(deadline), |report: &dyn Fn(u8)| {
             report(1);
             report(2);
-            std::thread::sleep(Duration::from_secs(60));
+            std::thread::sleep(Duration::from_mins(1));
         });
         assert!(matches!(ended, Ended::Left(Stop::Time, Some(2))));
         assert!(begin.elapsed() < Duration::from_secs(10));

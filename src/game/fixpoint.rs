@@ -213,8 +213,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         };
         let mut y = m.constant(false);
         let mut idle = 0; // How many assumptions in a row added nothing.
-        let mut place = 0;
-        for i in (0..assumptions).cycle() {
+        for (place, i) in (0..assumptions).cycle().enumerate() {
             count(&self.iterations.middle);
             let progress = if self.by_state {
                 m.or(&at_goal, &self.predecessor(&y)?)?
@@ -255,7 +254,6 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
                     None => last.push(x.clone()),
                 }
             }
-            place += 1;
             let larger = m.or(&y, &x)?;
             if larger == y {
                 idle += 1;

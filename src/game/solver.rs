@@ -1,7 +1,7 @@
 //! From a specification to a verdict: which kernel, which order, and what it took.
 //!
 //! Small games are played on biodivine's kernel, which starts at once; a game that outgrows [`SMALL_NODES`] there, or has more
-//! than [`SMALL_PAIRS`] pairs of bits, is played on OxiDD's. The choice depends on the specification only, so that the same
+//! than [`SMALL_PAIRS`] pairs of bits, is played on `OxiDD`'s. The choice depends on the specification only, so that the same
 //! input always gives the same machine.
 
 use super::arena::{Arena, first_order};
@@ -16,7 +16,7 @@ use super::set_up;
 use super::strategy;
 use super::{Lost, Outcome, Won};
 use crate::gr1::{Specification, Time, VarId};
-use crate::symbolic::{Biodivine, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
+use crate::symbolic::{Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
 use std::fmt::Debug;
 use std::sync::Arc;
 use std::time::Instant;
@@ -38,7 +38,7 @@ pub enum KernelChoice {
     Automatic,
     /// biodivine-lib-bdd: every function owns its nodes.
     Biodivine,
-    /// OxiDD: a shared store with complement edges.
+    /// `OxiDD`: a shared store with complement edges.
     OxiDd,
 }
 
@@ -342,7 +342,7 @@ pub fn order_of_variables(
     let variables = variables.into_iter().filter(|v| *v < known);
     let pairs = variables.flat_map(|v| {
         let bits = encoding.bits(VarId(v as u32), Time::Now);
-        bits.map(|b| b.pair()).collect::<Vec<_>>()
+        bits.map(Bit::pair).collect::<Vec<_>>()
     });
     // The strategy's own pair comes last.
     let last = encoding.pairs() as u16;

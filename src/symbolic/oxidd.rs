@@ -1,4 +1,4 @@
-//! The kernel over OxiDD's diagrams with complement edges: one store for all functions, and a cache that outlives operations.
+//! The kernel over `OxiDD`'s diagrams with complement edges: one store for all functions, and a cache that outlives operations.
 //!
 //! Right for large games. The store's capacity is fixed when it is made; its pages are only used as nodes come. Three habits
 //! of the package shape this file:
@@ -141,7 +141,7 @@ impl OxiDd {
                     };
                     let mut child = |n: usize| {
                         let child = node.child(n);
-                        let negated = child.tag() != Default::default();
+                        let negated = is_negated(m, &child);
                         match m.get_node(child) {
                             Node::Terminal(_) => Edge::TRUE.flipped(negated),
                             Node::Inner(_) => {
@@ -212,7 +212,7 @@ fn walk(
     where
         M::InnerNode: HasLevel,
     {
-        let negated = edge.tag() != M::EdgeTag::default();
+        let negated = is_negated(manager, &edge);
         let Node::Inner(node) = manager.get_node(edge) else {
             return Edge::TRUE.flipped(negated);
         };
@@ -485,4 +485,9 @@ impl Kernel for OxiDd {
     fn set_reordering(&self, allowed: bool) {
         self.shared.reordering.store(allowed, Ordering::Relaxed);
     }
+}
+
+/// Whether an edge is complemented.
+fn is_negated<M: Manager>(_: &M, edge: &Ref<'_, M::Edge>) -> bool {
+    edge.tag() != M::EdgeTag::default()
 }

@@ -268,29 +268,30 @@ fn chain<K: Kernel>(m: &K, pairs: u16) -> K::Function {
     result
 }
 
+fn fills<K: Kernel>(limits: &Limits) -> bool {
+    let m = K::new(&Order::natural(40), limits).unwrap();
+    let half = 20u16;
+    let mut result = m.constant(true);
+    for i in 0..half {
+        let (a, b) = (
+            m.literal(Bit(2 * i), true),
+            m.literal(Bit(2 * (i + half)).primed(), true),
+        );
+        let Ok(same) = m.iff(&a, &b) else { return true };
+        match m.and(&result, &same) {
+            Ok(both) => result = both,
+            Err(limit) => return limit == Limit::Memory,
+        }
+    }
+    false
+}
+
 #[test]
 fn out_of_nodes_is_a_value() {
     let few = Limits {
         most_nodes: Some(70_000),
         ..Limits::default()
     };
-    fn fills<K: Kernel>(limits: &Limits) -> bool {
-        let m = K::new(&Order::natural(40), limits).unwrap();
-        let half = 20u16;
-        let mut result = m.constant(true);
-        for i in 0..half {
-            let (a, b) = (
-                m.literal(Bit(2 * i), true),
-                m.literal(Bit(2 * (i + half)).primed(), true),
-            );
-            let Ok(same) = m.iff(&a, &b) else { return true };
-            match m.and(&result, &same) {
-                Ok(both) => result = both,
-                Err(limit) => return limit == Limit::Memory,
-            }
-        }
-        false
-    }
     assert!(fills::<Biodivine>(&few));
     assert!(fills::<OxiDd>(&few));
 }
