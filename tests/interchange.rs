@@ -10,7 +10,7 @@ mod support;
 
 use linewright::contract::load;
 use linewright::diagnostics::{has_errors, render};
-use linewright::game::{Limits, Outcome, solve};
+use linewright::game::{Limits, Options, Outcome, solve_with};
 use linewright::gr1::eval::holds;
 use linewright::gr1::{Formula, Owner, Specification, Timing};
 use linewright::interchange::{Format, Reading, Target, contract, lower, read, write};
@@ -95,7 +95,12 @@ fn verdict(specification: &Specification) -> bool {
         memory_mib: Some(1024),
         ..Limits::default()
     };
-    match solve(specification, &limits) {
+    let options = Options {
+        limits,
+        without_core: true,
+        ..Options::default()
+    };
+    match solve_with(specification, &options).outcome {
         Outcome::Realizable(_) => true,
         Outcome::Unrealizable(_) => false,
         Outcome::GaveUp(limit) => panic!("gave up: {limit}"),
