@@ -22,6 +22,8 @@ mod set_up;
 mod solver;
 mod strategy;
 mod structure;
+#[cfg(test)]
+mod tests;
 
 pub use self::explore::{Explicit, Row};
 pub use self::findings::{EnvironmentFindings, examine_environment};
