@@ -24,7 +24,7 @@ pub const SPLIT_BOUND: usize = 3_000;
 /// So few clusters need not become fewer.
 const FEW_CLUSTERS: usize = 3;
 
-/// How often larger clusters are built anew in the order that the last ones led to, while that makes them fewer or smaller.
+/// How often larger clusters are built anew in the order that the last ones led to, while that makes them fewer.
 const MORE_ROUNDS: usize = 3;
 
 /// A relation stays in pieces when putting it together takes more than this many percent of the nodes that its pieces have.
@@ -63,18 +63,19 @@ fn in_order<K: Kernel>(
     formulas.kernel().sift()?;
     let (arena, pieces) = sifted(&formulas, FIRST_BOUND)?;
     drop(arena);
-    let (mut arena, mut whole) = sifted(&formulas, WHOLE_BOUND)?;
+    let (mut arena, whole) = sifted(&formulas, WHOLE_BOUND)?;
     if whole * 100 <= pieces * WHOLE_PERCENT {
         let count = |arena: &Arena<K>| arena.environment.count() + arena.system.count();
         for _ in 0..MORE_ROUNDS {
             if count(&arena) <= FEW_CLUSTERS {
                 break;
             }
-            let (next, size) = sifted(&formulas, WHOLE_BOUND)?;
-            if count(&next) >= count(&arena) && size >= whole {
+            let next = formulas.arena(&Selection::All, WHOLE_BOUND)?;
+            if count(&next) >= count(&arena) {
                 break;
             }
-            (arena, whole) = (next, size);
+            arena = next;
+            formulas.kernel().sift()?;
         }
         return Ok((formulas, arena));
     }

@@ -25,10 +25,13 @@ use std::time::Instant;
 const SMALL_PAIRS: usize = 48;
 
 /// A game that needs more nodes than this at once is not small.
-const SMALL_NODES: u64 = 100_000;
+const SMALL_NODES: u64 = 8_000;
+
+/// A game that needs more nodes than this at once is large.
+const LARGE_NODES: u64 = 100_000;
 
 /// The same where dead nodes count until they are collected.
-const SMALL_NODES_SHARED: u64 = 1 << 20;
+const LARGE_NODES_SHARED: u64 = 1 << 20;
 
 /// Which kernel a game is played on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -309,8 +312,8 @@ fn decide<K: Kernel>(
         s.last_order = Some(last_order);
         s.large |= peak_nodes
             > match K::NAME {
-                Biodivine::NAME => SMALL_NODES,
-                _ => SMALL_NODES_SHARED,
+                Biodivine::NAME => LARGE_NODES,
+                _ => LARGE_NODES_SHARED,
             };
     });
     if let Some(region) = region? {

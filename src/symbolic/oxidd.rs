@@ -17,7 +17,7 @@ use oxidd::{
 };
 use oxidd_core::LevelView as _;
 use oxidd_reorder::set_var_order_seq;
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -46,6 +46,9 @@ const FEW_PAIRS: usize = 24;
 
 /// Below this, nothing is collected.
 const COLLECT_NODES: u64 = 1 << 19;
+
+/// When at most so many nodes were made since the last collection, none is made before the order changes.
+const FEW_DEAD_NODES: u64 = 10_000;
 
 /// While less than this many nodes are made between two safe points, the order is left as it is.
 const REORDER_NODES: u64 = 18_000;
@@ -76,7 +79,7 @@ struct Shared {
     literals: Vec<[Function; 2]>,
     to_primed: Subst<BCDDFunction>,
     to_current: Subst<BCDDFunction>,
-    cubes: Mutex<HashMap<BitSet, Function>>,
+    cubes: Mutex<FxHashMap<BitSet, Function>>,
     peak: AtomicU64,
     /// How many nodes were left after the last collection.
     collected: AtomicU64,
@@ -139,15 +142,19 @@ impl OxiDd {
     /// Looks for a better order, with at most this much work.
     fn sift_within(&self, work: usize) -> Result<(), Limit> {
         self.limits.check_time()?;
-        self.collect();
-        if self.nodes() < self.shared.capacity / 3 {
-            let everything = self.everything();
-            if let Some((order, before, after)) =
+        self.note_peak();
+        // Dead nodes would be brought into a new order, too; few are cheaper to move than to look for.
+        if self.nodes() > self.shared.collected.load(Ordering::Relaxed) + FEW_DEAD_NODES {
+            self.collect();
+        }
+        let everything = self.everything();
+        if self.nodes() < self.shared.capacity / 3
+            && let Some((order, before, after)) =
                 sift::sift(&everything, &self.order(), work, &self.limits)
-                && after * 100 < before * WORTHWHILE_PERCENT
-            {
-                set_order(&self.shared.store, &order);
-            }
+            && after * 100 < before * WORTHWHILE_PERCENT
+        {
+            drop(everything);
+            set_order(&self.shared.store, &order);
         }
         let left = self.nodes();
         let busiest = self.shared.busiest.swap(0, Ordering::Relaxed);
@@ -158,13 +165,13 @@ impl OxiDd {
         Ok(())
     }
 
-    /// All nodes of the store. A node is a root when something outside the store refers to it.
+    /// All nodes of the store that are alive. A node is a root when something outside the store refers to it.
     fn everything(&self) -> Diagram {
         self.shared.store.with_manager_shared(|m| {
             let mut nodes = Vec::new();
-            let mut references: Vec<usize> = Vec::new();
-            let mut counts: Vec<usize> = Vec::new();
-            let mut numbers: HashMap<usize, usize> = HashMap::new();
+            // How often something refers to each node, and how often another node does.
+            let mut references: Vec<(usize, usize)> = Vec::new();
+            let mut numbers: FxHashMap<usize, usize> = FxHashMap::default();
             for level in (0..m.num_levels()).rev() {
                 let bit = Bit(m.level_to_var(level) as u16);
                 for edge in m.level(level).iter() {
@@ -178,7 +185,7 @@ impl OxiDd {
                             Node::Terminal(_) => Edge::TRUE.flipped(negated),
                             Node::Inner(_) => {
                                 let number = numbers[&child.node_id()];
-                                references[number] += 1;
+                                references[number].1 += 1;
                                 Edge::to(number).flipped(negated)
                             }
                         }
@@ -186,13 +193,11 @@ impl OxiDd {
                     let (high, low) = (child(0), child(1));
                     numbers.insert(edge.node_id(), nodes.len());
                     nodes.push(DiagramNode { bit, high, low });
-                    references.push(0);
-                    counts.push(node.ref_count());
+                    references.push((node.ref_count(), 0));
                 }
             }
-            let roots = (0..nodes.len()).filter(|n| counts[*n] > references[*n]);
-            let roots = roots.map(Edge::to).collect();
-            Diagram { nodes, roots }
+            let roots = living(&nodes, &mut references);
+            compact(&nodes, &roots, &references)
         })
     }
 
@@ -211,6 +216,50 @@ impl OxiDd {
         cubes.insert(bits.clone(), cube.clone());
         Ok(cube)
     }
+}
+
+/// The nodes that something outside the store refers to; `references` are those by anything and those by nodes. Takes back what
+/// dead nodes contributed.
+fn living(nodes: &[DiagramNode], references: &mut [(usize, usize)]) -> Vec<usize> {
+    let mut roots = Vec::new();
+    for n in (0..nodes.len()).rev() {
+        let (all, by_nodes) = references[n];
+        if all == 0 {
+            for child in [nodes[n].high, nodes[n].low]
+                .into_iter()
+                .filter_map(Edge::node)
+            {
+                references[child].0 -= 1;
+                references[child].1 -= 1;
+            }
+        } else if all > by_nodes {
+            roots.push(n);
+        }
+    }
+    roots
+}
+
+/// The nodes that anything refers to, as a diagram.
+fn compact(nodes: &[DiagramNode], roots: &[usize], references: &[(usize, usize)]) -> Diagram {
+    let mut places = vec![0; nodes.len()];
+    let mut left: Vec<DiagramNode> = Vec::new();
+    for (n, node) in nodes.iter().enumerate() {
+        if references[n].0 > 0 {
+            let at = |edge: Edge| match edge.node() {
+                Some(child) => Edge::to(places[child]).flipped(edge.is_negated()),
+                None => edge,
+            };
+            let (high, low) = (at(node.high), at(node.low));
+            places[n] = left.len();
+            left.push(DiagramNode {
+                bit: node.bit,
+                high,
+                low,
+            });
+        }
+    }
+    let roots = roots.iter().map(|n| Edge::to(places[*n])).collect();
+    Diagram { nodes: left, roots }
 }
 
 /// The order of the pairs in a store.
@@ -232,13 +281,13 @@ fn set_order(store: &BCDDManagerRef, order: &Order) {
 /// Calls `visit` for every node below `function` after those it leads to: its number, its bit, its edges.
 fn walk(
     function: &Function,
-    numbers: &mut HashMap<usize, usize>,
+    numbers: &mut FxHashMap<usize, usize>,
     visit: &mut impl FnMut(Bit, Edge, Edge) -> usize,
 ) -> Edge {
     fn edge_of<M: Manager>(
         manager: &M,
         edge: Ref<'_, M::Edge>,
-        numbers: &mut HashMap<usize, usize>,
+        numbers: &mut FxHashMap<usize, usize>,
         visit: &mut impl FnMut(Bit, Edge, Edge) -> usize,
     ) -> Edge
     where
@@ -425,9 +474,9 @@ impl Kernel for OxiDd {
     }
 
     fn support(&self, a: &Function) -> Vec<Bit> {
-        let mut bits = HashSet::new();
+        let mut bits = FxHashSet::default();
         let mut count = 0;
-        walk(a, &mut HashMap::new(), &mut |bit, _, _| {
+        walk(a, &mut FxHashMap::default(), &mut |bit, _, _| {
             bits.insert(bit);
             count += 1;
             count
@@ -459,7 +508,7 @@ impl Kernel for OxiDd {
 
     fn export(&self, functions: &[&Function]) -> Diagram {
         let mut nodes: Vec<DiagramNode> = Vec::new();
-        let mut numbers = HashMap::new();
+        let mut numbers = FxHashMap::default();
         let roots = functions.iter().map(|f| {
             walk(f, &mut numbers, &mut |bit, high, low| {
                 nodes.push(DiagramNode { bit, high, low });

@@ -84,7 +84,6 @@ pub fn sift(
     let mut sifter = Sifter::new(diagram, order);
     sifter.work = sifter.work.min(most_work);
     let before = sifter.size;
-    sifter.work = sifter.work.min(most_work);
     let after = sifter.sift(limits);
     (after < before).then(|| {
         let order = Order::new(sifter.order).expect("sifting lost a pair; please report this");

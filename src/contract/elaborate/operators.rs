@@ -110,6 +110,8 @@ impl<'a> Elaborator<'a> {
                 Some(Term::binary(BinaryOp::Eq, a, b))
             }
             (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+                let sizes = a.iter().chain(&b).map(Value::size);
+                self.spend(span, sizes.fold(0, usize::saturating_add))?;
                 let mut terms = Vec::with_capacity(a.len());
                 for (a, b) in a.into_iter().zip(b) {
                     terms.push(self.equal(span, a, b)?);
