@@ -15,7 +15,8 @@ use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
 struct Encoded<K: Kernel> {
     initial: Vec<K::Function>,
     invariants: Vec<K::Function>,
-    safety: Vec<K::Function>,
+    /// Each formula as its conjuncts.
+    safety: Vec<Vec<K::Function>>,
     justice: Vec<K::Function>,
     /// That the side's variables have values of their domains; over current bits.
     domains: K::Function,
@@ -87,10 +88,18 @@ impl<K: Kernel> Formulas<K> {
                     domains = kernel.and(&domains, &within)?;
                 }
             }
+            let conjuncts = |formula: &Formula| -> Result<Vec<K::Function>, Limit> {
+                let parts = formula.expr.conjuncts().into_iter();
+                parts.map(|part| encoding.formula(&kernel, part)).collect()
+            };
             Ok(Encoded {
                 initial: list(&side.initial)?,
                 invariants: list(&side.invariants)?,
-                safety: list(&side.safety)?,
+                safety: side
+                    .safety
+                    .iter()
+                    .map(conjuncts)
+                    .collect::<Result<_, _>>()?,
                 justice: list(&side.justice)?,
                 domains,
             })
@@ -161,9 +170,11 @@ impl<K: Kernel> Formulas<K> {
         let env_initial = m.and(&legal_inputs, &m.all(&env.initial)?)?;
         let sys_initial = m.and(&legal_outputs, &m.all(&initial)?)?;
 
-        let mut env_parts = env.safety.clone();
+        let mut env_parts = env.safety.concat();
         env_parts.push(m.prime(&legal_inputs)?);
-        let mut sys_parts = chosen(GuaranteeKind::Safety, &sys.safety);
+        let safety = sys.safety.iter().enumerate();
+        let safety = safety.filter(|(i, _)| selection.contains(GuaranteeKind::Safety, *i));
+        let mut sys_parts: Vec<K::Function> = safety.flat_map(|(_, f)| f.clone()).collect();
 
         let bits = |vars: &[VarId], time| self.encoding.bit_set(vars.iter().copied(), time);
         let inputs_next = bits(&self.inputs, Time::Next);

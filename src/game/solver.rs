@@ -25,7 +25,7 @@ use std::time::Instant;
 const SMALL_PAIRS: usize = 48;
 
 /// A game that needs more nodes than this at once is not small.
-const SMALL_NODES: u64 = 8_000;
+const SMALL_NODES: u64 = 13_000;
 
 /// A game that needs more nodes than this at once is large.
 const LARGE_NODES: u64 = 100_000;

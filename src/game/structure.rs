@@ -1,10 +1,10 @@
 //! An order of the variables from the structure of a specification: those that occur together lie near each other.
 //!
 //! FORCE (Aloul, Markov and Sakallah, "FORCE: a fast and easy-to-implement variable-ordering heuristic", GLSVLSI 2003):
-//! formulas are hyperedges; every formula pulls its variables towards its centre of gravity, until the sum of all spans
+//! formulas are hyperedges, conjunctions one for each part; every formula pulls its variables towards its centre of gravity, until the sum of all spans
 //! no longer shrinks. A small span is a start for sifting, not an order to rely on.
 
-use crate::gr1::{Formula, Side, Specification, Time, VarId};
+use crate::gr1::{Expr, Side, Specification, Time, VarId};
 use crate::symbolic::{Bit, Encoding, Order};
 
 /// Rounds of pulling; spans hardly shrink after the first few.
@@ -14,7 +14,8 @@ const MOST_ROUNDS: usize = 30;
 pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -> Order {
     let sides = [&specification.assumptions, &specification.guarantees];
     let formulas = sides.into_iter().flat_map(Side::all);
-    let edges: Vec<Vec<usize>> = formulas.map(variables).filter(|e| e.len() > 1).collect();
+    let parts = formulas.flat_map(|f| f.expr.conjuncts());
+    let edges: Vec<Vec<usize>> = parts.map(variables).filter(|e| e.len() > 1).collect();
 
     let mut best = first_seen(&edges, specification.variables.len());
     let mut best_span = span(&edges, &best);
@@ -38,9 +39,9 @@ pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -
 }
 
 /// The variables of a formula, each once.
-fn variables(formula: &Formula) -> Vec<usize> {
+fn variables(formula: &Expr) -> Vec<usize> {
     let mut found = Vec::new();
-    formula.expr.for_each_var(&mut |v, _| found.push(v.index()));
+    formula.for_each_var(&mut |v, _| found.push(v.index()));
     found.sort_unstable();
     found.dedup();
     found

@@ -144,6 +144,19 @@ impl Expr {
         }
     }
 
+    /// The formulas that conjunctions at its top hold together, from left to right.
+    pub fn conjuncts(&self) -> Vec<&Self> {
+        let mut found = Vec::new();
+        let mut left = vec![self];
+        while let Some(expr) = left.pop() {
+            match expr {
+                Self::Binary(BinaryOp::And, a, b) => left.extend([&**b, &**a]),
+                _ => found.push(expr),
+            }
+        }
+        found
+    }
+
     /// Whether a next value occurs.
     pub fn mentions_next(&self) -> bool {
         let mut found = false;

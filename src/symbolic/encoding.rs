@@ -143,6 +143,8 @@ impl Encoding {
     }
 
     fn truth<K: Kernel>(&self, m: &K, expr: &Expr) -> Result<K::Function, Limit> {
+        // A formula that grows in a bad order is not finished in it.
+        m.safe_point()?;
         match expr {
             Expr::Const(c) => Ok(m.constant(*c != 0)),
             Expr::Unary(UnaryOp::Not, a) => m.not(&self.truth(m, a)?),
