@@ -14,6 +14,7 @@ pub mod contract;
 pub mod diagnostics;
 pub mod game;
 pub mod gr1;
+pub mod interchange;
 pub mod line;
 pub mod mealy;
 pub mod report;

@@ -5,12 +5,13 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A module may use those before it.
-const ORDER: [&str; 13] = [
+const ORDER: [&str; 14] = [
     "source",
     "diagnostics",
     "taxonomy",
     "syntax",
     "gr1",
+    "interchange",
     "contract",
     "symbolic",
     "game",
@@ -22,9 +23,11 @@ const ORDER: [&str; 13] = [
 ];
 
 /// Pairs (module, used module) that the order would allow, and the design does not: the solver side knows only
-/// specifications, so that other languages can be put before it.
-const FORBIDDEN: [(&str, &str); 7] = [
+/// specifications, so that other languages can be put before it, and those know nothing of ours.
+const FORBIDDEN: [(&str, &str); 9] = [
     ("gr1", "syntax"),
+    ("interchange", "taxonomy"),
+    ("interchange", "syntax"),
     ("symbolic", "syntax"),
     ("symbolic", "contract"),
     ("game", "syntax"),

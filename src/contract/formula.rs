@@ -107,6 +107,18 @@ fn temporal(e: &ast::Expr) -> bool {
     }
 }
 
+/// Whether `next` is written in it, of whatever.
+fn speaks_of_next(e: &ast::Expr) -> bool {
+    let mut open = vec![e];
+    while let Some(e) = open.pop() {
+        if matches!(e.kind, ExprKind::Next(_)) {
+            return true;
+        }
+        open.extend(e.children());
+    }
+    false
+}
+
 /// The smallest formula that is in the way, and what to write instead.
 fn refusal(formula: &ast::Expr, place: Place) -> Diagnostic {
     let (span, message, help) = match (&formula.kind, place) {
@@ -187,7 +199,8 @@ fn leaf<'a>(
     let Some(expr) = e.formula(&term, formula.span) else {
         return;
     };
-    let primed = expr.mentions_next();
+    // `always (next true -> P)` holds in every step that another one follows: a transition, and no invariant.
+    let primed = expr.mentions_next() || place == Place::Always && speaks_of_next(formula);
     if place == Place::Top && primed {
         e.error_with(
             codes::NOT_GR1,
@@ -197,7 +210,7 @@ fn leaf<'a>(
         );
         return;
     }
-    if !controls(e, formula.span, place, &expr, label) {
+    if !controls(e, formula.span, place, primed, &expr, label) {
         return;
     }
     let text = label
@@ -231,6 +244,7 @@ fn controls(
     e: &mut Elaborator<'_>,
     span: Span,
     place: Place,
+    primed: bool,
     expr: &Expr,
     label: &Label<'_>,
 ) -> bool {
@@ -260,7 +274,6 @@ fn controls(
         }
         return true;
     }
-    let primed = expr.mentions_next();
     let bad = match place {
         Place::Top => outputs_now.map(|v| {
             (v, "an initial assumption speaks of inputs only; say how the machine starts with `guarantee`".to_owned())

@@ -33,6 +33,9 @@ codes! {
     SYNTAX = "LW002", "a declaration or formula does not follow the grammar";
     IMPORT_CIRCULAR = "LW003", "files import each other in a circle";
     IMPORT_MISSING = "LW004", "an imported file does not exist";
+    NOTATION = "LW005", "another tool's notation means something unusual";
+    OWN_TOOL = "LW006", "a specification's own tool answers otherwise";
+    NOT_EXPRESSIBLE = "LW007", "a format cannot say this";
 
     NAME_UNKNOWN = "LW101", "a name is not declared";
     NAME_DOUBLE = "LW102", "a name is declared twice";
@@ -55,6 +58,7 @@ codes! {
     ENVIRONMENT_EMPTY = "LW206", "no environment keeps the assumptions";
     NEXT_NESTED = "LW207", "next stands inside next";
     DOMAIN_LEFT = "LW208", "a next value can leave its domain";
+    NEXT_OUTPUT_ASSUMED = "LW209", "an assumption speaks of the machine's next values";
 
     INPUT_UNBOUND = "LW301", "an input of a component is bound to nothing";
     SAME_STEP_LOOP = "LW302", "components wait for each other in the same step";

@@ -1,0 +1,132 @@
+//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`.
+//!
+//! [`read`] turns a text into a [`Specification`] and findings; [`write`] goes the other way for the formats that a solver takes, and
+//! [`contract::write`] prints a specification as a contract of our own language. The formats differ in how a formula
+//! is written, hardly in what it means, so each reader has its own syntax and shares [`terms`] (operators, sharing, bounds on size and
+//! depth) and [`names`] (declarations, who may speak of what).
+//!
+//! The meaning follows each format's definition, not what its tool happens to do; where the two part, [`own_tool`] says what the
+//! tool would have answered. Sources: the documents `spc_format.md` and the grammar of gr1c 0.13, and `input_formats.md` and the
+//! grammar of structured slugs.
+//!
+//! The readers are written by hand rather than with pest: all three formats are a list of words, prefix or infix operators between
+//! them, and no deeper structure, which explicit stacks read in linear time and without recursion, however deep a formula
+//! nests. Recursive descent, pest's included, would need a bound on nesting before it starts.
+
+pub mod contract;
+mod infix;
+pub mod lower;
+mod names;
+pub mod own_tool;
+mod prefix;
+mod slugsin;
+mod spc;
+mod structured;
+mod rename;
+mod terms;
+mod gates;
+mod write_slugsin;
+mod write_spc;
+
+use crate::diagnostics::{Diagnostic, has_errors};
+use crate::gr1::Specification;
+use crate::source::{FileId, Span};
+
+pub use own_tool::{Inquiry, inquiries};
+
+/// A format of another tool.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Format {
+    /// gr1c's, with its reachability games.
+    Spc,
+    /// What slugs reads: Boolean variables, prefix notation.
+    Slugsin,
+    /// What slugs' own translator turns into the former: numbers, infix notation.
+    StructuredSlugs,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Spc, Self::Slugsin, Self::StructuredSlugs];
+
+    /// The format that a file's ending promises.
+    pub fn of_path(path: &str) -> Option<Self> {
+        let (_, ending) = path.rsplit_once('.')?;
+        Self::ALL.into_iter().find(|f| f.ending() == ending)
+    }
+
+    /// The ending of its files.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Spc => "spc",
+            Self::Slugsin => "slugsin",
+            Self::StructuredSlugs => "structuredslugs",
+        }
+    }
+
+    /// The tool whose format it is.
+    pub fn tool(self) -> &'static str {
+        match self {
+            Self::Spc => "gr1c",
+            Self::Slugsin | Self::StructuredSlugs => "slugs",
+        }
+    }
+}
+
+/// What was read.
+#[derive(Debug, Clone)]
+pub struct Reading {
+    /// The format.
+    pub format: Format,
+    /// What the file says; `None` where a finding is an error.
+    pub specification: Option<Specification>,
+    /// What was found on the way.
+    pub findings: Vec<Diagnostic>,
+    /// Whether the file describes a reachability game (`SYSGOAL: <>p;`).
+    pub reachability: bool,
+    /// The whole file, for what is said about no place in particular.
+    pub span: Span,
+}
+
+/// Reads a text. `name` becomes the specification's name. Never fails: what could not be understood is in the findings.
+pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
+    let mut names = names::Names::new(name, file, text);
+    let reachability = match format {
+        Format::Spc => spc::read(&mut names),
+        Format::Slugsin => {
+            slugsin::read(&mut names, slugsin::Dialect::Prefix);
+            false
+        }
+        Format::StructuredSlugs => {
+            slugsin::read(&mut names, slugsin::Dialect::Structured);
+            false
+        }
+    };
+    let (specification, mut findings) = names.finish();
+    findings.sort_by_key(|f| f.span);
+    Reading {
+        format,
+        specification: (!has_errors(&findings)).then_some(specification),
+        findings,
+        reachability,
+        span: Span::new(file, 0, text.len()),
+    }
+}
+
+/// The formats that [`write`] knows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// gr1c's.
+    Spc,
+    /// slugs'.
+    Slugsin,
+}
+
+/// Writes a specification in another tool's format, so that this tool gives the same verdict. What the format cannot say is
+/// lowered with helper variables, or refused in the findings.
+pub fn write(specification: &Specification, target: Target) -> Result<String, Vec<Diagnostic>> {
+    match target {
+        Target::Spc => write_spc::write(specification),
+        Target::Slugsin => write_slugsin::write(specification),
+    }
+}

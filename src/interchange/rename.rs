@@ -1,0 +1,54 @@
+//! Names that another language does not take, consistently replaced.
+
+use std::collections::BTreeSet;
+
+/// New names for `names`, in their order: those that `takes` accepts as they are, the others with `_` for each sign that is none of a
+/// name, and then with what makes them acceptable and unique.
+pub(super) fn renamed<'a>(
+    names: impl IntoIterator<Item = &'a str>,
+    prefix: &str,
+    takes: impl Fn(&str) -> bool,
+) -> Vec<String> {
+    let names: Vec<&str> = names.into_iter().collect();
+    let mut used: BTreeSet<String> = BTreeSet::new();
+    // Who has a good name keeps it, wherever it stands; of two equal ones the first.
+    let mut result: Vec<Option<String>> = names
+        .iter()
+        .map(|name| (takes(name) && used.insert((*name).to_owned())).then(|| (*name).to_owned()))
+        .collect();
+    for (name, slot) in names.iter().zip(&mut result) {
+        if slot.is_some() {
+            continue;
+        }
+        let plain: String = name
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '_' })
+            .collect();
+        let plain = plain.trim_end_matches('_');
+        let stem = if plain.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            plain.to_owned()
+        } else {
+            format!("{prefix}{plain}")
+        };
+        let numbered = (2..).map(|n| format!("{stem}_{n}"));
+        let mut candidates = [stem.clone(), format!("{stem}_")].into_iter().chain(numbered);
+        *slot = candidates.find(|c| takes(c) && !used.contains(c));
+        used.extend(slot.clone());
+    }
+    result.into_iter().flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::renamed;
+
+    #[test]
+    fn names_are_made_acceptable_and_unique() {
+        let takes = |n: &str| n != "line" && n.starts_with(char::is_alphabetic) && !n.contains(['@', '.', '[', ']']);
+        let names = ["line", "a", "x@1", "x_1", "h[2]", "line_", "7", "ü.", "x.1"];
+        assert_eq!(
+            renamed(names, "v", takes),
+            ["line_2", "a", "x_1_", "x_1", "h_2", "line_", "v7", "v", "x_1_2"]
+        );
+    }
+}

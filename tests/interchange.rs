@@ -1,0 +1,269 @@
+//! Other tools' specifications: what the readers take and refuse, what the writers write, and that both mean the same.
+
+#[path = "interchange/random.rs"]
+mod random;
+mod support;
+
+use linewright::contract::load;
+use linewright::diagnostics::{has_errors, render};
+use linewright::game::{Limits, Outcome, solve};
+use linewright::gr1::eval::holds;
+use linewright::gr1::{Formula, Owner, Specification, Timing};
+use linewright::interchange::{Format, Reading, Target, contract, lower, read, write};
+use linewright::source::{FileId, SourceMap};
+use proptest::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// The public benchmark specifications, where they lie beside the repository.
+fn bench() -> Option<PathBuf> {
+    let folder = std::env::var_os("LINEWRIGHT_SPECS")
+        .map_or_else(|| support::root().join("../shared/bench/specs"), PathBuf::from);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    support::skip("specs", "the benchmark specifications are not beside the repository");
+    None
+}
+
+/// Every file below a folder in one of the formats, sorted.
+fn specifications(folder: &Path) -> Vec<(Format, PathBuf)> {
+    let mut found = Vec::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                open.push(path);
+            } else if let Some(format) = Format::of_path(&path.to_string_lossy()) {
+                found.push((format, path));
+            }
+        }
+    }
+    found.sort_by(|a, b| a.1.cmp(&b.1));
+    found
+}
+
+fn read_text(format: Format, text: &str) -> Reading {
+    read(format, "test", FileId(0), text)
+}
+
+/// The findings as a person reads them.
+fn shown(reading: &Reading, text: &str) -> String {
+    let mut sources = SourceMap::new();
+    sources.add(format!("test.{}", reading.format.ending()), text);
+    anstream::adapter::strip_str(&render::human(&sources, &reading.findings)).to_string()
+}
+
+#[test]
+fn every_benchmark_is_read_or_refused_for_the_known_reason() {
+    let Some(folder) = bench() else { return };
+    let (mut count, mut refused, mut report) = (0, Vec::new(), String::new());
+    for (format, path) in specifications(&folder) {
+        let text = std::fs::read_to_string(&path).expect("a text");
+        let start = std::time::Instant::now();
+        let reading = read_text(format, &text);
+        let spent = start.elapsed();
+        count += 1;
+        assert!(spent.as_secs_f64() < 2.0, "{}: {spent:?}", path.display());
+        if reading.findings.iter().any(|f| f.code.id == "LW209") {
+            refused.push(path.file_stem().expect("a name").to_string_lossy().into_owned());
+        } else if !reading.findings.is_empty() {
+            report += &format!("{}\n{}", path.display(), shown(&reading, &text));
+        }
+    }
+    assert!(report.is_empty(), "{report}");
+    assert!(count > 100, "only {count} files");
+    eprintln!("{count} {refused:?}");
+}
+
+fn verdict(specification: &Specification) -> bool {
+    let limits = Limits {
+        deadline: None,
+        memory_mib: Some(1024),
+    };
+    match solve(specification, &limits) {
+        Outcome::Realizable(_) => true,
+        Outcome::Unrealizable(_) => false,
+        Outcome::GaveUp(limit) => panic!("gave up: {limit}"),
+    }
+}
+
+/// Reads what was written; nothing may be wrong with it.
+fn reread(format: Format, text: &str) -> Specification {
+    let reading = read_text(format, text);
+    let findings = shown(&reading, text);
+    reading
+        .specification
+        .unwrap_or_else(|| panic!("{text}\n{findings}"))
+}
+
+/// The contract that a printed text declares.
+fn reload(text: &str) -> Specification {
+    let files = [("test.lw".to_owned(), text.to_owned())];
+    let (library, findings) = load(&files, &|_, _| Err("no imports".to_owned()));
+    assert!(!has_errors(&findings), "{text}\n{findings:#?}");
+    let [contract] = library.contracts.as_slice() else {
+        panic!("one contract in {text}");
+    };
+    (*contract.specification).clone()
+}
+
+/// Current and next values of all variables, as many as `seeds` asks for.
+fn valuations(specification: &Specification, seeds: &[u64]) -> Vec<(Vec<i64>, Vec<i64>)> {
+    let draw = |seed: u64| -> Vec<i64> {
+        let mut state = seed;
+        specification
+            .variables
+            .iter()
+            .map(|v| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                v.domain.low() + ((state >> 33) % v.domain.size()) as i64
+            })
+            .collect()
+    };
+    seeds.iter().map(|s| (draw(*s), draw(s.rotate_left(17) ^ 0x5bd1))).collect()
+}
+
+/// That two lists of formulas have the same values in the same order, where `carry` turns valuations of the one specification
+/// into such of the other.
+fn same_values(
+    what: &str,
+    a: &[Formula],
+    b: &[Formula],
+    valuations: &[(Vec<i64>, Vec<i64>)],
+    carry: &dyn Fn(&[i64]) -> Vec<i64>,
+) {
+    assert!(a.len() <= b.len(), "{what}: {} formulas became {}", a.len(), b.len());
+    for (f, g) in a.iter().zip(b) {
+        for (now, next) in valuations {
+            let other = (carry(now), carry(next));
+            assert_eq!(
+                holds(&f.expr, now, next),
+                holds(&g.expr, &other.0, &other.1),
+                "{what}: {:?} became {:?} at {now:?}, {next:?}",
+                f.expr,
+                g.expr
+            );
+        }
+    }
+}
+
+/// All lists of two specifications.
+fn same_formulas(
+    a: &Specification,
+    b: &Specification,
+    seeds: &[u64],
+    carry: &dyn Fn(&[i64]) -> Vec<i64>,
+) {
+    let valuations = valuations(a, seeds);
+    for (a, b) in [(&a.assumptions, &b.assumptions), (&a.guarantees, &b.guarantees)] {
+        same_values("initial", &a.initial, &b.initial, &valuations, carry);
+        same_values("invariants", &a.invariants, &b.invariants, &valuations, carry);
+        same_values("safety", &a.safety, &b.safety, &valuations, carry);
+        same_values("justice", &a.justice, &b.justice, &valuations, carry);
+    }
+}
+
+/// A valuation with numbers as their bits, counted from the smallest value.
+fn in_bits(specification: &Specification, written: &Specification, values: &[i64]) -> Vec<i64> {
+    // The writer puts inputs before outputs.
+    let mut bits = Vec::new();
+    for owner in [Owner::Environment, Owner::System] {
+        for (variable, value) in specification.variables.iter().zip(values) {
+            if variable.owner == owner {
+                let size = variable.domain.size();
+                let width = u64::BITS - (size - 1).leading_zeros();
+                bits.extend((0..width).map(|k| (value - variable.domain.low()) >> k & 1));
+            }
+        }
+    }
+    assert_eq!(bits.len(), written.variables.len());
+    bits
+}
+
+/// A valuation counted from 0, inputs before outputs.
+fn from_zero(specification: &Specification, written: &Specification, values: &[i64]) -> Vec<i64> {
+    let mut found = Vec::new();
+    for owner in [Owner::Environment, Owner::System] {
+        for (variable, value) in specification.variables.iter().zip(values) {
+            if variable.owner == owner {
+                found.push(value - variable.domain.low());
+            }
+        }
+    }
+    // Helpers stand behind.
+    found.resize(written.variables.len(), 0);
+    found
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn slugsin_says_the_same(specification in random::specifications(), seeds in prop::collection::vec(any::<u64>(), 8)) {
+        let text = write(&specification, Target::Slugsin).expect("it is small");
+        let back = reread(Format::Slugsin, &text);
+        prop_assert_eq!(verdict(&specification), verdict(&back), "{}", text);
+        if specification.timing == Timing::Mealy {
+            let plain = lower::without_invariants(&specification);
+            // Domains become formulas behind those of the specification.
+            same_formulas(&plain, &back, &seeds, &|v| in_bits(&plain, &back, v));
+        }
+        // What slugs' translator reads too: the same lines among structured ones.
+        let again = reread(Format::Slugsin, &write(&back, Target::Slugsin).expect("it is small"));
+        prop_assert_eq!(verdict(&again), verdict(&back));
+    }
+
+    #[test]
+    fn spc_says_the_same(specification in random::specifications(), seeds in prop::collection::vec(any::<u64>(), 8)) {
+        let text = write(&specification, Target::Spc).expect("it is small");
+        let reading = read_text(Format::Spc, &text);
+        prop_assert_eq!(shown(&reading, &text), "", "{}", text);
+        let back = reading.specification.expect("nothing was found");
+        prop_assert_eq!(verdict(&specification), verdict(&back), "{}", text);
+        let plain = lower::without_invariants(&specification);
+        let lowered = lower::starting_alone(&lower::goals_of_states(&plain));
+        if specification.timing == Timing::Mealy && lowered == plain {
+            // An initial condition that is a conjunction is read as several.
+            let mut joined = back.clone();
+            for side in [&mut joined.assumptions, &mut joined.guarantees] {
+                side.initial.clear();
+            }
+            let mut others = plain.clone();
+            for side in [&mut others.assumptions, &mut others.guarantees] {
+                side.initial.clear();
+            }
+            same_formulas(&others, &joined, &seeds, &|v| from_zero(&plain, &back, v));
+            for (a, b) in [(&plain.assumptions, &back.assumptions), (&plain.guarantees, &back.guarantees)] {
+                for (now, _) in valuations(&plain, &seeds) {
+                    let other = from_zero(&plain, &back, &now);
+                    prop_assert_eq!(
+                        a.initial.iter().all(|f| holds(&f.expr, &now, &[])),
+                        b.initial.iter().all(|f| holds(&f.expr, &other, &[]))
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn printed_contracts_say_the_same(specification in random::specifications(), seeds in prop::collection::vec(any::<u64>(), 8)) {
+        let text = contract::write(&specification, "a test");
+        let back = reload(&text);
+        prop_assert_eq!(verdict(&specification), verdict(&back), "{}", text);
+        prop_assert_eq!(specification.timing, back.timing);
+        same_formulas(&specification, &back, &seeds, &<[i64]>::to_vec);
+    }
+
+    #[test]
+    fn lowering_keeps_the_verdict(specification in random::specifications()) {
+        let wanted = verdict(&specification);
+        let plain = lower::without_invariants(&specification);
+        prop_assert_eq!(verdict(&plain), wanted);
+        let second = lower::answering_second(&plain);
+        prop_assert_eq!(verdict(&second), wanted);
+        let states = lower::goals_of_states(&second);
+        prop_assert_eq!(verdict(&states), wanted);
+        prop_assert_eq!(verdict(&lower::starting_alone(&states)), wanted);
+    }
+}
