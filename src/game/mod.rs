@@ -14,6 +14,7 @@ mod cover;
 mod explore;
 mod findings;
 mod fixpoint;
+mod functions;
 mod heuristics;
 mod relation;
 mod solver;
@@ -22,6 +23,7 @@ mod structure;
 
 pub use self::explore::{Explicit, Row};
 pub use self::findings::{EnvironmentFindings, examine_environment};
+pub use self::functions::{Assumed, Controls, Mode, Pursuit, Rank, Ranking};
 pub use self::heuristics::{Heuristic, Heuristics};
 pub use self::solver::{KernelChoice, Options, Solved, Statistics, solve, solve_with};
 pub use crate::symbolic::{Limit, Limits};
@@ -108,6 +110,15 @@ impl Won {
         limits: &Limits,
     ) -> Result<Explicit, Limit> {
         self.game.explore(specification, limits)
+    }
+
+    /// A strategy as functions, in plain data: for machines that are too large for [`Won::explore`].
+    pub fn functions(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<Controls, Limit> {
+        self.game.functions(specification, limits)
     }
 
     /// What is odd about the assumptions; see [`examine_environment`].

@@ -90,6 +90,11 @@ impl<K: Kernel> Relation<K> {
         kernel.all(self.clusters.iter().map(|(c, _)| c))
     }
 
+    /// The clusters.
+    pub fn parts(&self) -> impl Iterator<Item = &K::Function> {
+        self.clusters.iter().map(|(c, _)| c)
+    }
+
     /// How many clusters there are.
     pub fn len(&self) -> usize {
         self.clusters.len()

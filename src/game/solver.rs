@@ -9,6 +9,7 @@ use super::core;
 use super::explore::{self, Explicit};
 use super::findings::{self, EnvironmentFindings};
 use super::fixpoint::{Iterations, winning_region};
+use super::functions::{self, Controls};
 use super::heuristics::{Heuristic, Heuristics};
 use super::strategy;
 use super::{Lost, Outcome, Won};
@@ -96,6 +97,9 @@ pub trait Game: Debug + Send + Sync {
         limits: &Limits,
     ) -> Result<Explicit, Limit>;
 
+    /// See [`Won::functions`].
+    fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit>;
+
     /// See [`Won::examine_environment`].
     fn examine_environment(
         &self,
@@ -121,6 +125,10 @@ impl<K: Kernel> Game for WonGame<K> {
         let arena = self.arena.with_limits(limits);
         let strategy = strategy::strategy(&arena, specification, &self.region)?;
         explore::explore(&arena, specification, &strategy, limits)
+    }
+
+    fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit> {
+        functions::functions(&self.arena.with_limits(limits), specification, &self.region)
     }
 
     fn examine_environment(

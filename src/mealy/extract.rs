@@ -23,7 +23,7 @@ pub fn extract(
     minimise::minimise(&machine, limits)
 }
 
-fn ports(specification: &Specification, ids: impl Iterator<Item = VarId>) -> Vec<Port> {
+pub(super) fn ports(specification: &Specification, ids: impl Iterator<Item = VarId>) -> Vec<Port> {
     let port = |id: VarId| {
         let variable = specification.variable(id);
         Port {

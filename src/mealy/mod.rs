@@ -7,7 +7,9 @@
 
 mod diagram;
 pub mod dot;
+pub mod certify;
 pub mod extract;
+pub mod functions;
 pub mod gr1c;
 pub mod json;
 pub mod minimise;
