@@ -7,6 +7,8 @@ use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{self, Limit, Limits, Outcome};
 use crate::gr1::{Specification, overflow};
 use crate::mealy;
+use crate::mealy::functions::Functions;
+use crate::symbolic::Encoding;
 use crate::source::Span;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -65,6 +67,8 @@ pub struct CheckedContract {
     pub core: Vec<String>,
     /// The verified controller. A realizable contract has none when a limit was reached after the verdict; the findings say so.
     pub machine: Option<mealy::Machine>,
+    /// The certified controller as functions, where that was asked for and a machine would be too large.
+    pub functions: Option<Functions>,
     /// Seconds of the clock for all stages.
     pub seconds: f64,
     /// The largest number of BDD nodes, where the solver counts them.
@@ -96,6 +100,7 @@ pub struct Job {
 pub struct Jobs {
     jobs: Vec<Job>,
     examine: bool,
+    functions: bool,
 }
 
 impl Jobs {
@@ -103,8 +108,17 @@ impl Jobs {
     /// LW206, LW208). `build` and `run` do without: it changes no controller.
     pub fn examining() -> Self {
         Self {
-            jobs: Vec::new(),
             examine: true,
+            ..Self::default()
+        }
+    }
+
+    /// The same jobs, for which functions are as good as a machine where that would be large.
+    #[must_use]
+    pub fn with_functions(self) -> Self {
+        Self {
+            functions: true,
+            ..self
         }
     }
 
@@ -147,7 +161,12 @@ impl Jobs {
             .jobs
             .par_iter()
             .map(|job| {
-                let result = check(&job.specification, job.span, self.examine, limits);
+                let result = check(
+                    &job.specification,
+                    job.span,
+                    (self.examine, self.functions),
+                    limits,
+                );
                 progress.set_message(job.specification.name.clone());
                 progress.inc(1);
                 result
@@ -159,11 +178,11 @@ impl Jobs {
 }
 
 /// Solves one specification, extracts its controller, and verifies that. With `examine`, also looks for what makes a
-/// realizable contract mean less than it seems to.
+/// realizable contract mean less than it seems to. With `functions`, they take the place of a machine that would be large.
 pub fn check(
     specification: &Specification,
     span: Span,
-    examine: bool,
+    (examine, functions): (bool, bool),
     limits: &Limits,
 ) -> Result<CheckedContract, InternalError> {
     let start = Instant::now();
@@ -172,6 +191,7 @@ pub fn check(
         findings: Vec::new(),
         core: Vec::new(),
         machine: None,
+        functions: None,
         seconds: 0.0,
         peak_nodes: None,
     };
@@ -194,14 +214,13 @@ pub fn check(
         Outcome::Realizable(won) => {
             checked.verdict = Verdict::Realizable;
             checked.peak_nodes = Some(won.peak_nodes);
-            let machine = mealy::extract::extract(specification, &won, limits)
-                .and_then(|m| mealy::verify::verify(specification, &m, limits).map(|v| (m, v)));
-            match machine {
-                Ok((machine, Ok(()))) => checked.machine = Some(machine),
-                Ok((_, Err(violation))) => {
+            match controller(specification, &won, functions, limits) {
+                Ok(Ok(Controller::Machine(machine))) => checked.machine = Some(machine),
+                Ok(Ok(Controller::Functions(functions))) => checked.functions = Some(functions),
+                Ok(Err(rule)) => {
                     return Err(InternalError {
                         contract: specification.name.clone(),
-                        rule: violation.rule,
+                        rule,
                     });
                 }
                 Err(limit) => checked
@@ -219,6 +238,59 @@ pub fn check(
     }
     checked.seconds = start.elapsed().as_secs_f64();
     Ok(checked)
+}
+
+/// A controller in either form.
+enum Controller {
+    Machine(mealy::Machine),
+    Functions(Functions),
+}
+
+/// A machine is only tried for games that needed fewer nodes than this.
+const MACHINE_PEAK_NODES: u64 = 50_000;
+
+/// A machine is only tried for games of so many pairs of bits.
+const MACHINE_PAIRS: usize = 48;
+
+/// Where functions will do, a machine is given up that needs more nodes than this at once. A bound on time would make the form
+/// depend on the computer.
+const MACHINE_NODES: u64 = 200_000;
+
+/// A verified controller, or the rule that it breaks.
+fn controller(
+    specification: &Specification,
+    won: &game::Won,
+    functions: bool,
+    limits: &Limits,
+) -> Result<Result<Controller, String>, Limit> {
+    let machine = |limits: &Limits| {
+        let machine = mealy::extract::extract(specification, won, limits)?;
+        let verdict = mealy::verify::verify(specification, &machine, limits)?;
+        Ok(match verdict {
+            Ok(()) => Ok(Controller::Machine(machine)),
+            Err(violation) => Err(violation.rule),
+        })
+    };
+    if !functions {
+        return machine(limits);
+    }
+    let pairs = Encoding::new(specification).pairs();
+    if won.peak_nodes <= MACHINE_PEAK_NODES && pairs <= MACHINE_PAIRS {
+        let bounded = Limits {
+            most_nodes: Some(MACHINE_NODES),
+            ..*limits
+        };
+        match machine(&bounded) {
+            Err(Limit::Memory | Limit::Size) => {}
+            done => return done,
+        }
+    }
+    let functions = Functions::extract(specification, won, limits)?;
+    let verdict = mealy::certify::certify(specification, &functions, limits)?;
+    Ok(match verdict {
+        Ok(()) => Ok(Controller::Functions(functions)),
+        Err(fault) => Err(fault.rule),
+    })
 }
 
 fn unrealizable(specification: &Specification, span: Span, core: &[String]) -> Diagnostic {
@@ -292,7 +364,7 @@ impl CheckedContract {
     /// The findings for a command that needs the controller: that there is none is an error then.
     pub fn findings_where_needed(&self) -> Vec<Diagnostic> {
         let mut findings = self.findings.clone();
-        if self.machine.is_none() {
+        if self.machine.is_none() && self.functions.is_none() {
             for finding in &mut findings {
                 if finding.code == codes::GAVE_UP {
                     finding.severity = crate::diagnostics::Severity::Error;
@@ -372,6 +444,7 @@ mod tests {
             )],
             core: Vec::new(),
             machine: None,
+            functions: None,
             seconds: 0.0,
             peak_nodes: None,
         };

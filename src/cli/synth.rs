@@ -3,11 +3,13 @@
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::output;
-use super::pipeline::Jobs;
+use super::pipeline::{CheckedContract, Jobs};
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::game::Limit;
 use crate::mealy;
+use crate::source::Span;
+use crate::station::emit::controller;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -17,7 +19,8 @@ use std::path::PathBuf;
     linewright synth contracts/handling/turn.lw
     linewright synth contracts/handling/turn.lw::Turn --emit dot --emit svg --out controllers
 
-A controller is written only after it was verified against its contract.")]
+A controller is written only after it was verified against its contract. One with too many states is written as functions;
+then its forms are json and c.")]
 pub struct Arguments {
     /// A file with contracts, and the name of one of them; without a name, all that the file declares
     #[arg(value_name = "FILE[::NAME]")]
@@ -33,8 +36,10 @@ pub struct Arguments {
 /// The forms of a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
-    /// States and guarded transitions
+    /// States and guarded transitions, or functions
     Json,
+    /// A header and a source file in C99, without dependencies
+    C,
     /// What `gr1c -t json` writes
     Gr1c,
     /// A drawing for Graphviz
@@ -44,9 +49,15 @@ pub enum Emit {
 }
 
 impl Emit {
+    /// How many files it takes.
+    fn files(self) -> usize {
+        if self == Self::C { 2 } else { 1 }
+    }
+
     fn ending(self) -> &'static str {
         match self {
             Self::Json => "json",
+            Self::C => "c",
             Self::Gr1c => "gr1c.json",
             Self::Dot => "dot",
             Self::Svg => "svg",
@@ -68,12 +79,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .pick(&loaded, "contract", &library.contracts, |c| {
             (&c.name, c.span)
         })?;
-    let results = contracts.len() * arguments.emit.len();
+    let files: usize = arguments.emit.iter().map(|e| e.files()).sum();
+    let results = contracts.len() * files;
     if results > 1 && arguments.out.is_none() {
         anyhow::bail!("there are {results} results: name a folder for them with --out DIR");
     }
 
-    let mut jobs = Jobs::examining();
+    let mut jobs = Jobs::examining().with_functions();
     let indices: Vec<usize> = contracts
         .iter()
         .map(|c| jobs.add(&c.specification, c.span))
@@ -84,12 +96,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut written: Vec<(String, String)> = Vec::new();
     for (contract, index) in contracts.iter().zip(indices) {
         findings.extend(checked[index].findings_where_needed());
-        let Some(machine) = &checked[index].machine else {
+        let Some(controller) = Controller::of(&checked[index]) else {
             continue;
         };
         for emit in &arguments.emit {
-            match write(*emit, machine) {
-                Ok(text) => written.push((format!("{}.{}", contract.name, emit.ending()), text)),
+            match controller.write(*emit, contract.span) {
+                Ok(files) => written.extend(files),
                 Err(finding) => findings.push(*finding),
             }
         }
@@ -113,6 +125,48 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
+/// A controller in either form.
+enum Controller<'a> {
+    Machine(&'a mealy::Machine),
+    Functions(&'a mealy::functions::Functions),
+}
+
+impl<'a> Controller<'a> {
+    fn of(checked: &'a CheckedContract) -> Option<Self> {
+        let machine = checked.machine.as_ref().map(Self::Machine);
+        machine.or_else(|| checked.functions.as_ref().map(Self::Functions))
+    }
+
+    /// The files of one of its written forms, by name. A finding (LW204) where that form would be too large.
+    fn write(&self, emit: Emit, span: Span) -> Result<Vec<(String, String)>, Box<Diagnostic>> {
+        if emit == Emit::C {
+            let files = match self {
+                Self::Machine(machine) => controller::of_machine(machine),
+                Self::Functions(functions) => controller::of_functions(functions),
+            };
+            let name = &files.name;
+            return Ok(vec![
+                (format!("{name}.h"), files.header),
+                (format!("{name}.c"), files.source),
+            ]);
+        }
+        let (name, text) = match self {
+            Self::Machine(machine) => (&machine.name, write(emit, machine)?),
+            Self::Functions(functions) if emit == Emit::Json => {
+                let document = functions.to_json(true);
+                (&functions.name, mealy::json::to_text(&document))
+            }
+            Self::Functions(functions) => {
+                let name = &functions.name;
+                let message = format!("the controller of `{name}` has too many states for this form");
+                let finding = Diagnostic::error(codes::GAVE_UP, span, message);
+                return Err(Box::new(finding.with_help("use --emit json or --emit c")));
+            }
+        };
+        Ok(vec![(format!("{name}.{}", emit.ending()), text)])
+    }
+}
+
 /// A controller in one of its written forms. A finding (LW204) where that form would be too large.
 fn write(emit: Emit, machine: &mealy::Machine) -> Result<String, Box<Diagnostic>> {
     let too_large = |limit: Limit| {
@@ -127,7 +181,7 @@ fn write(emit: Emit, machine: &mealy::Machine) -> Result<String, Box<Diagnostic>
     };
     let pretty = |value: &serde_json::Value| format!("{value:#}\n");
     Ok(match emit {
-        Emit::Json => mealy::json::to_text(&mealy::json::to_json(machine, true)),
+        Emit::Json | Emit::C => mealy::json::to_text(&mealy::json::to_json(machine, true)),
         Emit::Gr1c => pretty(&mealy::gr1c::to_json(machine).map_err(too_large)?),
         Emit::Dot => mealy::dot::to_dot(machine),
         Emit::Svg => mealy::svg::to_svg(machine),

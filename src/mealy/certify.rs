@@ -13,14 +13,13 @@
 //!   A step that reaches the goal, and no other, passes on to the next goal.
 //! - A step is refused exactly when it breaks an assumption; for Moore, no output looks at the step's inputs.
 //!
-//! A function of next outputs is evaluated by substituting the outputs, the last computed first. What is shared by modes
-//! is substituted once.
+//! The steps of a mode become one relation: where it is taken, conjoined with what each output is. It is small, since it
+//! begins with the states and inputs that matter.
 
 use super::functions::Functions;
-use crate::game::{Assumed, Limit, Limits, Mode};
+use crate::game::{Assumed, Limit, Limits};
 use crate::gr1::{Expr, Owner, Specification, Time, Timing, VarId};
 use crate::symbolic::{Biodivine, Bit, BitSet, Diagram, Edge, Encoding, Kernel, OxiDd};
-use rustc_hash::FxHashMap;
 
 /// Functions of more nodes than this are checked on the kernel for large games.
 const SMALL_NODES: usize = 2_000;
@@ -207,23 +206,10 @@ impl Supports {
             bits.map(move |b| Bit((64 * w + b) as u16))
         })
     }
-
-    fn contains(&self, edge: Edge, bit: Bit) -> bool {
-        edge.node().is_some_and(|n| {
-            self.masks[n * self.words + bit.index() / 64] >> (bit.index() % 64) & 1 == 1
-        })
-    }
 }
 
-/// Something of the machine's next step that has to be right in every mode.
-struct Rule<K: Kernel> {
-    name: String,
-    function: K::Function,
-    support: BitSet,
-}
-
-/// A substitution: a rule by its number, and the outputs that are substituted.
-type Key = (usize, Vec<(Bit, Edge)>);
+/// Formulas of the machine's safety are put together until they have this many nodes.
+const CLUSTER_NODES: usize = 1_000;
 
 struct Check<'a, K: Kernel> {
     specification: &'a Specification,
@@ -232,7 +218,6 @@ struct Check<'a, K: Kernel> {
     kernel: K,
     /// The functions by node of the diagram.
     nodes: Vec<K::Function>,
-    supports: Supports,
     region: K::Function,
     /// For every goal its layers.
     layers: Vec<Vec<K::Function>>,
@@ -240,11 +225,11 @@ struct Check<'a, K: Kernel> {
     may_begin: Vec<K::Function>,
     /// What it may do in a later step.
     may_do: Vec<K::Function>,
-    /// The machine's safety, and last the region of the next step.
-    rules: Vec<Rule<K>>,
+    /// The machine's safety: formulas by their place, and a conjunction of several with the place behind the last.
+    safety: Vec<K::Function>,
+    clusters: Vec<(K::Function, usize)>,
     assumptions: Vec<K::Function>,
     goals: Vec<K::Function>,
-    substituted: FxHashMap<Key, K::Function>,
 }
 
 /// A stage's result.
@@ -259,7 +244,6 @@ impl<'a, K: Kernel> Check<'a, K> {
         let controls = &functions.controls;
         let encoding = Encoding::new(specification);
         let m = K::new(&controls.order, limits)?;
-        let supports = Supports::new(&controls.diagram, 2 * encoding.pairs());
         let mut all = controls.diagram.clone();
         all.roots = (0..all.nodes.len()).map(Edge::to).collect();
         let nodes = m.import(&all)?;
@@ -293,23 +277,19 @@ impl<'a, K: Kernel> Check<'a, K> {
         for list in [&mut may_begin, &mut may_do] {
             list.retain(|f| !m.is_true(f));
         }
-        let mut rules = Vec::new();
-        for formula in &specification.guarantees.safety {
+        let mut safety = Vec::new();
+        let mut clusters: Vec<(K::Function, usize)> = Vec::new();
+        for (i, formula) in specification.guarantees.safety.iter().enumerate() {
             let function = encoding.formula(&m, &formula.expr)?;
-            if !m.is_true(&function) {
-                rules.push(Rule {
-                    name: formula.name.clone(),
-                    support: BitSet::new(m.support(&function)),
-                    function,
-                });
+            if let Some((last, end)) = clusters.last_mut()
+                && m.size(last) + m.size(&function) <= CLUSTER_NODES
+            {
+                (*last, *end) = (m.and(last, &function)?, i + 1);
+            } else {
+                clusters.push((function.clone(), i + 1));
             }
+            safety.push(function);
         }
-        let function = m.prime(&region)?;
-        rules.push(Rule {
-            name: "a step leaves the states from which the controller is known to be right".to_owned(),
-            support: BitSet::new(m.support(&function)),
-            function,
-        });
         let justice = |formulas: &[crate::gr1::Formula]| -> Result<Vec<K::Function>, Limit> {
             if formulas.is_empty() {
                 return Ok(vec![encoding.formula(&m, &Expr::TRUE)?]);
@@ -323,13 +303,12 @@ impl<'a, K: Kernel> Check<'a, K> {
             functions,
             encoding,
             nodes,
-            supports,
             region,
             layers,
             may_begin,
             may_do,
-            rules,
-            substituted: FxHashMap::default(),
+            safety,
+            clusters,
             kernel: m,
         })
     }
@@ -354,54 +333,32 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(!self.kernel.is_false(&left))
     }
 
-    /// The outputs that a function depends on, with those that these depend on; the last computed first.
-    fn closure(&self, support: &BitSet, outputs: &[(Bit, Edge)]) -> Vec<(Bit, Edge)> {
-        let mut closure: Vec<(Bit, Edge)> = Vec::new();
-        for (bit, edge) in outputs.iter().rev() {
-            let asked = closure.iter().any(|(_, e)| self.supports.contains(*e, *bit));
-            if asked || support.contains(*bit) {
-                closure.push((*bit, *edge));
-            }
-        }
-        closure
-    }
-
-    /// A function with the outputs substituted.
-    fn substitute(
-        &self,
-        function: &K::Function,
-        closure: &[(Bit, Edge)],
-    ) -> Result<K::Function, Limit> {
+    /// The steps that begin here, as a relation.
+    fn steps(&self, from: K::Function, outputs: &[(Bit, Edge)]) -> Result<K::Function, Limit> {
         let m = &self.kernel;
-        let mut result = function.clone();
-        for (bit, edge) in closure {
-            let high = m.restrict(&result, &[(*bit, true)])?;
-            let low = m.restrict(&result, &[(*bit, false)])?;
-            if high != low {
-                result = m.ite(&self.at(*edge)?, &high, &low)?;
+        let mut steps = from;
+        for (bit, edge) in outputs {
+            let same = m.iff(&m.literal(*bit, true), &self.at(*edge)?)?;
+            steps = m.and(&steps, &same)?;
+        }
+        Ok(steps)
+    }
+
+    /// The formula of the machine's safety that a step breaks.
+    fn broken(&self, steps: &K::Function) -> Result<Option<usize>, Limit> {
+        let m = &self.kernel;
+        let mut begin = 0;
+        for (cluster, end) in &self.clusters {
+            if !m.is_false(&m.and_not(steps, cluster)?) {
+                for i in begin..*end {
+                    if !m.is_false(&m.and_not(steps, &self.safety[i])?) {
+                        return Ok(Some(i));
+                    }
+                }
             }
+            begin = *end;
         }
-        Ok(result)
-    }
-
-    fn after(
-        &self,
-        function: &K::Function,
-        outputs: &[(Bit, Edge)],
-    ) -> Result<K::Function, Limit> {
-        let support = BitSet::new(self.kernel.support(function));
-        self.substitute(function, &self.closure(&support, outputs))
-    }
-
-    /// The same for a rule, which is done once for the same outputs.
-    fn rule_after(&mut self, rule: usize, outputs: &[(Bit, Edge)]) -> Result<K::Function, Limit> {
-        let key = (rule, self.closure(&self.rules[rule].support, outputs));
-        if let Some(known) = self.substituted.get(&key) {
-            return Ok(known.clone());
-        }
-        let result = self.substitute(&self.rules[rule].function, &key.1)?;
-        self.substituted.insert(key, result.clone());
-        Ok(result)
+        Ok(None)
     }
 
     /// The region lies within the machine's invariants and domains, and layers lie within each other and the region.
@@ -466,106 +423,71 @@ impl<'a, K: Kernel> Check<'a, K> {
 
     /// Step 0 keeps the initial conditions and lies in the region.
     fn first(&mut self) -> Checked {
-        let outputs = &self.functions.controls.first;
-        let mut rules = Vec::new();
+        let m = &self.kernel;
+        let steps = self.steps(m.all(&self.may_begin)?, &self.functions.controls.first)?;
         for formula in &self.specification.guarantees.initial {
-            let function = self.encoding.formula(&self.kernel, &formula.expr)?;
-            rules.push((formula.name.clone(), self.kernel.prime(&function)?));
-        }
-        let into = &self.rules[self.rules.len() - 1];
-        rules.push((into.name.clone(), into.function.clone()));
-        for (name, function) in rules {
-            let broken = self.kernel.not(&self.after(&function, outputs)?)?;
-            if self.possible(broken, &self.may_begin)? {
-                return Ok(fault(name));
+            let function = m.prime(&self.encoding.formula(m, &formula.expr)?)?;
+            if !m.is_false(&m.and_not(&steps, &function)?) {
+                return Ok(fault(formula.name.clone()));
             }
+        }
+        if !m.is_false(&m.and_not(&steps, &m.prime(&self.region)?)?) {
+            return Ok(fault("step 0 leads to a state of which nothing is known"));
         }
         Ok(Ok(()))
     }
 
     /// All steps in pursuit of a goal.
     fn goal(&mut self, goal: usize) -> Checked {
+        let m = &self.kernel;
         let pursuit = &self.functions.controls.goals[goal];
         let justice = &self.specification.guarantees.justice;
         let name = justice.get(goal).map_or("true", |f| f.name.as_str());
-        let wrong = self.kernel.xor(&self.at(pursuit.reached)?, &self.goals[goal])?;
-        let mut rest = self.region.clone();
+        let wrong = m.xor(&self.at(pursuit.reached)?, &self.goals[goal])?;
+        let reach = m.and(&self.goals[goal], &m.prime(&self.region)?)?;
+        let mut rest = m.and(&self.region, &m.all(&self.may_do)?)?;
         for mode in &pursuit.modes {
             let when = self.at(mode.when)?;
-            let here = self.kernel.and(&rest, &when)?;
-            rest = self.kernel.and_not(&rest, &when)?;
-            for rule in 0..self.rules.len() - 1 {
-                let after = self.rule_after(rule, &mode.outputs)?;
-                let broken = self.kernel.and_not(&here, &after)?;
-                if self.possible(broken, &self.may_do)? {
-                    return Ok(fault(self.rules[rule].name.clone()));
-                }
+            let steps = self.steps(m.and(&rest, &when)?, &mode.outputs)?;
+            rest = m.and_not(&rest, &when)?;
+            if let Some(i) = self.broken(&steps)? {
+                return Ok(fault(self.specification.guarantees.safety[i].name.clone()));
             }
-            if !self.kernel.is_false(&wrong) {
-                let wrong = self.kernel.and(&here, &self.after(&wrong, &mode.outputs)?)?;
-                if self.possible(wrong, &self.may_do)? {
-                    return Ok(fault(name));
-                }
+            if !m.is_false(&m.and(&steps, &wrong)?) {
+                return Ok(fault(name));
             }
-            for late in self.late(goal, mode, &here)? {
-                if self.possible(late, &self.may_do)? {
-                    return Ok(fault(name));
-                }
+            let missed = m.and_not(&steps, &reach)?;
+            let late = match mode.layer {
+                None => missed,
+                Some(layer) => self.late(goal, layer, &missed)?,
+            };
+            if !m.is_false(&late) {
+                return Ok(fault(name));
             }
-            self.kernel.safe_point()?;
+            m.safe_point()?;
         }
         Ok(Ok(()))
     }
 
-    /// The steps that neither reach the goal nor come nearer nor wait where they may; those that leave the region are among
-    /// them. Over current values and next inputs.
-    fn late(
-        &mut self,
-        goal: usize,
-        mode: &Mode,
-        here: &K::Function,
-    ) -> Result<Vec<K::Function>, Limit> {
-        let outputs = &mode.outputs;
-        let Some(layer) = mode.layer else {
-            return Ok(vec![self.missed(goal, outputs, here)?]);
-        };
-        let m = self.kernel.clone();
+    /// Those of the steps that neither come nearer to the goal nor wait where they may; those that leave the region are among
+    /// them.
+    fn late(&self, goal: usize, layer: usize, steps: &K::Function) -> Result<K::Function, Limit> {
+        let m = &self.kernel;
         let layers = &self.layers[goal];
-        let reached = layers[layer].clone();
+        let reached = &layers[layer];
         let below = match layer.checked_sub(1) {
             Some(below) => layers[below].clone(),
             None => m.constant(false),
         };
-        let into = self.after(&m.prime(&reached)?, outputs)?;
-        let elsewhere = m.and_not(here, &into)?;
-        let inside = m.and(here, &into)?;
-        let back = m.and(&inside, &below)?;
-        let stays = m.and_not(&m.and(&inside, &reached)?, &below)?;
         let assumption = self.functions.controls.ranking.goals[goal][layer].assumption;
-        let mut stays = m.and(&stays, &self.after(&self.assumptions[assumption], outputs)?)?;
-        if !m.is_false(&stays) {
-            stays = m.and_not(&stays, &self.after(&m.prime(&below)?, outputs)?)?;
-        }
-        let mut late = Vec::new();
-        for steps in [elsewhere, back, stays] {
-            late.push(self.missed(goal, outputs, &steps)?);
-        }
-        Ok(late)
-    }
-
-    /// Those of the steps that do not reach the goal within the region.
-    fn missed(
-        &mut self,
-        goal: usize,
-        outputs: &[(Bit, Edge)],
-        steps: &K::Function,
-    ) -> Result<K::Function, Limit> {
-        if self.kernel.is_false(steps) {
-            return Ok(steps.clone());
-        }
-        let reached = self.after(&self.goals[goal], outputs)?;
-        let within = self.rule_after(self.rules.len() - 1, outputs)?;
-        let reached = self.kernel.and(&reached, &within)?;
-        self.kernel.and_not(steps, &reached)
+        // From above, all moves into the layer are right; from within, all moves below it and those that wait.
+        let into = m.prime(reached)?;
+        let lower = m.prime(&below)?;
+        let elsewhere = m.and_not(steps, &into)?;
+        let inside = m.and(&m.and(steps, &into)?, reached)?;
+        let back = m.and(&inside, &below)?;
+        let stays = m.and_not(&m.and_not(&inside, &below)?, &lower)?;
+        let stays = m.and(&stays, &self.assumptions[assumption])?;
+        m.or(&m.or(&elsewhere, &back)?, &stays)
     }
 }
