@@ -121,13 +121,8 @@ pub fn functions<K: Kernel>(
     let mut goals = Vec::new();
     let mut ranks = Vec::new();
     for j in 0..arena.goals.len() {
-        let t0 = std::time::Instant::now();
         let layers = layers(arena, j, region)?;
-        let t1 = std::time::Instant::now();
         let modes = modes(arena, j, region, &layers, (&parts, &care), &outputs, &mut builder)?;
-        if std::env::var("LW_TRACE").is_ok() {
-            eprintln!("goal {j}: {} layers in {:.3}, {} modes in {:.3}, {} nodes", layers.len(), (t1-t0).as_secs_f64(), modes.len(), t1.elapsed().as_secs_f64(), builder.diagram.nodes.len());
-        }
         let reached = builder.add(m, [&arena.goals[j]])[0];
         goals.push(Pursuit { modes, reached });
         let edges = states.add(m, layers.iter().map(|l| &l.reached));
@@ -271,11 +266,16 @@ fn modes<K: Kernel>(
         }
         let used = m.and(&todo, &when)?;
         let asked = std::mem::replace(&mut todo, left);
-        let t0 = std::time::Instant::now();
-        let functions = eliminate(m, parts.iter().chain([&aim]), outputs)?;
-        let t1 = std::time::Instant::now();
+        let mut care = Care::new(m, &builder.positions, &used);
+        let mut all = vec![aim];
+        for part in parts {
+            let part = care.simplify(m, part)?;
+            if !m.is_true(&part) {
+                all.push(part);
+            }
+        }
+        let functions = eliminate(m, &all, outputs, &mut care)?;
         let outputs = builder.add_where(m, &functions, &used);
-        if std::env::var("LW_TRACE2").is_ok() { eprintln!("  mode when {} used {} functions {:?} {:.3} {:.3}", m.size(&when), m.size(&used), functions.iter().map(|(b,f)| (b.0, m.size(f))).collect::<Vec<_>>(), (t1-t0).as_secs_f64(), t1.elapsed().as_secs_f64()); }
         modes.push(Mode {
             when: builder.add_where(m, &[(Bit(0), when)], &asked)[0].1,
             outputs,
@@ -292,18 +292,19 @@ fn modes<K: Kernel>(
 }
 
 /// Eliminates bits from a conjunction of parts, always the one whose parts are smallest, and gives for each a function over
-/// the others; those that were eliminated later come first.
-fn eliminate<'a, K: Kernel>(
+/// the others; those that were eliminated later come first. All that is made is simplified for where it matters.
+fn eliminate<K: Kernel>(
     m: &K,
-    parts: impl IntoIterator<Item = &'a K::Function>,
+    parts: &[K::Function],
     bits: &[Bit],
+    care: &mut Care,
 ) -> Result<Vec<(Bit, K::Function)>, Limit> {
     let part = |f: K::Function| {
         let support = BitSet::new(m.support(&f));
         let size = m.size(&f);
         (f, support, size)
     };
-    let mut parts: Vec<_> = parts.into_iter().map(|f| part(f.clone())).collect();
+    let mut parts: Vec<_> = parts.iter().map(|f| part(f.clone())).collect();
     let mut left: Vec<Bit> = bits.to_vec();
     let mut functions = Vec::new();
     while !left.is_empty() {
@@ -319,6 +320,7 @@ fn eliminate<'a, K: Kernel>(
         parts = rest;
         bucket.sort_by_key(|(_, _, size)| *size);
         let both = m.all(bucket.iter().map(|(f, ..)| f))?;
+        let both = care.simplify(m, &both)?;
         let low = m.restrict(&both, &[(bit, false)])?;
         let high = m.restrict(&both, &[(bit, true)])?;
         let now = m.literal(Bit(bit.0 & !1), true);
@@ -350,6 +352,42 @@ fn safety<K: Kernel>(
         }
     }
     Ok(parts)
+}
+
+/// Where functions matter.
+struct Care {
+    scratch: Builder,
+    care: Edge,
+    found: Found,
+}
+
+impl Care {
+    fn new<K: Kernel>(kernel: &K, positions: &[u16], care: &K::Function) -> Self {
+        let mut scratch = Builder {
+            positions: positions.to_vec(),
+            ..Builder::default()
+        };
+        let care = scratch.add(kernel, [care])[0];
+        Self {
+            scratch,
+            care,
+            found: Found::default(),
+        }
+    }
+
+    /// A function that agrees with `f` where it matters.
+    fn simplify<K: Kernel>(&mut self, kernel: &K, f: &K::Function) -> Result<K::Function, Limit> {
+        let edge = self.scratch.add(kernel, [f])[0];
+        let smaller = self.scratch.restrict(edge, self.care, &mut self.found);
+        if self.scratch.size(smaller) >= self.scratch.size(edge) {
+            return Ok(f.clone());
+        }
+        let mut alone = Builder::default();
+        let root = alone.copy(&self.scratch.diagram, &[smaller])[0];
+        alone.diagram.roots = vec![root];
+        let mut functions = kernel.import(&alone.diagram)?;
+        Ok(functions.pop().unwrap_or_else(|| f.clone()))
+    }
 }
 
 /// Collects functions of a kernel in one diagram.

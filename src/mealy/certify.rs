@@ -244,6 +244,8 @@ impl<'a, K: Kernel> Check<'a, K> {
         let controls = &functions.controls;
         let encoding = Encoding::new(specification);
         let m = K::new(&controls.order, limits)?;
+        // The order that comes with the functions is a good one.
+        m.set_reordering(false);
         let mut all = controls.diagram.clone();
         all.roots = (0..all.nodes.len()).map(Edge::to).collect();
         let nodes = m.import(&all)?;

@@ -39,7 +39,7 @@ pub struct Functions {
 }
 
 /// Where a controller is between two steps.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct State {
     /// The signals; the current ones say what the last step's values were.
     signals: Vec<bool>,
