@@ -3,6 +3,8 @@
 //! What is fed to it stands in `tests/cases/cli` and `tests/cases/line`; what it prints, in snapshots. Every message says what
 //! is wrong and what to do next.
 
+#[path = "cli/cache.rs"]
+mod cache;
 #[path = "cli/disk.rs"]
 mod disk;
 #[path = "cli/exits.rs"]
@@ -11,6 +13,8 @@ mod exits;
 mod inputs;
 #[path = "cli/libraries.rs"]
 mod libraries;
+#[path = "cli/limits.rs"]
+mod limits;
 #[path = "cli/outside.rs"]
 mod outside;
 #[path = "cli/session.rs"]

@@ -24,11 +24,12 @@ fn findings(document: &Value, found: &mut Vec<(String, String, String)>) {
     }
 }
 
-/// The findings in a file `example.lw` with this text.
-fn check(text: &str) -> Vec<(String, String, String)> {
+/// The findings in a file of this ending and text.
+fn check(ending: &str, text: &str) -> Vec<(String, String, String)> {
     let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("example.lw"), text).expect("a file");
-    let output = support::linewright(folder.path(), &["check", "example.lw", "--format", "json"]);
+    let name = format!("example.{ending}");
+    std::fs::write(folder.path().join(&name), text).expect("a file");
+    let output = support::linewright(folder.path(), &["check", &name, "--format", "json"]);
     let document: Value = serde_json::from_slice(&output.stdout)
         .unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)));
     let mut found = Vec::new();
@@ -43,7 +44,7 @@ fn examples_show_what_their_pages_explain() {
         let page = explanations::page(*code).unwrap_or_default();
         for example in explanations::examples(page) {
             count += 1;
-            let found = check(&example.text);
+            let found = check(&example.ending, &example.text);
             let shown = found.iter().any(|f| f.0 == example.code);
             let other = found.iter().any(|f| f.0 != example.code && f.1 == "error");
             if shown == example.later || other {
@@ -72,7 +73,7 @@ fn repaired_contracts_have_no_errors() {
                 .flat_map(|l| [l, "\n"])
                 .collect();
             count += 1;
-            let found = check(&block);
+            let found = check("lw", &block);
             if found.iter().any(|f| f.1 == "error") {
                 let _ = writeln!(report, "{code}: the repaired contract gives {found:#?}");
             }

@@ -122,6 +122,7 @@ fn shell(folder: &Path, command: &str) -> (i32, String) {
         .current_dir(folder)
         .env("PATH", path)
         .env("HOME", folder)
+        .env("LINEWRIGHT_CACHE", folder.join(".cache"))
         .env("NO_COLOR", "1")
         .env_remove("CLICOLOR_FORCE")
         .output()

@@ -52,7 +52,7 @@ struct Built {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let limits = options.limits();
+    let settings = options.settings();
     let loaded = match arguments.selection.load("build", options)? {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
@@ -63,7 +63,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .pick(&loaded, "machine", &library.machines, |m| (&m.name, m.span))?;
     let mut jobs = Jobs::default();
     let planned: Vec<Planned<'_>> = picked.iter().map(|m| Planned::new(m, &mut jobs)).collect();
-    let checked = jobs.run(&limits, &console.progress(jobs.len(), "synthesizing"))?;
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"))?;
     let mut findings = loaded.findings.clone();
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
 

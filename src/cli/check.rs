@@ -7,14 +7,19 @@ use super::libraries;
 use super::machines::Planned;
 use super::options::{Format, GlobalOptions};
 use super::outline::{self, Declaration, Kind};
-use super::pipeline::{CheckedContract, Jobs, Verdict};
+use super::output;
+use super::pipeline::{CheckedContract, Goal, Jobs, Verdict};
+use super::proof;
+use super::statistics::Statistics;
 use crate::contract::{Contract, TaxonomyCode};
-use crate::diagnostics::{Diagnostic, codes, has_errors, json, sarif};
+use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
 use crate::gr1::{Specification, VarId};
+use crate::interchange::inquiries;
 use crate::source::{FileId, SourceMap};
 use crate::station::composition::By;
 use clap::Args;
 use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 mod table;
 
@@ -23,14 +28,31 @@ mod table;
 #[command(after_help = "Examples:
     linewright check contracts/
     linewright check --format short contracts/handling/turn.lw
+    linewright check --stats --proof turn.proof.json contracts/handling/turn.lw
+    linewright check examples/other-tools/arbiter.spc examples/other-tools/arbiter.slugsin
 
 A contract is realizable when a controller exists that keeps its guarantees for as long as the plant \
 keeps the assumptions (safety first, strictly). Each such controller is synthesized and verified, but \
-not written.")]
+not written; for a large contract that no machine uses, only the verdict is given. What is known of a contract \
+that has not changed is not worked out again (see --no-cache).
+
+Files of gr1c (.spc) and slugs (.slugsin, .structuredslugs) are read by their ending; for these only the \
+verdict is given.")]
 pub struct Arguments {
-    /// Files, or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
+    /// Files (.lw, .spc, .slugsin, .structuredslugs), or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]
     pub paths: Vec<String>,
+    /// Also say what each verdict took: kernel, times by phase, nodes, iterations, orders of the variables
+    #[arg(long)]
+    pub stats: bool,
+    /// Write down why the contract is realizable, in a form that others can check
+    #[arg(
+        long,
+        value_name = "FILE",
+        long_help = "Write down why the contract is realizable: the ranking of the winning region, as JSON that others \
+                     can check; docs/proof.md says how. There must be exactly one contract"
+    )]
+    pub proof: Option<PathBuf>,
 }
 
 /// The JSON document.
@@ -50,6 +72,9 @@ struct Document {
 struct ContractEntry {
     name: String,
     file: String,
+    /// For a specification of another tool: its format, by the ending of its files.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    format: Option<&'static str>,
     codes: Vec<String>,
     verdict: &'static str,
     findings: Vec<json::Finding>,
@@ -64,6 +89,15 @@ struct ContractEntry {
     seconds: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     peak_nodes: Option<u64>,
+    /// With `--stats`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    statistics: Option<Statistics>,
+    /// The kernel, for people; in JSON it is among the statistics.
+    #[serde(skip)]
+    kernel: String,
+    /// Whether only the verdict was asked for, since the game is large.
+    #[serde(skip)]
+    verdict_only: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -113,20 +147,27 @@ struct Summary {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let limits = options.limits();
+    let settings = options.settings();
     let loaded = files::load(
         &arguments.paths,
         &StandardLibrary::new(options.library.clone()),
     );
     let files = FileView::all(&loaded);
 
-    let mut jobs = Jobs::examining();
+    let mut jobs = Jobs::examining().ranking(arguments.proof.is_some());
     let library = &loaded.library;
     let contracts: Vec<(&Contract, usize)> = library
         .contracts
         .iter()
         .filter(|c| view(&files, c.span.file).is_some_and(|f| f.is_sound(c.span)))
-        .map(|c| (c, jobs.add(&c.specification, c.span)))
+        .map(|c| match loaded.foreign(c.span.file) {
+            Some(foreign) => {
+                let inquiries = inquiries(&foreign.reading);
+                let job = jobs.add_foreign(&c.specification, c.span, Goal::Verdict, inquiries);
+                (c, job)
+            }
+            None => (c, jobs.add_for(Goal::Small, &c.specification, c.span)),
+        })
         .collect();
     let machines: Vec<Planned<'_>> = library
         .machines
@@ -134,7 +175,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .filter(|m| view(&files, m.span.file).is_some_and(|f| f.is_sound(m.span)))
         .map(|m| Planned::new(m, &mut jobs))
         .collect();
-    let checked = jobs.run(&limits, &console.progress(jobs.len(), "checking"))?;
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "checking"))?;
 
     let report = Assembly {
         loaded: &loaded,
@@ -144,9 +185,24 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         jobs: &jobs,
         checked: &checked,
         timing: !options.no_timing,
+        statistics: arguments.stats,
     }
     .document();
-    let (document, findings) = report;
+    let (mut document, mut findings) = report;
+    if let Some(path) = &arguments.proof {
+        let own = contracts.iter().filter(|(c, _)| {
+            loaded
+                .roots
+                .contains(&library.sources.file(c.span.file).name)
+        });
+        let own: Vec<_> = own.map(|(c, job)| (*c, &checked[*job])).collect();
+        let found = write_proof(path, &own)?;
+        document
+            .findings
+            .extend(json::findings(&library.sources, &found));
+        document.summary.findings += found.len();
+        findings.extend(found);
+    }
     print(
         console,
         &loaded.library.sources,
@@ -164,7 +220,42 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             _ => ExitCode::Success,
         })
         .fold(ExitCode::Success, ExitCode::and);
-    Ok(options.exit_code(&findings).and(verdicts))
+    Ok(options
+        .exit_code(&findings)
+        .and(verdicts)
+        .and(loaded.exit_code()))
+}
+
+/// Writes the proof of the only contract; the findings say why there is none.
+fn write_proof(
+    path: &Path,
+    contracts: &[(&Contract, &CheckedContract)],
+) -> anyhow::Result<Vec<Diagnostic>> {
+    let [(contract, checked)] = contracts else {
+        anyhow::bail!(
+            "--proof is for a single contract, and there are {}: give a file with one",
+            contracts.len()
+        );
+    };
+    let name = &contract.name;
+    let note = |text: String| {
+        let mut note = Diagnostic::error(codes::UNREALIZABLE, contract.span, text);
+        note.severity = Severity::Note;
+        note
+    };
+    Ok(match (&checked.ranking, checked.verdict) {
+        (Some(ranking), _) => {
+            let text = proof::to_text(&contract.specification, ranking);
+            output::write(path, &text).err().map(|f| *f).into_iter().collect()
+        }
+        (None, Verdict::Unrealizable) => vec![
+            note(format!("there is no proof for `{name}` in {}", path.display())).with_help(
+                "a proof can only be written of a realizable contract as yet; the guarantees that clash are named above",
+            ),
+        ],
+        // Its own finding says why there is no verdict.
+        (None, _) => Vec::new(),
+    })
 }
 
 fn print(
@@ -204,7 +295,14 @@ impl<'a> FileView<'a> {
         sources
             .files()
             .map(|(id, file)| {
-                let declarations = outline::declarations(sources, id);
+                let declarations = match loaded.foreign(id) {
+                    Some(foreign) => vec![Declaration {
+                        kind: Kind::Contract,
+                        name: foreign.name.clone(),
+                        extent: foreign.reading.span,
+                    }],
+                    None => outline::declarations(sources, id),
+                };
                 let findings: Vec<&Diagnostic> = loaded
                     .findings
                     .iter()
@@ -265,6 +363,7 @@ struct Assembly<'a> {
     jobs: &'a Jobs,
     checked: &'a [CheckedContract],
     timing: bool,
+    statistics: bool,
 }
 
 impl Assembly<'_> {
@@ -392,6 +491,10 @@ impl Assembly<'_> {
         ContractEntry {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
+            format: self
+                .loaded
+                .foreign(file.id)
+                .map(|f| f.reading.format.ending()),
             codes: contract.map(|c| texts(&c.codes)).unwrap_or_default(),
             verdict: result.map_or(Verdict::Invalid, |r| r.verdict).word(),
             findings: json::findings(sources, findings),
@@ -403,6 +506,13 @@ impl Assembly<'_> {
                 .map(|m| m.states.len()),
             seconds: result.filter(|_| self.timing).map(|r| r.seconds),
             peak_nodes: result.filter(|_| self.timing).and_then(|r| r.peak_nodes),
+            statistics: result
+                .filter(|_| self.statistics)
+                .map(|r| r.statistics.timed(self.timing)),
+            kernel: result
+                .map(|r| r.statistics.kernel.clone())
+                .unwrap_or_default(),
+            verdict_only: result.is_some_and(|r| r.left_out),
         }
     }
 
@@ -471,6 +581,7 @@ fn nameless(file: &str) -> ContractEntry {
     ContractEntry {
         name: stem.map_or(file.to_owned(), |s| s.to_string_lossy().into_owned()),
         file: file.to_owned(),
+        format: None,
         codes: Vec::new(),
         verdict: Verdict::Invalid.word(),
         findings: Vec::new(),
@@ -480,6 +591,9 @@ fn nameless(file: &str) -> ContractEntry {
         states: None,
         seconds: None,
         peak_nodes: None,
+        statistics: None,
+        kernel: String::new(),
+        verdict_only: false,
     }
 }
 

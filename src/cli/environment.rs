@@ -1,15 +1,16 @@
 //! What is odd about the plant's side of a contract that is realizable: LW205 and LW206.
 
 use crate::diagnostics::{Diagnostic, codes};
-use crate::game::{Limits, examine_environment};
+use crate::game::EnvironmentFindings;
 use crate::gr1::Specification;
 use crate::source::Span;
 
-/// What makes a realizable contract mean less than it seems to: LW205 and LW206. Nothing where a limit was reached first.
-pub fn examine(specification: &Specification, span: Span, limits: &Limits) -> Vec<Diagnostic> {
-    let Ok(found) = examine_environment(specification, limits) else {
-        return Vec::new();
-    };
+/// What makes a realizable contract mean less than it seems to: LW205 and LW206.
+pub fn findings(
+    specification: &Specification,
+    span: Span,
+    found: &EnvironmentFindings,
+) -> Vec<Diagnostic> {
     let name = &specification.name;
     let mut findings = Vec::new();
     if found.cannot_start {

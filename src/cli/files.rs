@@ -2,11 +2,17 @@
 //!
 //! A file is shown under one name however it was reached, since the resolver takes equal names for the same file: names are
 //! joined and cleaned as text (`a/../b.lw` is `b.lw`), and the library's begin with `std/`.
+//!
+//! Files of other tools are told by their ending. They are read where they are named; in a folder, only `.lw` files are looked for.
 
-use crate::contract::{self, Library};
+use super::exit::ExitCode;
+use crate::contract::{self, Contract, Library};
 use crate::diagnostics::{Diagnostic, codes};
+use crate::interchange::{self, Format, Reading};
+use crate::source::{FileId, Span};
 use include_dir::{Dir, include_dir};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 static BUNDLED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/contracts");
 
@@ -101,6 +107,64 @@ pub struct Loaded {
     pub roots: Vec<String>,
     /// Paths that could not be read at all.
     pub unreadable: Vec<String>,
+    /// Other tools' specifications. Those that could be read are also in the library, as contracts.
+    pub foreign: Vec<Foreign>,
+}
+
+/// A file of another tool.
+#[derive(Debug)]
+pub struct Foreign {
+    /// The file.
+    pub file: FileId,
+    /// Its name without folder and ending: the contract's name.
+    pub name: String,
+    /// What it says.
+    pub reading: Reading,
+}
+
+impl Loaded {
+    /// The other tool's specification in a file, if it is one.
+    pub fn foreign(&self, file: FileId) -> Option<&Foreign> {
+        self.foreign.iter().find(|f| f.file == file)
+    }
+
+    /// A file of another tool with a mistake in it is one that does not parse, whatever the mistake is.
+    pub fn exit_code(&self) -> ExitCode {
+        if self
+            .foreign
+            .iter()
+            .any(|f| f.reading.specification.is_none())
+        {
+            ExitCode::CannotRun
+        } else {
+            ExitCode::Success
+        }
+    }
+
+    /// Reads another tool's file, and makes a contract of it.
+    fn add_foreign(&mut self, format: Format, path: &str, text: String) {
+        let stem = Path::new(path).file_stem().unwrap_or_default();
+        let name = stem.to_string_lossy().into_owned();
+        let text: Arc<str> = text.into();
+        let file = self.library.sources.add(path, Arc::clone(&text));
+        let reading = interchange::read(format, &name, file, &text);
+        self.findings.extend(reading.findings.iter().cloned());
+        if let Some(specification) = &reading.specification {
+            self.library.contracts.push(Contract {
+                name: name.clone(),
+                doc: String::new(),
+                codes: Vec::new(),
+                arguments: Vec::new(),
+                specification: Arc::new(specification.clone()),
+                span: Span::new(file, 0, 0),
+            });
+        }
+        self.foreign.push(Foreign {
+            file,
+            name,
+            reading,
+        });
+    }
 }
 
 /// Loads the files and folders that a command was given, and all that they import. No path at all is `./contracts`, or else
@@ -133,10 +197,18 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
         }
     }
     loaded.roots = files.iter().map(|f| f.0.clone()).collect();
+    let (foreign, own): (Vec<_>, Vec<_>) = files
+        .into_iter()
+        .partition(|(name, _)| Format::of_path(name).is_some());
     let (library, findings) =
-        contract::load(&files, &|path, importer| standard.import(path, importer));
+        contract::load(&own, &|path, importer| standard.import(path, importer));
     loaded.library = library;
     loaded.findings.extend(findings);
+    for (name, text) in foreign {
+        if let Some(format) = Format::of_path(&name) {
+            loaded.add_foreign(format, &name, text);
+        }
+    }
     loaded
 }
 

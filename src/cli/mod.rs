@@ -5,24 +5,31 @@
 //! keeps it from running at all.
 
 pub mod build;
+pub mod cache;
 pub mod check;
 pub mod completions;
 pub mod console;
+pub mod controller;
 pub mod din;
 pub mod environment;
 pub mod exit;
 pub mod explain;
 pub mod files;
+pub mod import;
+pub mod interrupt;
 pub mod libraries;
 pub mod machines;
 pub mod options;
 pub mod outline;
 pub mod output;
 pub mod pipeline;
+pub mod proof;
 pub mod run;
 pub mod select;
+pub mod statistics;
 pub mod synth;
 pub mod time;
+pub mod worker;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use exit::ExitCode;
@@ -58,6 +65,8 @@ pub enum Command {
     Build(build::Arguments),
     /// Run a line in the bundled runner
     Run(run::Arguments),
+    /// Print another tool's specification as a contract
+    Import(import::Arguments),
     /// Say what a finding means, with a minimal contract that shows it
     Explain(explain::Arguments),
     /// Look things up in DIN 8580 and VDI 2860
@@ -83,6 +92,13 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     report_panics();
     let console = arguments.options.console();
     let result = on_large_stack(|| dispatch(&arguments));
+    let result = result.map(|code| {
+        if interrupt::interrupted() {
+            code.and(ExitCode::GaveUp)
+        } else {
+            code
+        }
+    });
     result.unwrap_or_else(|error| {
         let _ = console.remark(&format!("\u{1b}[1m\u{1b}[91merror\u{1b}[0m: {error:#}\n"));
         ExitCode::CannotRun
@@ -96,6 +112,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Synth(a) => synth::run(a, options),
         Command::Build(a) => build::run(a, options),
         Command::Run(a) => run::run(a, options),
+        Command::Import(a) => import::run(a, options),
         Command::Explain(a) => explain::run(a, options),
         Command::Din(a) => din::run(a, options),
         Command::Completions(a) => completions::run(a, options, Arguments::command()),

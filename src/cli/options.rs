@@ -1,9 +1,12 @@
 //! The options that every command takes.
 
+use super::cache::Cache;
 use super::console::Console;
 use super::exit::ExitCode;
+use super::pipeline::Settings;
 use crate::diagnostics::Diagnostic;
-use crate::game::Limits;
+use crate::game::{Heuristic, Heuristics, KernelChoice, Limits};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -39,6 +42,17 @@ pub enum Deny {
     Warnings,
 }
 
+/// Which BDD package solves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Kernel {
+    /// By the size of the game.
+    Auto,
+    /// biodivine-lib-bdd: starts at once, for small games.
+    Biodivine,
+    /// `OxiDD`: a shared store and reordering, for large games.
+    Oxidd,
+}
+
 /// The options that every command takes.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Options for every command")]
@@ -64,13 +78,36 @@ pub struct GlobalOptions {
     /// Give up on a contract that needs more memory for its formulas
     #[arg(long, global = true, value_name = "MIB", default_value_t = 4096)]
     pub memory: u64,
+    /// Which BDD package solves; none changes a verdict
+    #[arg(long, global = true, value_enum, default_value = "auto")]
+    pub kernel: Kernel,
+    /// Solve without these heuristics (a list with commas); none changes a verdict, for measuring
+    #[arg(
+        long,
+        global = true,
+        value_name = "NAME",
+        value_delimiter = ',',
+        value_parser = heuristic(),
+        hide_possible_values = true,
+        long_help = without_help()
+    )]
+    pub without: Vec<Heuristic>,
+    /// Solve every contract anew, and remember nothing
+    #[arg(
+        long,
+        global = true,
+        long_help = "Solve every contract anew, and remember nothing. Otherwise what is known of a contract is kept \
+                     in the folder that LINEWRIGHT_CACHE names (`off` for none), or else in the user's folder for \
+                     caches; it can be deleted at any time"
+    )]
+    pub no_cache: bool,
     /// Let warnings count as errors in the exit code
     #[arg(long, global = true, value_enum, value_name = "WHAT")]
     pub deny: Option<Deny>,
     /// Read `import std...` from this folder instead of the bundled library
     #[arg(long, global = true, value_name = "DIR")]
     pub library: Option<PathBuf>,
-    /// Say more: `check` also names the file of each contract
+    /// Say more: `check` also names the file of each contract and the kernel that solved it
     #[arg(long, short, global = true)]
     pub verbose: bool,
 }
@@ -91,6 +128,28 @@ impl GlobalOptions {
         }
     }
 
+    /// How to solve; a time limit counts from now.
+    pub fn settings(&self) -> Settings {
+        let on = self
+            .without
+            .iter()
+            .fold(Heuristics::default(), |h, w| h.without(*w));
+        Settings {
+            limits: self.limits(),
+            kernel: match self.kernel {
+                Kernel::Auto => KernelChoice::Automatic,
+                Kernel::Biodivine => KernelChoice::Biodivine,
+                Kernel::Oxidd => KernelChoice::OxiDd,
+            },
+            heuristics: on,
+            cache: if self.no_cache {
+                None
+            } else {
+                Cache::of_user()
+            },
+        }
+    }
+
     /// The exit code for some findings.
     pub fn exit_code(&self, findings: &[Diagnostic]) -> ExitCode {
         ExitCode::of(findings, self.deny == Some(Deny::Warnings))
@@ -102,4 +161,17 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok()
         .and_then(|s| Duration::try_from_secs_f64(s).ok())
         .ok_or_else(|| "expected a number of seconds, such as 30 or 0.5".to_owned())
+}
+
+fn heuristic() -> impl TypedValueParser<Value = Heuristic> {
+    let names = Heuristic::ALL.map(|(_, name)| name);
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Heuristic>())
+}
+
+fn without_help() -> String {
+    let names = Heuristic::ALL.map(|(_, name)| name);
+    format!(
+        "Solve without these heuristics (a list with commas); none changes a verdict, for measuring. One of {}",
+        names.join(", ")
+    )
 }

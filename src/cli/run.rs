@@ -56,7 +56,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let limits = options.limits();
+    let settings = options.settings();
     let loaded = match arguments.selection.load("run", options)? {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .into_iter()
         .map(|m| Planned::new(m, &mut jobs))
         .collect();
-    let checked = jobs.run(&limits, &console.progress(jobs.len(), "synthesizing"))?;
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"))?;
     let mut findings = loaded.findings.clone();
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
     let controlled: Option<Vec<_>> = planned.iter().map(|p| p.controlled(&checked)).collect();
@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         until: arguments.until,
         seed: arguments.seed,
         replications: arguments.replications,
-        deadline: limits.deadline,
+        deadline: settings.limits.deadline,
         rebuild: arguments.rebuild,
         timing: !options.no_timing,
     };

@@ -55,11 +55,13 @@ impl Selection {
         let mut loaded = self.read(options);
         if let Some(name) = &self.name {
             let sources = &loaded.library.sources;
+            let foreign: Vec<_> = loaded.foreign.iter().map(|f| f.file).collect();
             loaded.findings.retain(|f| {
                 let elsewhere = f.span.is_some_and(|span| {
-                    outline::declarations(sources, span.file)
-                        .iter()
-                        .any(|d| d.holds(span) && d.name != *name)
+                    !foreign.contains(&span.file)
+                        && outline::declarations(sources, span.file)
+                            .iter()
+                            .any(|d| d.holds(span) && d.name != *name)
                 });
                 !elsewhere || f.code.id < codes::NAME_UNKNOWN.id
             });
@@ -82,7 +84,9 @@ impl Selection {
             options
                 .console()
                 .failed(command, sources, &loaded.findings)?;
-            return Ok(Err(options.exit_code(&loaded.findings)));
+            return Ok(Err(options
+                .exit_code(&loaded.findings)
+                .and(loaded.exit_code())));
         }
         Ok(Ok(loaded))
     }

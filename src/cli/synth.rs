@@ -1,12 +1,14 @@
 //! `linewright synth`: a verified controller, written down.
 
+use super::controller::Wish;
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::output;
-use super::pipeline::{CheckedContract, Jobs};
+use super::pipeline::{CheckedContract, Goal, Jobs};
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
-use crate::game::Limit;
+use crate::game::{Limit, Preference};
+use crate::interchange::{self, Target, inquiries};
 use crate::mealy;
 use crate::source::Span;
 use crate::station::emit::controller;
@@ -18,19 +20,48 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
     linewright synth contracts/handling/turn.lw
     linewright synth contracts/handling/turn.lw::Turn --emit dot --emit svg --out controllers
+    linewright synth examples/other-tools/arbiter.spc
+    linewright synth contracts/handling/turn.lw --emit spc
 
-A controller is written only after it was verified against its contract. One with too many states is written as functions;
-then its forms are json and c.")]
+A controller is written only after it was verified against its contract. One with too many states is written as functions; \
+then its forms are json and c. `--emit spc` and `--emit slugsin` write the specification itself, for gr1c and slugs, and need \
+no controller.")]
 pub struct Arguments {
-    /// A file with contracts, and the name of one of them; without a name, all that the file declares
+    /// A file with contracts, and the name of one of them; without a name, all that the file declares. Also a specification of
+    /// gr1c (.spc) or slugs (.slugsin, .structuredslugs)
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
     /// The form of the controller; can be given several times
     #[arg(long, value_enum, default_value = "json")]
     pub emit: Vec<Emit>,
+    /// What a machine shall be good at, where there is a choice
+    #[arg(long, value_enum, default_value_t)]
+    pub prefer: Prefer,
     /// The folder to write to; without it, a single result goes to standard output
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Also say what each verdict took, by phase; to standard error
+    #[arg(long)]
+    pub stats: bool,
+}
+
+/// What a machine shall be good at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Prefer {
+    /// Few steps until the next goal is reached
+    #[default]
+    Reaction,
+    /// Few states, even where that takes longer
+    States,
+}
+
+impl From<Prefer> for Preference {
+    fn from(prefer: Prefer) -> Self {
+        match prefer {
+            Prefer::Reaction => Self::Reaction,
+            Prefer::States => Self::States,
+        }
+    }
 }
 
 /// The forms of a controller.
@@ -46,6 +77,10 @@ pub enum Emit {
     Dot,
     /// A drawing for a browser
     Svg,
+    /// The specification, for gr1c
+    Spc,
+    /// The specification, for slugs
+    Slugsin,
 }
 
 impl Emit {
@@ -61,6 +96,17 @@ impl Emit {
             Self::Gr1c => "gr1c.json",
             Self::Dot => "dot",
             Self::Svg => "svg",
+            Self::Spc => "spc",
+            Self::Slugsin => "slugsin",
+        }
+    }
+
+    /// The format of a specification, if it is one rather than a controller's.
+    fn target(self) -> Option<Target> {
+        match self {
+            Self::Spc => Some(Target::Spc),
+            Self::Slugsin => Some(Target::Slugsin),
+            _ => None,
         }
     }
 }
@@ -68,7 +114,7 @@ impl Emit {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let limits = options.limits();
+    let settings = options.settings();
     let loaded = match arguments.selection.load_alone("synth", options)? {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
@@ -85,21 +131,48 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         anyhow::bail!("there are {results} results: name a folder for them with --out DIR");
     }
 
-    let mut jobs = Jobs::examining().with_functions();
-    let indices: Vec<usize> = contracts
-        .iter()
-        .map(|c| jobs.add(&c.specification, c.span))
-        .collect();
-    let checked = jobs.run(&limits, &console.progress(jobs.len(), "synthesizing"))?;
-
     let mut findings = loaded.findings.clone();
     let mut written: Vec<(String, String)> = Vec::new();
+    let (specifications, controllers): (Vec<Emit>, Vec<Emit>) =
+        arguments.emit.iter().partition(|e| e.target().is_some());
+    for contract in &contracts {
+        for emit in &specifications {
+            let Some(target) = emit.target() else {
+                continue;
+            };
+            match interchange::write(&contract.specification, target) {
+                Ok(text) => written.push((format!("{}.{}", contract.name, emit.ending()), text)),
+                Err(found) => findings.extend(found),
+            }
+        }
+    }
+    let mut jobs = Jobs::examining().wishing(Wish {
+        preference: arguments.prefer.into(),
+        functions: true,
+    });
+    let mut indices: Vec<usize> = Vec::new();
+    if !controllers.is_empty() {
+        indices.extend(contracts.iter().map(|c| match loaded.foreign(c.span.file) {
+            Some(foreign) => {
+                let inquiries = inquiries(&foreign.reading);
+                jobs.add_foreign(&c.specification, c.span, Goal::Controller, inquiries)
+            }
+            None => jobs.add(&c.specification, c.span),
+        }));
+    }
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"))?;
+    if arguments.stats {
+        for (contract, index) in contracts.iter().zip(&indices) {
+            let statistics = checked[*index].statistics.timed(!options.no_timing);
+            console.remark(&(statistics.show(&contract.name) + "\n"))?;
+        }
+    }
     for (contract, index) in contracts.iter().zip(indices) {
         findings.extend(checked[index].findings_where_needed());
         let Some(controller) = Controller::of(&checked[index]) else {
             continue;
         };
-        for emit in &arguments.emit {
+        for emit in &controllers {
             match controller.write(*emit, contract.span) {
                 Ok(files) => written.extend(files),
                 Err(finding) => findings.push(*finding),
@@ -179,11 +252,10 @@ fn write(emit: Emit, machine: &mealy::Machine) -> Result<String, Box<Diagnostic>
             .with_help("use --emit json, whose transitions carry guards"),
         )
     };
-    let pretty = |value: &serde_json::Value| format!("{value:#}\n");
     Ok(match emit {
-        Emit::Json | Emit::C => mealy::json::to_text(&mealy::json::to_json(machine, true)),
-        Emit::Gr1c => pretty(&mealy::gr1c::to_json(machine).map_err(too_large)?),
+        Emit::Gr1c => format!("{:#}\n", mealy::gr1c::to_json(machine).map_err(too_large)?),
         Emit::Dot => mealy::dot::to_dot(machine),
         Emit::Svg => mealy::svg::to_svg(machine),
+        _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
     })
 }

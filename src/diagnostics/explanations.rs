@@ -2,7 +2,7 @@
 //!
 //! A page says what the finding means to somebody who knows the plant and no temporal logic, shows the smallest
 //! contract that has it, and how to repair that. The example is a block fenced with ```` ```lw LW103 ````: a test checks it and
-//! wants that very code. A block fenced with ```` ```lw LW103 later ```` is for a check that does not exist yet; the test wants it
+//! wants that very code. What only other tools' files show stands in one of those, fenced with its ending: ```` ```spc LW209 ````. A block fenced with ```` ```lw LW103 later ```` is for a check that does not exist yet; the test wants it
 //! to find nothing, so that the word goes when the check comes. What needs a plant, a compiler or a folder to happen is fenced as plain `console` text instead.
 
 use super::Code;
@@ -20,6 +20,8 @@ pub fn page(code: Code) -> Option<&'static str> {
 /// An example of a page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Example {
+    /// The ending of a file that holds it: `lw`.
+    pub ending: String,
     /// The code it shows.
     pub code: String,
     /// Whether nothing looks for it yet.
@@ -28,12 +30,12 @@ pub struct Example {
     pub text: String,
 }
 
-/// The examples of a page: its blocks fenced with ```` ```lw CODE ````.
+/// The examples of a page: its blocks fenced with the ending of a file and a code, ```` ```lw CODE ````.
 pub fn examples(page: &str) -> Vec<Example> {
     let mut examples = Vec::new();
     let mut lines = page.lines();
     while let Some(line) = lines.next() {
-        let Some(info) = line.strip_prefix("```lw ") else {
+        let Some((ending, info)) = line.strip_prefix("```").and_then(|i| i.split_once(' ')) else {
             continue;
         };
         let (code, later) = match info.trim().split_once(' ') {
@@ -46,6 +48,7 @@ pub fn examples(page: &str) -> Vec<Example> {
             .flat_map(|l| [l, "\n"])
             .collect();
         examples.push(Example {
+            ending: ending.to_owned(),
             code: code.to_owned(),
             later,
             text,

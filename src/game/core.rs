@@ -6,6 +6,7 @@
 use super::GuaranteeRef;
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};
+use super::set_up::SPLIT_BOUND;
 use crate::symbolic::{Kernel, Limit};
 
 /// A minimal unrealizable set of guarantees of an unrealizable specification.
@@ -42,7 +43,10 @@ fn clash<K: Kernel>(
     Ok(needed)
 }
 
-fn unrealizable<K: Kernel>(formulas: &Formulas<K>, guarantees: &[GuaranteeRef]) -> Result<bool, Limit> {
-    let arena = formulas.arena(&Selection::Only(guarantees))?;
-    Ok(winning_region(&arena, &Iterations::default())?.is_none())
+fn unrealizable<K: Kernel>(
+    formulas: &Formulas<K>,
+    guarantees: &[GuaranteeRef],
+) -> Result<bool, Limit> {
+    let arena = formulas.arena(&Selection::Only(guarantees), SPLIT_BOUND)?;
+    Ok(winning_region(&arena, None, &Iterations::default())?.is_none())
 }

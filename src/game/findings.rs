@@ -9,9 +9,10 @@ use super::arena::Arena;
 use super::fixpoint::winning_states;
 use crate::gr1::{Specification, Time, VarId};
 use crate::symbolic::{BitSet, Kernel, Limit, Limits};
+use serde::{Deserialize, Serialize};
 
 /// What is odd about the environment's side. A valuation has one value a variable of the specification.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EnvironmentFindings {
     /// The environment's initial conditions and invariants contradict each other: every machine is right.
     pub cannot_start: bool,

@@ -22,10 +22,11 @@
 
 use super::arena::Arena;
 use super::heuristics::Heuristic;
+use super::solver::Statistics;
 use crate::symbolic::{Kernel, Limit};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How often each fixpoint took a step.
+/// How often each fixpoint took a step, and where it is now.
 #[derive(Debug, Default)]
 pub struct Iterations {
     /// Of the outermost: once a goal and round.
@@ -36,23 +37,64 @@ pub struct Iterations {
     pub inner: AtomicU64,
     /// Controllable predecessors that were computed.
     pub predecessors: AtomicU64,
+    /// How many goals there are.
+    pub goals: AtomicU64,
+    /// For how many goals in a row the region has stayed as it is.
+    pub settled: AtomicU64,
+    /// How many nodes there were when one last looked.
+    pub nodes: AtomicU64,
+}
+
+impl Iterations {
+    /// Begins to count anew.
+    pub fn reset(&self) {
+        for counter in [
+            &self.outer,
+            &self.middle,
+            &self.inner,
+            &self.predecessors,
+            &self.goals,
+            &self.settled,
+            &self.nodes,
+        ] {
+            counter.store(0, Ordering::Relaxed);
+        }
+    }
+
+    /// Writes the counts down.
+    pub fn add_to(&self, statistics: &mut Statistics) {
+        statistics.outer = self.outer.load(Ordering::Relaxed);
+        statistics.middle = self.middle.load(Ordering::Relaxed);
+        statistics.inner = self.inner.load(Ordering::Relaxed);
+        statistics.predecessors = self.predecessors.load(Ordering::Relaxed);
+        let nodes = self.nodes.load(Ordering::Relaxed);
+        statistics.peak_nodes = statistics.peak_nodes.max(nodes);
+    }
 }
 
 fn count(counter: &AtomicU64) {
     counter.fetch_add(1, Ordering::Relaxed);
 }
 
-/// The states from which the machine wins, or `None` as soon as some initial choice of the environment is lost.
+/// The states from which the machine wins, or `None` as soon as some initial choice of the environment is lost. The search
+/// begins at `within`, which must hold all of them, or else at all states.
 pub fn winning_region<K: Kernel>(
     arena: &Arena<K>,
+    within: Option<&K::Function>,
     iterations: &Iterations,
 ) -> Result<Option<K::Function>, Limit> {
     let early = arena.heuristics.has(Heuristic::EarlyStop);
     if early && !arena.wins_initially(&arena.states)? {
         return Ok(None);
     }
-    let good = |z: &K::Function| if early { arena.wins_initially(z) } else { Ok(true) };
-    let region = Fixpoint::new(arena, iterations).region(good)?;
+    let good = |z: &K::Function| {
+        if early {
+            arena.wins_initially(z)
+        } else {
+            Ok(true)
+        }
+    };
+    let region = Fixpoint::new(arena, iterations).region(within, good)?;
     Ok(match region {
         Some(z) if arena.wins_initially(&z)? => Some(z),
         _ => None,
@@ -62,7 +104,7 @@ pub fn winning_region<K: Kernel>(
 /// The states from which the machine wins, whatever the initial ones are.
 pub fn winning_states<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
     let iterations = Iterations::default();
-    let region = Fixpoint::new(arena, &iterations).region(|_| Ok(true))?;
+    let region = Fixpoint::new(arena, &iterations).region(None, |_| Ok(true))?;
     Ok(region.unwrap_or_else(|| arena.kernel.constant(false)))
 }
 
@@ -97,12 +139,18 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
     /// The outermost fixpoint; `None` as soon as a Z is not `good` any more.
     fn region(
         &mut self,
+        within: Option<&K::Function>,
         good: impl Fn(&K::Function) -> Result<bool, Limit>,
     ) -> Result<Option<K::Function>, Limit> {
         let m = &self.arena.kernel;
         let goals = self.arena.goals.len();
         let carrying = self.arena.heuristics.has(Heuristic::Carrying);
-        let mut z = self.arena.states.clone();
+        let mut z = match within {
+            Some(within) => m.and(&self.arena.states, within)?,
+            None => self.arena.states.clone(),
+        };
+        let at = self.iterations;
+        at.goals.store(goals as u64, Ordering::Relaxed);
         if self.arena.heuristics.has(Heuristic::SafetyFirst) {
             loop {
                 let smaller = m.and(&z, &self.predecessor(&z)?)?;
@@ -120,6 +168,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         let mut round = z.clone();
         for j in (0..goals).cycle() {
             count(&self.iterations.outer);
+            at.settled.store(settled as u64, Ordering::Relaxed);
             let smaller = self.reach_goal(j, &z, &mut |_, _| ())?;
             if carrying {
                 round = smaller;
@@ -164,10 +213,8 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         };
         let mut y = m.constant(false);
         let mut idle = 0; // How many assumptions in a row added nothing.
-        let mut place = 0;
-        for i in (0..assumptions).cycle() {
+        for (place, i) in (0..assumptions).cycle().enumerate() {
             count(&self.iterations.middle);
-            if std::env::var("LW_TRACE").is_ok() { eprintln!(" goal {j} assumption {i} place {place}"); }
             let progress = if self.by_state {
                 m.or(&at_goal, &self.predecessor(&y)?)?
             } else {
@@ -207,7 +254,6 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
                     None => last.push(x.clone()),
                 }
             }
-            place += 1;
             let larger = m.or(&y, &x)?;
             if larger == y {
                 idle += 1;
@@ -244,9 +290,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
             self.recent[place..].rotate_left(1);
             return Ok(self.recent[self.recent.len() - 1].1.clone());
         }
-        let t0 = std::time::Instant::now();
         let result = self.predecessor_of_transitions(&m.prime(states)?)?;
-        if std::env::var("LW_TRACE").is_ok() { eprintln!("cpre {} -> {} in {:.3} nodes {}", m.size(states), m.size(&result), t0.elapsed().as_secs_f64(), m.nodes()); }
         if self.arena.heuristics.has(Heuristic::PredecessorCache) {
             if self.recent.len() >= REMEMBERED {
                 self.recent.remove(0);
@@ -258,6 +302,8 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
 
     fn predecessor_of_transitions(&self, target: &K::Function) -> Result<K::Function, Limit> {
         count(&self.iterations.predecessors);
+        let nodes = self.arena.kernel.nodes();
+        self.iterations.nodes.store(nodes, Ordering::Relaxed);
         self.arena.controllable_predecessor(target)
     }
 }
@@ -282,7 +328,8 @@ pub fn layers<K: Kernel>(
     let m = &arena.kernel;
     let iterations = Iterations::default();
     let mut steps = Vec::new();
-    Fixpoint::new(arena, &iterations).reach_goal(j, region, &mut |i, x| steps.push((i, x.clone())))?;
+    Fixpoint::new(arena, &iterations)
+        .reach_goal(j, region, &mut |i, x| steps.push((i, x.clone())))?;
     let mut y = m.constant(false);
     let mut layers = Vec::new();
     for (assumption, wait) in steps {

@@ -11,7 +11,7 @@
 //! Intelligence 113, 1999). What was conjoined for a bit gives its function over the bits above it: it keeps its value where
 //! it may. Whatever is possible for the bits above can be completed below, so that no function has to look back.
 //!
-//! With the functions goes the ranking that shows why they are right: [`Ranking`] is checked by a path of its own
+//! With the functions goes what shows why they are right: the [`Certificate`] is checked by a path of its own
 //! (`mealy::certify`).
 
 use super::arena::Arena;
@@ -19,9 +19,10 @@ use super::fixpoint::{Layer, layers};
 use crate::gr1::{Specification, Timing};
 use crate::symbolic::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Order};
 use rustc_hash::{FxHashMap, FxHashSet};
+use serde::{Deserialize, Serialize};
 
 /// An assumption that a step may break.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Assumed {
     /// An initial condition, by its place.
     Initial(usize),
@@ -32,18 +33,18 @@ pub enum Assumed {
 }
 
 /// One way of pursuing a goal.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mode {
     /// When it is taken, unless an earlier one is: over current bits, and for Mealy next inputs. The last mode's is `true`.
     pub when: Edge,
     /// The next output bits in an order in which they can be computed: each may ask for those before it.
     pub outputs: Vec<(Bit, Edge)>,
-    /// The layer it moves into, by its place in [`Ranking::goals`]; `None` when it reaches the goal.
+    /// The layer it moves into, by its place in [`Certificate::goals`]; `None` when it reaches the goal.
     pub layer: Option<usize>,
 }
 
 /// One goal.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Pursuit {
     /// The ways of pursuing it, the best one first.
     pub modes: Vec<Mode>,
@@ -52,19 +53,19 @@ pub struct Pursuit {
 }
 
 /// Why the functions are right: a set that is never left, and for every goal a rank that only falls.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Ranking {
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Certificate {
     /// The functions of states, over current bits.
     pub diagram: Diagram,
     /// The states that are never left.
     pub region: Edge,
     /// For every goal its layers, the nearest first.
-    pub goals: Vec<Vec<Rank>>,
+    pub goals: Vec<Vec<Stage>>,
 }
 
 /// The states of a layer of a goal: those of `reached` that were not in the layer before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rank {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stage {
     /// All states up to this layer.
     pub reached: Edge,
     /// The assumption, by its place among the justice, that fails whenever the layer is not left.
@@ -75,7 +76,7 @@ pub struct Rank {
 ///
 /// Bits are laid out as by [`Encoding`](crate::symbolic::Encoding). What a step is given and gives are next bits, in step 0,
 /// too; step 0 pursues nothing yet, and the first goal is pursued after it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Controls {
     /// The decisions that all functions share; it has no roots of its own.
     pub diagram: Diagram,
@@ -90,7 +91,7 @@ pub struct Controls {
     /// An order of the pairs in which the functions are known to be small.
     pub order: Order,
     /// Why they are right.
-    pub ranking: Ranking,
+    pub certificate: Certificate,
 }
 
 /// Makes functions for the winning region.
@@ -127,7 +128,7 @@ pub fn functions<K: Kernel>(
         goals.push(Pursuit { modes, reached });
         let edges = states.add(m, layers.iter().map(|l| &l.reached));
         let layers = layers.iter().zip(edges);
-        let layers = layers.map(|(layer, reached)| Rank {
+        let layers = layers.map(|(layer, reached)| Stage {
             reached,
             assumption: layer.assumption,
         });
@@ -145,7 +146,7 @@ pub fn functions<K: Kernel>(
         first,
         goals,
         order: Order::new(order).expect("an order of all pairs; please report this"),
-        ranking: Ranking {
+        certificate: Certificate {
             diagram: states.diagram,
             region,
             goals: ranks,

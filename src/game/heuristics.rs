@@ -70,7 +70,10 @@ impl FromStr for Heuristic {
         let known = Self::ALL.iter().find(|(_, name)| *name == text);
         known.map(|(h, _)| *h).ok_or_else(|| {
             let names: Vec<&str> = Self::ALL.iter().map(|(_, name)| *name).collect();
-            format!("there is no heuristic `{text}`: give one of {}", names.join(", "))
+            format!(
+                "there is no heuristic `{text}`: give one of {}",
+                names.join(", ")
+            )
         })
     }
 }

@@ -16,19 +16,28 @@ mod findings;
 mod fixpoint;
 mod functions;
 mod heuristics;
+mod progress;
+mod ranking;
 mod relation;
+mod set_up;
 mod solver;
 mod strategy;
 mod structure;
 
 pub use self::explore::{Explicit, Row};
 pub use self::findings::{EnvironmentFindings, examine_environment};
-pub use self::functions::{Assumed, Controls, Mode, Pursuit, Rank, Ranking};
+pub use self::functions::{Assumed, Certificate, Controls, Mode, Pursuit, Stage};
 pub use self::heuristics::{Heuristic, Heuristics};
-pub use self::solver::{KernelChoice, Options, Solved, Statistics, solve, solve_with};
-pub use crate::symbolic::{Limit, Limits};
+pub use self::progress::{Phase, Progress};
+pub use self::ranking::{Rank, Ranking};
+pub use self::solver::{
+    KernelChoice, Options, Solved, Statistics, order_of_variables, solve, solve_with,
+};
+pub use self::strategy::Preference;
+pub use crate::symbolic::{Diagram, DiagramNode, Edge, Limit, Limits, Order};
 
 use crate::gr1::{Side, Specification};
+use serde::{Deserialize, Serialize};
 
 /// The verdict on a specification.
 #[derive(Debug)]
@@ -60,7 +69,7 @@ pub struct Lost {
 }
 
 /// Points at one guarantee of a specification.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct GuaranteeRef {
     /// Its list.
     pub kind: GuaranteeKind,
@@ -69,7 +78,7 @@ pub struct GuaranteeRef {
 }
 
 /// The lists of [`Side`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum GuaranteeKind {
     /// [`Side::initial`]
     Initial,
@@ -107,9 +116,10 @@ impl Won {
     pub fn explore(
         &self,
         specification: &Specification,
+        preference: Preference,
         limits: &Limits,
     ) -> Result<Explicit, Limit> {
-        self.game.explore(specification, limits)
+        self.game.explore(specification, preference, limits)
     }
 
     /// A strategy as functions, in plain data: for machines that are too large for [`Won::explore`].
@@ -128,5 +138,19 @@ impl Won {
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit> {
         self.game.examine_environment(specification, limits)
+    }
+
+    /// Why it is won, for whoever wants to check it.
+    pub fn ranking(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<Ranking, Limit> {
+        self.game.ranking(specification, limits)
+    }
+
+    /// The states from which the machine wins, over current bits, as the only root.
+    pub fn region(&self) -> Diagram {
+        self.game.region()
     }
 }

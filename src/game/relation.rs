@@ -9,9 +9,6 @@ use super::heuristics::{Heuristic, Heuristics};
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 use std::collections::HashMap;
 
-/// Conjuncts are put together until they have this many nodes.
-const CLUSTER_NODES: usize = 1_000;
-
 /// A conjunction of clusters and the bits to be quantified in a product with it.
 #[derive(Debug, Clone)]
 pub struct Relation<K: Kernel> {
@@ -23,15 +20,16 @@ pub struct Relation<K: Kernel> {
 }
 
 impl<K: Kernel> Relation<K> {
-    /// The conjunction of `parts`, of which `gone` will be quantified.
+    /// The conjunction of `parts`, put together up to `bound` nodes; `gone` will be quantified.
     pub fn new(
         kernel: &K,
         parts: &[K::Function],
         gone: &BitSet,
+        bound: usize,
         heuristics: Heuristics,
     ) -> Result<Self, Limit> {
         let clusters = if heuristics.has(Heuristic::Clusters) {
-            clustered(kernel, parts)?
+            clustered(kernel, parts, bound)?
         } else {
             let parts = parts.iter().filter(|p| !kernel.is_true(p));
             parts.cloned().collect()
@@ -80,7 +78,6 @@ impl<K: Kernel> Relation<K> {
             } else {
                 kernel.exists(&kernel.and(&result, cluster)?, bits)?
             };
-            if std::env::var("LW_TRACE2").is_ok() { eprintln!("    cluster {} gone {} -> {} nodes {}", kernel.size(cluster), bits.iter().count(), kernel.size(&result), kernel.nodes()); }
         }
         Ok(result)
     }
@@ -95,23 +92,32 @@ impl<K: Kernel> Relation<K> {
         self.clusters.iter().map(|(c, _)| c)
     }
 
-    /// How many clusters there are.
-    pub fn len(&self) -> usize {
+    /// The number of clusters.
+    pub fn count(&self) -> usize {
         self.clusters.len()
+    }
+
+    /// The number of nodes of all clusters.
+    pub fn size(&self, kernel: &K) -> usize {
+        self.clusters.iter().map(|(c, _)| kernel.size(c)).sum()
     }
 }
 
 /// Puts conjuncts together, in order, until a cluster is large.
-fn clustered<K: Kernel>(kernel: &K, parts: &[K::Function]) -> Result<Vec<K::Function>, Limit> {
+fn clustered<K: Kernel>(
+    kernel: &K,
+    parts: &[K::Function],
+    bound: usize,
+) -> Result<Vec<K::Function>, Limit> {
     let mut result: Vec<(K::Function, usize)> = Vec::new();
     for part in parts.iter().filter(|p| !kernel.is_true(p)) {
         let size = kernel.size(part);
         if let Some((last, last_size)) = result.last_mut()
-            && *last_size + size <= cl()
+            && *last_size + size <= bound
         {
             let both = kernel.and(last, part)?;
             let both_size = kernel.size(&both);
-            if both_size <= cl() {
+            if both_size <= bound {
                 (*last, *last_size) = (both, both_size);
                 continue;
             }
@@ -125,7 +131,6 @@ fn clustered<K: Kernel>(kernel: &K, parts: &[K::Function]) -> Result<Vec<K::Func
 /// fewest that it brings.
 fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     let mut left: Vec<usize> = (0..supports.len()).collect();
-    if std::env::var("LW_TRACE").is_ok() { eprintln!("  {} clusters", supports.len()); }
     let mut present = BitSet::default();
     let mut mentions: HashMap<Bit, usize> = HashMap::new();
     for bit in supports.iter().flat_map(BitSet::iter) {
@@ -157,5 +162,3 @@ fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     }
     order
 }
-
-fn cl() -> usize { std::env::var("LW_CLUSTER").ok().and_then(|s| s.parse().ok()).unwrap_or(CLUSTER_NODES) }

@@ -1,22 +1,25 @@
 //! From a specification to a verdict: which kernel, which order, and what it took.
 //!
 //! Small games are played on biodivine's kernel, which starts at once; a game that outgrows [`SMALL_NODES`] there, or has more
-//! than [`SMALL_PAIRS`] pairs of bits, is played on OxiDD's. The choice depends on the specification only, so that the same
+//! than [`SMALL_PAIRS`] pairs of bits, is played on `OxiDD`'s. The choice depends on the specification only, so that the same
 //! input always gives the same machine.
 
-use super::arena::{Arena, Formulas, Selection, first_order};
+use super::arena::{Arena, first_order};
 use super::core;
 use super::explore::{self, Explicit};
 use super::findings::{self, EnvironmentFindings};
-use super::fixpoint::{Iterations, winning_region};
+use super::fixpoint::winning_region;
 use super::functions::{self, Controls};
-use super::heuristics::{Heuristic, Heuristics};
-use super::strategy;
+use super::heuristics::Heuristics;
+use super::progress::{Phase, Progress};
+use super::ranking::{self, Ranking};
+use super::set_up;
+use super::strategy::{self, Preference};
 use super::{Lost, Outcome, Won};
 use crate::gr1::{Specification, Time, VarId};
-use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, Order, OxiDd};
+use crate::symbolic::{Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
 use std::fmt::Debug;
-use std::sync::atomic::Ordering;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// A game of more pairs of bits than this is not small.
@@ -24,6 +27,9 @@ const SMALL_PAIRS: usize = 48;
 
 /// A game that needs more nodes than this at once is not small.
 const SMALL_NODES: u64 = 100_000;
+
+/// The same where dead nodes count until they are collected.
+const SMALL_NODES_SHARED: u64 = 1 << 20;
 
 /// Which kernel a game is played on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -33,7 +39,7 @@ pub enum KernelChoice {
     Automatic,
     /// biodivine-lib-bdd: every function owns its nodes.
     Biodivine,
-    /// OxiDD: a shared store with complement edges.
+    /// `OxiDD`: a shared store with complement edges.
     OxiDd,
 }
 
@@ -48,6 +54,13 @@ pub struct Options {
     pub heuristics: Heuristics,
     /// Whether no core is looked for when there is no machine.
     pub without_core: bool,
+    /// An order to begin with, instead of looking for one. With the automatic kernel, only a large game begins with it.
+    pub first_order: Option<Order>,
+    /// A set of states, as the first root, to which the winning region is known to belong. With the automatic kernel, only a
+    /// large game begins with it.
+    pub first_region: Option<Diagram>,
+    /// Where to publish how far it is. Options that are cloned publish to the same place.
+    pub progress: Arc<Progress>,
 }
 
 /// What a verdict took.
@@ -73,10 +86,14 @@ pub struct Statistics {
     pub inner: u64,
     /// Controllable predecessors that were computed.
     pub predecessors: u64,
+    /// Whether the game is too large to be examined further beside a verdict. By its bits and nodes, never by the clock.
+    pub large: bool,
     /// The variables from the top of the diagrams to their bottom at the start, by the place of their first bit.
     pub order_before: Vec<VarId>,
     /// The same at the end.
     pub order_after: Vec<VarId>,
+    /// The order at the end; `None` until then.
+    pub last_order: Option<Order>,
 }
 
 /// A verdict and what it took.
@@ -94,6 +111,7 @@ pub trait Game: Debug + Send + Sync {
     fn explore(
         &self,
         specification: &Specification,
+        preference: Preference,
         limits: &Limits,
     ) -> Result<Explicit, Limit>;
 
@@ -106,6 +124,12 @@ pub trait Game: Debug + Send + Sync {
         specification: &Specification,
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit>;
+
+    /// See [`Won::ranking`].
+    fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit>;
+
+    /// See [`Won::region`].
+    fn region(&self) -> Diagram;
 }
 
 /// A game that was won on one kernel.
@@ -120,10 +144,11 @@ impl<K: Kernel> Game for WonGame<K> {
     fn explore(
         &self,
         specification: &Specification,
+        preference: Preference,
         limits: &Limits,
     ) -> Result<Explicit, Limit> {
         let arena = self.arena.with_limits(limits);
-        let strategy = strategy::strategy(&arena, specification, &self.region)?;
+        let strategy = strategy::strategy(&arena, specification, preference, &self.region)?;
         explore::explore(&arena, specification, &strategy, limits)
     }
 
@@ -137,6 +162,14 @@ impl<K: Kernel> Game for WonGame<K> {
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit> {
         findings::examine(&self.arena.with_limits(limits), specification)
+    }
+
+    fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit> {
+        ranking::ranking(&self.arena.with_limits(limits), specification, &self.region)
+    }
+
+    fn region(&self) -> Diagram {
+        self.arena.kernel.export(&[&self.region])
     }
 }
 
@@ -153,14 +186,45 @@ pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
 pub fn solve_with(specification: &Specification, options: &Options) -> Solved {
     let order = first_order(specification, options.heuristics);
     if let Some(limits) = small(&order, options) {
-        let solved = play::<Biodivine>(specification, &order, &limits, options);
+        let solved = if options.kernel == KernelChoice::Automatic {
+            play::<Biodivine>(specification, &order, &limits, options, Start::default())
+        } else {
+            play::<Biodivine>(specification, &order, &limits, options, Start::of(options))
+        };
         let outgrown = options.kernel == KernelChoice::Automatic
             && matches!(solved.outcome, Outcome::GaveUp(Limit::Memory));
         if !outgrown {
             return solved;
         }
     }
-    play::<OxiDd>(specification, &order, &options.limits, options)
+    let start = Start::of(options);
+    play::<OxiDd>(specification, &order, &options.limits, options, start)
+}
+
+/// What is known beforehand.
+#[derive(Clone, Copy, Default)]
+struct Start<'a> {
+    order: Option<&'a Order>,
+    region: Option<&'a Diagram>,
+}
+
+impl<'a> Start<'a> {
+    fn of(options: &'a Options) -> Self {
+        Self {
+            order: options.first_order.as_ref(),
+            region: options.first_region.as_ref(),
+        }
+    }
+
+    /// Nothing that does not fit the bits of the game.
+    fn fitting(self, pairs: usize) -> Self {
+        Self {
+            order: self.order.filter(|o| o.pairs().len() == pairs),
+            region: self
+                .region
+                .filter(|r| r.roots.len() == 1 && r.is_sound(2 * pairs)),
+        }
+    }
 }
 
 /// The limits for a try on biodivine's kernel, if there shall be one.
@@ -201,29 +265,9 @@ fn examine_on<K: Kernel>(
     limits: &Limits,
     heuristics: Heuristics,
 ) -> Result<EnvironmentFindings, Limit> {
-    let formulas = Formulas::<K>::encode(specification, order, heuristics, limits)?;
-    findings::examine(&arena_of(&formulas, heuristics)?, specification)
-}
-
-/// The whole game, in a good order.
-fn arena_of<K: Kernel>(
-    formulas: &Formulas<K>,
-    heuristics: Heuristics,
-) -> Result<Arena<K>, Limit> {
-    let sifting = heuristics.has(Heuristic::Sifting);
-    if sifting {
-        formulas.kernel().sift()?;
-    }
-    let mut arena = formulas.arena(&Selection::All)?;
-    if sifting {
-        let n: usize = std::env::var("LW_ROUNDS").ok().and_then(|s| s.parse().ok()).unwrap_or(0);
-        for _ in 0..n {
-            formulas.kernel().sift()?;
-            arena = formulas.arena(&Selection::All)?;
-        }
-        formulas.kernel().sift()?;
-    }
-    Ok(arena)
+    let progress = Progress::default();
+    let (_, arena) = set_up::set_up::<K>(specification, order, heuristics, limits, &progress)?;
+    findings::examine(&arena, specification)
 }
 
 /// Solves a game on one kernel.
@@ -232,30 +276,26 @@ fn play<K: Kernel>(
     order: &Order,
     limits: &Limits,
     options: &Options,
+    start: Start<'_>,
 ) -> Solved {
-    let mut statistics = Statistics {
+    let start = start.fitting(order.pairs().len());
+    let order = start.order.unwrap_or(order);
+    let progress = &*options.progress;
+    progress.begin(Statistics {
         kernel: K::NAME,
         pairs: order.pairs().len(),
+        large: order.pairs().len() > SMALL_PAIRS,
         order_before: variables(specification, order),
         ..Statistics::default()
-    };
-    let iterations = Iterations::default();
-    let outcome = decide::<K>(
-        specification,
-        order,
-        limits,
-        options,
-        &iterations,
-        &mut statistics,
-    )
-    .unwrap_or_else(Outcome::GaveUp);
-    statistics.outer = iterations.outer.load(Ordering::Relaxed);
-    statistics.middle = iterations.middle.load(Ordering::Relaxed);
-    statistics.inner = iterations.inner.load(Ordering::Relaxed);
-    statistics.predecessors = iterations.predecessors.load(Ordering::Relaxed);
+    });
+    let outcome = decide::<K>(specification, order, limits, options, start);
+    // Otherwise what it was at says how far it came.
+    if outcome.is_ok() {
+        progress.enter(Phase::Ended);
+    }
     Solved {
-        outcome,
-        statistics,
+        outcome: outcome.unwrap_or_else(Outcome::GaveUp),
+        statistics: progress.statistics(),
     }
 }
 
@@ -264,29 +304,41 @@ fn decide<K: Kernel>(
     order: &Order,
     limits: &Limits,
     options: &Options,
-    iterations: &Iterations,
-    statistics: &mut Statistics,
+    start: Start<'_>,
 ) -> Result<Outcome, Limit> {
-    let start = Instant::now();
-    let formulas = Formulas::<K>::encode(specification, order, options.heuristics, limits)?;
-    statistics.encode_seconds = start.elapsed().as_secs_f64();
+    let progress = &*options.progress;
+    let (formulas, arena) =
+        set_up::set_up::<K>(specification, order, options.heuristics, limits, progress)?;
 
-    let start = Instant::now();
-    let arena = arena_of(&formulas, options.heuristics)?;
-    statistics.order_seconds = start.elapsed().as_secs_f64();
-
-    let start = Instant::now();
-    let region = winning_region(&arena, iterations);
-    statistics.fixpoint_seconds = start.elapsed().as_secs_f64();
-    statistics.peak_nodes = formulas.peak_nodes();
-    statistics.order_after = variables(specification, &formulas.kernel().order());
+    progress.enter(Phase::Fixpoint);
+    let clock = Instant::now();
+    let within = match start.region {
+        Some(region) => Some(arena.kernel.import(region)?.swap_remove(0)),
+        None => None,
+    };
+    let region = winning_region(&arena, within.as_ref(), progress.iterations());
+    drop(within);
+    let peak_nodes = formulas.peak_nodes();
+    let last_order = formulas.kernel().order();
+    progress.note(|s| {
+        s.fixpoint_seconds = clock.elapsed().as_secs_f64();
+        s.peak_nodes = peak_nodes;
+        s.order_after = variables(specification, &last_order);
+        s.last_order = Some(last_order);
+        s.large |= peak_nodes
+            > match K::NAME {
+                Biodivine::NAME => SMALL_NODES,
+                _ => SMALL_NODES_SHARED,
+            };
+    });
     if let Some(region) = region? {
         return Ok(Outcome::Realizable(Won {
             game: Box::new(WonGame { arena, region }),
-            peak_nodes: formulas.peak_nodes(),
+            peak_nodes,
         }));
     }
     drop(arena);
+    progress.enter(Phase::Core);
     let core = if options.without_core {
         None
     } else {
@@ -296,6 +348,24 @@ fn decide<K: Kernel>(
         core,
         peak_nodes: formulas.peak_nodes(),
     }))
+}
+
+/// An order of the pairs of bits from one of the variables, given by their indices. `None` unless each occurs once.
+pub fn order_of_variables(
+    specification: &Specification,
+    variables: impl IntoIterator<Item = usize>,
+) -> Option<Order> {
+    let encoding = Encoding::new(specification);
+    let known = specification.variables.len();
+    let variables = variables.into_iter().filter(|v| *v < known);
+    let pairs = variables.flat_map(|v| {
+        let bits = encoding.bits(VarId(v as u32), Time::Now);
+        bits.map(Bit::pair).collect::<Vec<_>>()
+    });
+    // The strategy's own pair comes last.
+    let last = encoding.pairs() as u16;
+    let order = Order::new(pairs.chain([last]).collect())?;
+    (order.pairs().len() == usize::from(last) + 1).then_some(order)
 }
 
 /// The variables by the place of their topmost bit.

@@ -18,6 +18,16 @@ use super::fixpoint::{Layer, layers};
 use crate::gr1::{Owner, Specification, Time, Timing, VarId};
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 
+/// What a machine shall be good at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Preference {
+    /// Short ways to the next goal.
+    #[default]
+    Reaction,
+    /// Few states.
+    States,
+}
+
 /// A deterministic strategy.
 #[derive(Debug)]
 pub struct Strategy<K: Kernel> {
@@ -35,6 +45,7 @@ pub struct Strategy<K: Kernel> {
 pub fn strategy<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
+    preference: Preference,
     region: &K::Function,
 ) -> Result<Strategy<K>, Limit> {
     let maker = Maker::new(arena, specification, region)?;
@@ -116,7 +127,12 @@ impl<'a, K: Kernel> Maker<'a, K> {
 
     /// The transitions to aim at in pursuit of goal `j`, the best kind first. Each holds only what is a winning move in the
     /// state where it begins.
-    fn targets(&self, j: usize, own: &[Layer<K>], next: &[Layer<K>]) -> Result<Vec<K::Function>, Limit> {
+    fn targets(
+        &self,
+        j: usize,
+        own: &[Layer<K>],
+        next: &[Layer<K>],
+    ) -> Result<Vec<K::Function>, Limit> {
         let m = &self.arena.kernel;
         let goal = &self.arena.goals[j];
         let mut targets = Vec::new();
@@ -251,7 +267,11 @@ impl<'a, K: Kernel> Maker<'a, K> {
     }
 
     /// For every goal, the states in which it may be pursued.
-    fn reachable(&self, moves: &[K::Function], initial: &K::Function) -> Result<Vec<K::Function>, Limit> {
+    fn reachable(
+        &self,
+        moves: &[K::Function],
+        initial: &K::Function,
+    ) -> Result<Vec<K::Function>, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let goals = moves.len();
         let mut known = vec![m.constant(false); goals];

@@ -4,8 +4,8 @@
 //! formulas are hyperedges; every formula pulls its variables towards its centre of gravity, until the sum of all spans
 //! no longer shrinks. A small span is a start for sifting, not an order to rely on.
 
-use crate::gr1::{Formula, Specification, Time, VarId};
-use crate::symbolic::{Encoding, Order};
+use crate::gr1::{Formula, Side, Specification, Time, VarId};
+use crate::symbolic::{Bit, Encoding, Order};
 
 /// Rounds of pulling; spans hardly shrink after the first few.
 const MOST_ROUNDS: usize = 30;
@@ -13,7 +13,7 @@ const MOST_ROUNDS: usize = 30;
 /// The pairs of bits by variable, the variables ordered by structure; pairs that belong to no variable come last.
 pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -> Order {
     let sides = [&specification.assumptions, &specification.guarantees];
-    let formulas = sides.into_iter().flat_map(|s| s.all());
+    let formulas = sides.into_iter().flat_map(Side::all);
     let edges: Vec<Vec<usize>> = formulas.map(variables).filter(|e| e.len() > 1).collect();
 
     let mut best = first_seen(&edges, specification.variables.len());
@@ -31,7 +31,7 @@ pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -
     let mut order = Vec::with_capacity(pairs);
     for variable in best {
         let bits = encoding.bits(VarId(variable as u32), Time::Now);
-        order.extend(bits.map(|b| b.pair()));
+        order.extend(bits.map(Bit::pair));
     }
     order.extend(encoding.pairs() as u16..pairs as u16);
     Order::new(order).expect("every variable has its place; please report this")

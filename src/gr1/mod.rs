@@ -25,6 +25,7 @@ pub mod overflow;
 pub use expr::{BinaryOp, Expr, Time, UnaryOp};
 
 use crate::source::Span;
+use serde::{Deserialize, Serialize};
 
 /// The index of a variable in [`Specification::variables`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -38,7 +39,7 @@ impl VarId {
 }
 
 /// The finite set of values of a variable. Every value is an `i64`.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Domain {
     /// `false` is 0, `true` is 1.
     Bool,
@@ -133,7 +134,7 @@ pub struct Variable {
 }
 
 /// Who answers first in a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Timing {
     /// The machine sees the inputs of the step it answers.
     Mealy,

@@ -5,7 +5,9 @@
 
 use super::rename::renamed;
 use super::{Format, gates::is_truth};
-use crate::gr1::{BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp};
+use crate::gr1::{
+    BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp,
+};
 use std::fmt::Write as _;
 
 /// So many operands stand in one chain; the language's parser has a bound of its own.
@@ -15,9 +17,42 @@ const DEEP: usize = 40;
 
 /// Words that are no names.
 const RESERVED: [&str; 36] = [
-    "always", "eventually", "next", "not", "and", "or", "xor", "implies", "iff", "mod", "if", "then", "else",
-    "forall", "exists", "count", "sum", "true", "false", "in", "input", "output", "internal", "define", "assume",
-    "guarantee", "contract", "moore", "machine", "line", "import", "type", "const", "GF", "G", "F",
+    "always",
+    "eventually",
+    "next",
+    "not",
+    "and",
+    "or",
+    "xor",
+    "implies",
+    "iff",
+    "mod",
+    "if",
+    "then",
+    "else",
+    "forall",
+    "exists",
+    "count",
+    "sum",
+    "true",
+    "false",
+    "in",
+    "input",
+    "output",
+    "internal",
+    "define",
+    "assume",
+    "guarantee",
+    "contract",
+    "moore",
+    "machine",
+    "line",
+    "import",
+    "type",
+    "const",
+    "GF",
+    "G",
+    "F",
 ];
 
 fn is_name(name: &str) -> bool {
@@ -37,7 +72,9 @@ pub fn write(specification: &Specification, origin: &str) -> String {
         sides.into_iter().flat_map(Side::all)
     };
     // Labels, variables and helpers share one set of names, so that no reader has to tell them apart.
-    let all: Vec<&str> = variables.chain(formulas().map(|f| f.name.as_str())).collect();
+    let all: Vec<&str> = variables
+        .chain(formulas().map(|f| f.name.as_str()))
+        .collect();
     let mut names = renamed(all, "v_", is_name);
     let labels = names.split_off(specification.variables.len());
     let mut printer = Printer {
@@ -48,7 +85,10 @@ pub fn write(specification: &Specification, origin: &str) -> String {
     };
     let mut body = String::new();
     let mut labels = labels.into_iter();
-    for (keyword, side) in [("assume", &specification.assumptions), ("guarantee", &specification.guarantees)] {
+    for (keyword, side) in [
+        ("assume", &specification.assumptions),
+        ("guarantee", &specification.guarantees),
+    ] {
         let mut lines = String::new();
         for (temporal, formulas) in [
             ("", &side.initial),
@@ -61,7 +101,9 @@ pub fn write(specification: &Specification, origin: &str) -> String {
                 let text = printer.formula(formula);
                 let text = match temporal {
                     "" => text,
-                    "always transition" if formula.expr.mentions_next() => format!("always ({text})"),
+                    "always transition" if formula.expr.mentions_next() => {
+                        format!("always ({text})")
+                    }
                     "always transition" => format!("always (next true -> ({text}))"),
                     temporal => format!("{temporal}({text})"),
                 };
@@ -80,10 +122,18 @@ pub fn write(specification: &Specification, origin: &str) -> String {
         }
         if let Domain::Enum { labels, .. } = &variable.domain {
             let labels = labels.iter().enumerate().map(|(i, l)| format!("{i} {l}"));
-            let _ = writeln!(text, "// {name} is numbered: {}", labels.collect::<Vec<_>>().join(", "));
+            let _ = writeln!(
+                text,
+                "// {name} is numbered: {}",
+                labels.collect::<Vec<_>>().join(", ")
+            );
         }
     }
-    let moore = if specification.timing == Timing::Moore { "moore " } else { "" };
+    let moore = if specification.timing == Timing::Moore {
+        "moore "
+    } else {
+        ""
+    };
     let _ = writeln!(text, "{moore}contract {name} {{");
     for (variable, name) in specification.variables.iter().zip(&names) {
         let owner = match (variable.owner, variable.internal) {
@@ -93,7 +143,12 @@ pub fn write(specification: &Specification, origin: &str) -> String {
         };
         let _ = match &variable.domain {
             Domain::Bool => writeln!(text, "    {owner} {name}: bool"),
-            domain => writeln!(text, "    {owner} {name}: {}..{}", domain.low(), domain.high()),
+            domain => writeln!(
+                text,
+                "    {owner} {name}: {}..{}",
+                domain.low(),
+                domain.high()
+            ),
         };
     }
     if !printer.defines.is_empty() {
@@ -109,7 +164,10 @@ pub fn write(specification: &Specification, origin: &str) -> String {
 
 /// The line that says where a contract comes from.
 pub fn origin(file: &str, format: Format) -> String {
-    format!("Imported from {file}, a specification for {}.", format.tool())
+    format!(
+        "Imported from {file}, a specification for {}.",
+        format.tool()
+    )
 }
 
 struct Printer<'s> {
@@ -123,8 +181,19 @@ struct Printer<'s> {
 struct Printed {
     text: String,
     depth: usize,
-    /// It needs no parentheses wherever it stands.
-    closed: bool,
+    /// Where it needs no parentheses.
+    binds: Binds,
+}
+
+/// How tightly an expression binds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Binds {
+    /// Nowhere but alone.
+    Loosely,
+    /// As an operand of `and`, `or` and `->`: a comparison or a negation.
+    AsOperand,
+    /// Everywhere.
+    Tightly,
 }
 
 impl Printer<'_> {
@@ -133,19 +202,23 @@ impl Printer<'_> {
     }
 
     /// A part of another expression: in parentheses, or by a name where it nests too deep.
-    fn part(&mut self, expr: &Expr, truth: bool) -> Printed {
+    fn part(&mut self, expr: &Expr, truth: bool, wanted: Binds) -> Printed {
         let printed = self.print(expr, truth);
         if printed.depth >= DEEP {
             let name = self.define(printed.text);
-            return Printed { text: name, depth: 0, closed: true };
+            return Printed {
+                text: name,
+                depth: 0,
+                binds: Binds::Tightly,
+            };
         }
-        if printed.closed {
+        if printed.binds >= wanted {
             return printed;
         }
         Printed {
             text: format!("({})", printed.text),
             depth: printed.depth + 1,
-            closed: true,
+            binds: Binds::Tightly,
         }
     }
 
@@ -165,7 +238,11 @@ impl Printer<'_> {
     /// `truth` tells whether a constant is a truth value. The recursion is as deep as the expression.
     fn print(&mut self, expr: &Expr, truth: bool) -> Printed {
         use BinaryOp as B;
-        let leaf = |text: String| Printed { text, depth: 0, closed: true };
+        let leaf = |text: String| Printed {
+            text,
+            depth: 0,
+            binds: Binds::Tightly,
+        };
         let s = self.specification;
         match expr {
             Expr::Const(value) if truth => leaf((*value != 0).to_string()),
@@ -179,49 +256,79 @@ impl Printer<'_> {
                 };
                 // A Boolean that is counted with.
                 if s.variable(*v).domain == Domain::Bool && !truth {
-                    return Printed { text: format!("(if {text} then 1 else 0)"), depth: 2, closed: true };
+                    return Printed {
+                        text: format!("(if {text} then 1 else 0)"),
+                        depth: 2,
+                        binds: Binds::Tightly,
+                    };
                 }
                 leaf(text)
             }
             Expr::Unary(UnaryOp::Not, a) => {
-                let a = self.part(a, true);
-                Printed { text: format!("not {}", a.text), depth: a.depth, closed: false }
+                let a = self.part(a, true, Binds::Tightly);
+                Printed {
+                    text: format!("not {}", a.text),
+                    depth: a.depth,
+                    binds: Binds::AsOperand,
+                }
             }
             Expr::Unary(UnaryOp::Neg, a) => {
-                let a = self.part(a, false);
-                Printed { text: format!("0 - {}", a.text), depth: a.depth, closed: false }
+                let a = self.part(a, false, Binds::Tightly);
+                Printed {
+                    text: format!("0 - {}", a.text),
+                    depth: a.depth,
+                    binds: Binds::Loosely,
+                }
             }
             Expr::Unary(UnaryOp::Abs, a) => {
-                let a = self.part(a, false);
-                Printed { text: format!("abs({})", a.text), depth: a.depth + 1, closed: true }
+                let a = self.part(a, false, Binds::Tightly);
+                Printed {
+                    text: format!("abs({})", a.text),
+                    depth: a.depth + 1,
+                    binds: Binds::Tightly,
+                }
             }
             Expr::If(c, a, b) => {
-                let (c, a, b) = (self.part(c, true), self.part(a, truth), self.part(b, truth));
+                let (c, a, b) = (
+                    self.part(c, true, Binds::Tightly),
+                    self.part(a, truth, Binds::Tightly),
+                    self.part(b, truth, Binds::Tightly),
+                );
                 Printed {
                     text: format!("if {} then {} else {}", c.text, a.text, b.text),
                     depth: c.depth.max(a.depth).max(b.depth) + 1,
-                    closed: false,
+                    binds: Binds::Loosely,
                 }
             }
             Expr::Binary(op @ (B::Min | B::Max), a, b) => {
                 let word = if *op == B::Min { "min" } else { "max" };
-                let (a, b) = (self.part(a, false), self.part(b, false));
+                let (a, b) = (
+                    self.part(a, false, Binds::Tightly),
+                    self.part(b, false, Binds::Tightly),
+                );
                 Printed {
                     text: format!("{word}({}, {})", a.text, b.text),
                     depth: a.depth.max(b.depth) + 1,
-                    closed: true,
+                    binds: Binds::Tightly,
                 }
             }
             Expr::Binary(op @ (B::And | B::Or), ..) => {
                 let mut operands = Vec::new();
                 operands_of(*op, expr, &mut operands);
-                let parts: Vec<Printed> = operands.into_iter().map(|e| self.part(e, true)).collect();
+                let parts: Vec<Printed> = operands
+                    .into_iter()
+                    .map(|e| self.part(e, true, Binds::AsOperand))
+                    .collect();
                 chain(if *op == B::And { " and " } else { " or " }, parts)
             }
             Expr::Binary(op, a, b) => {
                 let truths = matches!(op, B::Implies)
-                    || matches!(op, B::Eq | B::Ne) && is_truth(s, a) && is_truth(s, b)
+                    || matches!(op, B::Eq | B::Ne)
+                        && is_truth(s, a)
+                        && is_truth(s, b)
                         && !matches!((&**a, &**b), (Expr::Const(_), Expr::Const(_)));
+                let comparison =
+                    !truths && matches!(op, B::Eq | B::Ne | B::Lt | B::Le | B::Gt | B::Ge);
                 let word = match op {
                     B::Implies => "->",
                     B::Eq if truths => "<->",
@@ -238,11 +345,20 @@ impl Printer<'_> {
                     B::Div => "/",
                     _ => "mod",
                 };
-                let (a, b) = (self.part(a, truths), self.part(b, truths));
+                let wanted = if matches!(op, B::Implies) {
+                    Binds::AsOperand
+                } else {
+                    Binds::Tightly
+                };
+                let (a, b) = (self.part(a, truths, wanted), self.part(b, truths, wanted));
                 Printed {
                     text: format!("{} {word} {}", a.text, b.text),
                     depth: a.depth.max(b.depth),
-                    closed: false,
+                    binds: if comparison {
+                        Binds::AsOperand
+                    } else {
+                        Binds::Loosely
+                    },
                 }
             }
         }
@@ -271,7 +387,11 @@ fn chain(sign: &str, mut parts: Vec<Printed>) -> Printed {
             groups.push(Printed {
                 text: if grouped { format!("({text})") } else { text },
                 depth: group.iter().map(|p| p.depth).max().unwrap_or(0) + usize::from(grouped),
-                closed: grouped,
+                binds: if grouped {
+                    Binds::Tightly
+                } else {
+                    Binds::Loosely
+                },
             });
         }
         parts = groups;
@@ -279,6 +399,10 @@ fn chain(sign: &str, mut parts: Vec<Printed>) -> Printed {
             break;
         }
     }
-    let empty = Printed { text: String::new(), depth: 0, closed: true };
+    let empty = Printed {
+        text: String::new(),
+        depth: 0,
+        binds: Binds::Tightly,
+    };
     parts.pop().unwrap_or(empty)
 }

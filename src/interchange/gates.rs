@@ -36,11 +36,14 @@ pub(super) enum Shape {
 pub(super) struct TooMany;
 
 impl TooMany {
-    pub fn finding(self, formula: &Formula) -> Diagnostic {
+    pub fn finding(formula: &Formula) -> Diagnostic {
         Diagnostic::error(
             codes::TOO_LARGE,
             formula.span,
-            format!("`{}` has too many cases to be written without arithmetic", formula.name),
+            format!(
+                "`{}` has too many cases to be written without arithmetic",
+                formula.name
+            ),
         )
         .with_help("make the domains of its numbers smaller")
     }
@@ -147,7 +150,9 @@ impl Gates {
                 let a = self.not(a);
                 self.or(a, b)
             }
-            Expr::Binary(op @ (BinaryOp::Eq | BinaryOp::Ne), a, b) if is_truth(s, a) && is_truth(s, b) => {
+            Expr::Binary(op @ (BinaryOp::Eq | BinaryOp::Ne), a, b)
+                if is_truth(s, a) && is_truth(s, b) =>
+            {
                 let (a, b) = (self.truth(s, a)?, self.truth(s, b)?);
                 let differ = self.xor(a, b);
                 match op {
@@ -192,7 +197,13 @@ impl Gates {
         let mut cases: Vec<(Expr, Vec<(i64, i64)>)> = Vec::new();
         for value in domain.low()..=domain.high() {
             let rest = expr
-                .substitute(&mut |w, u| if (w, u) == (v, t) { Expr::Const(value) } else { Expr::Var(w, u) })
+                .substitute(&mut |w, u| {
+                    if (w, u) == (v, t) {
+                        Expr::Const(value)
+                    } else {
+                        Expr::Var(w, u)
+                    }
+                })
                 .simplify();
             let place = *places.entry(rest.clone()).or_insert_with(|| {
                 cases.push((rest, Vec::new()));
@@ -209,7 +220,10 @@ impl Gates {
             if self.constant(rest) == Some(false) {
                 continue;
             }
-            let tests: Vec<Gate> = ranges.into_iter().map(|(l, h)| self.within(v, t, l, h, domain)).collect();
+            let tests: Vec<Gate> = ranges
+                .into_iter()
+                .map(|(l, h)| self.within(v, t, l, h, domain))
+                .collect();
             let tests = self.any(tests);
             options.push(self.and(tests, rest));
         }
@@ -266,7 +280,9 @@ impl Gates {
             let size = |g: Gate| sizes.get(&g).copied().unwrap_or(1);
             let own = match self.shape(gate) {
                 Shape::Not(a) => size(a).saturating_add(1),
-                Shape::And(a, b) | Shape::Or(a, b) => size(a).saturating_add(size(b)).saturating_add(1),
+                Shape::And(a, b) | Shape::Or(a, b) => {
+                    size(a).saturating_add(size(b)).saturating_add(1)
+                }
                 Shape::Xor(a, b) => size(a).saturating_add(size(b)).saturating_add(1),
                 _ => 1,
             };

@@ -3,7 +3,7 @@
 //! Dijkstra's shunting yard with two explicit stacks: linear time, no recursion, and the place of a mistake is the word at which it
 //! shows. The two formats differ in their words and in how tightly `&` and `|` bind, see [`Dialect`].
 
-use super::names::{Names, overwrite_low_bits};
+use super::names::{Names, overwrite_low_bits, quoted};
 use super::terms::{Kind, Term};
 use crate::diagnostics::codes;
 use crate::gr1::{BinaryOp, Time};
@@ -72,7 +72,7 @@ pub(super) fn words(text: &str, range: Range<usize>, dialect: Dialect) -> Vec<To
             at += rest.find('\n').unwrap_or(rest.len());
             continue;
         }
-        if c.is_whitespace() {
+        if c.is_whitespace() || c == '\u{feff}' {
             at += c.len_utf8();
             continue;
         }
@@ -83,12 +83,58 @@ pub(super) fn words(text: &str, range: Range<usize>, dialect: Dialect) -> Vec<To
     found
 }
 
+/// Signs that both formats have; of two that begin alike the longer one stands first.
+const COMMON: &[(&str, Word)] = &[
+    ("<->", Word::Infix(Infix::Iff)),
+    ("->", Word::Infix(Infix::Op(BinaryOp::Implies))),
+    ("<>", Word::Eventually),
+    ("[]", Word::Always),
+    ("<=", Word::Infix(Infix::Op(BinaryOp::Le))),
+    (">=", Word::Infix(Infix::Op(BinaryOp::Ge))),
+    ("!=", Word::Infix(Infix::Op(BinaryOp::Ne))),
+    ("<", Word::Infix(Infix::Op(BinaryOp::Lt))),
+    (">", Word::Infix(Infix::Op(BinaryOp::Gt))),
+    ("=", Word::Infix(Infix::Op(BinaryOp::Eq))),
+    ("&", Word::Infix(Infix::Op(BinaryOp::And))),
+    ("|", Word::Infix(Infix::Op(BinaryOp::Or))),
+    ("!", Word::Not),
+    ("(", Word::Open),
+    (")", Word::Close),
+    ("[", Word::OpenBracket),
+    ("]", Word::CloseBracket),
+];
+/// gr1c's own.
+const SPC: &[(&str, Word)] = &[
+    ("'", Word::Prime),
+    (",", Word::Comma),
+    (";", Word::Semicolon),
+    (":", Word::Colon),
+];
+/// Those of structured slugs, looked for before the common ones.
+const STRUCTURED: &[(&str, Word)] = &[
+    ("<-->", Word::Infix(Infix::Iff)),
+    ("-->", Word::Infix(Infix::Op(BinaryOp::Implies))),
+    ("->", Word::Infix(Infix::Op(BinaryOp::Implies))),
+    ("()", Word::Next),
+    ("&&", Word::Infix(Infix::Op(BinaryOp::And))),
+    ("/\\", Word::Infix(Infix::Op(BinaryOp::And))),
+    ("||", Word::Infix(Infix::Op(BinaryOp::Or))),
+    ("\\/", Word::Infix(Infix::Op(BinaryOp::Or))),
+    ("~", Word::Not),
+    ("^", Word::Infix(Infix::Xor)),
+    ("+", Word::Infix(Infix::Op(BinaryOp::Add))),
+    ("-", Word::Infix(Infix::Op(BinaryOp::Sub))),
+    ("*", Word::Infix(Infix::Op(BinaryOp::Mul))),
+    ("/", Word::Infix(Infix::Op(BinaryOp::Div))),
+];
+
 fn word(rest: &str, c: char, dialect: Dialect) -> (Word, usize) {
-    use BinaryOp as B;
     let structured = dialect == Dialect::Structured;
     let starts = |c: char| c.is_ascii_alphabetic() || c == '_' || structured && ".'@".contains(c);
     if starts(c) {
-        let goes_on = |c: char| c.is_ascii_alphanumeric() || "_.".contains(c) || structured && "'@".contains(c);
+        let goes_on = |c: char| {
+            c.is_ascii_alphanumeric() || "_.".contains(c) || structured && "'@".contains(c)
+        };
         let length = rest.find(|c| !goes_on(c)).unwrap_or(rest.len());
         let word = match (&rest[..length], structured) {
             ("True", false) | ("TRUE", true) => Word::True,
@@ -112,52 +158,13 @@ fn word(rest: &str, c: char, dialect: Dialect) -> (Word, usize) {
         }
         return (Word::Number, length);
     }
-    const COMMON: &[(&str, Word)] = &[
-        ("<->", Word::Infix(Infix::Iff)),
-        ("->", Word::Infix(Infix::Op(B::Implies))),
-        ("<>", Word::Eventually),
-        ("[]", Word::Always),
-        ("<=", Word::Infix(Infix::Op(B::Le))),
-        (">=", Word::Infix(Infix::Op(B::Ge))),
-        ("!=", Word::Infix(Infix::Op(B::Ne))),
-        ("<", Word::Infix(Infix::Op(B::Lt))),
-        (">", Word::Infix(Infix::Op(B::Gt))),
-        ("=", Word::Infix(Infix::Op(B::Eq))),
-        ("&", Word::Infix(Infix::Op(B::And))),
-        ("|", Word::Infix(Infix::Op(B::Or))),
-        ("!", Word::Not),
-        ("(", Word::Open),
-        (")", Word::Close),
-        ("[", Word::OpenBracket),
-        ("]", Word::CloseBracket),
-    ];
-    const SPC: &[(&str, Word)] = &[
-        ("'", Word::Prime),
-        (",", Word::Comma),
-        (";", Word::Semicolon),
-        (":", Word::Colon),
-    ];
-    const STRUCTURED: &[(&str, Word)] = &[
-        ("<-->", Word::Infix(Infix::Iff)),
-        ("-->", Word::Infix(Infix::Op(B::Implies))),
-        ("->", Word::Infix(Infix::Op(B::Implies))),
-        ("()", Word::Next),
-        ("&&", Word::Infix(Infix::Op(B::And))),
-        ("/\\", Word::Infix(Infix::Op(B::And))),
-        ("||", Word::Infix(Infix::Op(B::Or))),
-        ("\\/", Word::Infix(Infix::Op(B::Or))),
-        ("~", Word::Not),
-        ("^", Word::Infix(Infix::Xor)),
-        ("+", Word::Infix(Infix::Op(B::Add))),
-        ("-", Word::Infix(Infix::Op(B::Sub))),
-        ("*", Word::Infix(Infix::Op(B::Mul))),
-        ("/", Word::Infix(Infix::Op(B::Div))),
-    ];
     let own = if structured { STRUCTURED } else { SPC };
     own.iter()
         .chain(COMMON)
         .find(|(sign, _)| rest.starts_with(sign))
-        .map_or((Word::Stray, c.len_utf8()), |(sign, word)| (*word, sign.len()))
+        .map_or((Word::Stray, c.len_utf8()), |(sign, word)| {
+            (*word, sign.len())
+        })
 }
 
 /// A formula or number that was read, with its place and the mark of [`Names`] before it.
@@ -240,7 +247,9 @@ impl Yard<'_, '_> {
                         let mark = self.names.mark();
                         self.waiting.push(Waiting::Prefix(*word, range, mark));
                     }
-                    Word::Open | Word::OpenBracket => self.waiting.push(Waiting::Open(*word, range)),
+                    Word::Open | Word::OpenBracket => {
+                        self.waiting.push(Waiting::Open(*word, range));
+                    }
                     Word::True | Word::False => {
                         let term = self.names.terms.bool(*word == Word::True);
                         self.leaf(term, range, 1);
@@ -282,8 +291,11 @@ impl Yard<'_, '_> {
             } else {
                 "something has to follow here: the formula ends too early"
             };
-            self.names
-                .syntax(end, message, "complete the formula, or remove its last sign");
+            self.names.syntax(
+                end,
+                message,
+                "complete the formula, or remove its last sign",
+            );
             return None;
         }
         self.reduce(0);
@@ -304,12 +316,16 @@ impl Yard<'_, '_> {
     }
 
     fn misplaced(&mut self, word: Word, range: Range<usize>, operand_wanted: bool) {
-        let text = self.names.text[range.clone()].to_owned();
+        let text = quoted(&self.names.text[range.clone()]);
         match word {
             Word::Always | Word::Eventually | Word::Until => {
                 let help = match self.dialect {
-                    Dialect::Spc => "begin each formula of a section with its operator, and join them with `&`: `[]a & []b`",
-                    Dialect::Structured => "the section says how often a formula holds: write it without temporal operators",
+                    Dialect::Spc => {
+                        "begin each formula of a section with its operator, and join them with `&`: `[]a & []b`"
+                    }
+                    Dialect::Structured => {
+                        "the section says how often a formula holds: write it without temporal operators"
+                    }
                 };
                 let message = format!("the temporal operator `{text}` cannot stand here");
                 self.names.error(codes::NOT_GR1, range, message, help);
@@ -392,16 +408,19 @@ impl Yard<'_, '_> {
         let level = binding(infix, self.dialect);
         if let Some(Waiting::Infix(before)) = self.waiting.last() {
             let unusual = match (*before, infix) {
-                (Infix::Op(B::Or), Infix::Op(B::And)) if self.dialect == Dialect::Spc => {
-                    Some(("`a | b & c` is read as `(a | b) & c`: `&` and `|` bind equally here", "write the parentheses"))
-                }
-                (Infix::Op(B::Implies), Infix::Op(B::Implies)) => {
-                    Some(("`a -> b -> c` is read as `(a -> b) -> c`: implications group from the left here", "write the parentheses"))
-                }
+                (Infix::Op(B::Or), Infix::Op(B::And)) if self.dialect == Dialect::Spc => Some((
+                    "`a | b & c` is read as `(a | b) & c`: `&` and `|` bind equally here",
+                    "write the parentheses",
+                )),
+                (Infix::Op(B::Implies), Infix::Op(B::Implies)) => Some((
+                    "`a -> b -> c` is read as `(a -> b) -> c`: implications group from the left here",
+                    "write the parentheses",
+                )),
                 _ => None,
             };
             if let Some((message, help)) = unusual {
-                self.names.note(codes::NOTATION, range.clone(), message, help);
+                self.names
+                    .note(codes::NOTATION, range.clone(), message, help);
             }
         }
         self.reduce(level);
@@ -430,7 +449,11 @@ impl Yard<'_, '_> {
 
     fn close(&mut self, word: Word, range: Range<usize>) -> Option<()> {
         self.reduce(0);
-        let wanted = if word == Word::Close { Word::Open } else { Word::OpenBracket };
+        let wanted = if word == Word::Close {
+            Word::Open
+        } else {
+            Word::OpenBracket
+        };
         match self.waiting.pop() {
             Some(Waiting::Open(open, start)) if open == wanted => {
                 if let Some(operand) = self.operands.last_mut() {
@@ -474,13 +497,15 @@ impl Yard<'_, '_> {
         if word == Word::Not {
             operand.term = self.names.terms.not(operand.term);
         } else if self.names.terms.has_next(operand.term) {
-            self.sound = false;
-            self.names.error(
-                codes::NEXT_NESTED,
-                range.clone(),
-                "a next value is asked for within a next value",
-                "write the prime or the operator, not both; two steps ahead need a variable that remembers",
-            );
+            // A row of them is one mistake.
+            if std::mem::replace(&mut self.sound, false) {
+                self.names.error(
+                    codes::NEXT_NESTED,
+                    range.clone(),
+                    "a next value is asked for within a next value",
+                    "write the prime or the operator, not both; two steps ahead need a variable that remembers",
+                );
+            }
         } else {
             operand.term = self.names.primed(operand.term, mark);
         }
@@ -494,8 +519,14 @@ impl Yard<'_, '_> {
     fn mistyped(&mut self, operand: &Operand, wanted: Kind) -> Term {
         if self.sound {
             let (message, help) = match wanted {
-                Kind::Bool => ("expected a truth value, found a number", "compare the number with something"),
-                Kind::Int => ("expected a number, found a truth value", "truth values are joined with `<->`, numbers are compared"),
+                Kind::Bool => (
+                    "expected a truth value, found a number",
+                    "compare the number with something",
+                ),
+                Kind::Int => (
+                    "expected a number, found a truth value",
+                    "truth values are joined with `<->`, numbers are compared",
+                ),
             };
             self.names
                 .error(codes::TYPE_MISMATCH, operand.range.clone(), message, help);
@@ -518,7 +549,11 @@ impl Yard<'_, '_> {
             Infix::Xor => B::Ne,
             Infix::Overwrite => B::Add,
         };
-        let wanted = if binding(infix, self.dialect) >= 7 { Kind::Int } else { Kind::Bool };
+        let wanted = if binding(infix, self.dialect) >= 7 {
+            Kind::Int
+        } else {
+            Kind::Bool
+        };
         if wanted == Kind::Int && self.dialect == Dialect::Spc {
             self.compared(&mut a, &b);
         }
@@ -558,7 +593,9 @@ impl Yard<'_, '_> {
     /// gr1c compares a variable with a number, and nothing else; a Boolean one with 0 and 1.
     fn compared(&mut self, a: &mut Operand, b: &Operand) {
         let terms = &mut self.names.terms;
-        let number = terms.constant(b.term).filter(|_| terms.kind(b.term) == Kind::Int);
+        let number = terms
+            .constant(b.term)
+            .filter(|_| terms.kind(b.term) == Kind::Int);
         let variable = terms.is_var(a.term);
         if number.is_none() || !variable {
             if self.sound {
@@ -581,7 +618,10 @@ impl Yard<'_, '_> {
                 self.names.error(
                     codes::TYPE_MISMATCH,
                     a.range.start..b.range.end,
-                    format!("a number of {} bits cannot overwrite the lowest bits of one of {} bits", a.bits, b.bits),
+                    format!(
+                        "a number of {} bits cannot overwrite the lowest bits of one of {} bits",
+                        a.bits, b.bits
+                    ),
                     "the number on the left has to be the shorter one",
                 );
             }

@@ -3,7 +3,9 @@
 //! They build on one another, so their order is fixed: [`without_invariants`], [`answering_second`], then what only gr1c needs:
 //! [`goals_of_states`] and [`starting_alone`].
 
-use crate::gr1::{BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable};
+use crate::gr1::{
+    BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
+};
 use crate::source::Span;
 
 /// Invariants as initial conditions and transitions: they hold at the start, and in whatever comes next.
@@ -37,7 +39,11 @@ pub fn answering_second(specification: &Specification) -> Specification {
     let mut links = Vec::new();
     for v in outputs {
         let variable = specification.variable(v);
-        let chosen = helper(&mut result, &format!("chosen_{}", variable.name), variable.domain.clone());
+        let chosen = helper(
+            &mut result,
+            &format!("chosen_{}", variable.name),
+            variable.domain.clone(),
+        );
         links.push(Expr::next(v).equals(Expr::now(chosen)));
     }
     for side in [&mut result.assumptions, &mut result.guarantees] {
@@ -51,10 +57,14 @@ pub fn answering_second(specification: &Specification) -> Specification {
         }));
     }
     let side = &mut result.guarantees;
-    side.initial.push(made_up("not started", Expr::now(started).not()));
+    side.initial
+        .push(made_up("not started", Expr::now(started).not()));
     side.safety.push(made_up("started", Expr::next(started)));
-    side.safety
-        .extend(links.into_iter().map(|link| made_up("chosen a step ahead", link)));
+    side.safety.extend(
+        links
+            .into_iter()
+            .map(|link| made_up("chosen a step ahead", link)),
+    );
     result
 }
 
@@ -75,7 +85,8 @@ pub fn goals_of_states(specification: &Specification) -> Specification {
     }
     for (met, expr) in seen {
         let side = &mut result.guarantees;
-        side.initial.push(made_up("no goal met yet", Expr::now(met).not()));
+        side.initial
+            .push(made_up("no goal met yet", Expr::now(met).not()));
         side.safety
             .push(made_up("the goal was met", Expr::next(met).equals(expr)));
     }
@@ -90,25 +101,31 @@ pub fn goals_of_states(specification: &Specification) -> Specification {
 pub fn starting_alone(specification: &Specification) -> Specification {
     let about_inputs = |f: &Formula| {
         let mut found = false;
-        f.expr
-            .for_each_var(&mut |v, _| found |= specification.variable(v).owner == Owner::Environment);
+        f.expr.for_each_var(&mut |v, _| {
+            found |= specification.variable(v).owner == Owner::Environment;
+        });
         found
     };
     let initial = &specification.guarantees.initial;
-    let (moved, kept): (Vec<Formula>, Vec<Formula>) = initial.iter().cloned().partition(about_inputs);
+    let (moved, kept): (Vec<Formula>, Vec<Formula>) =
+        initial.iter().cloned().partition(about_inputs);
     if moved.is_empty() {
         return specification.clone();
     }
     let mut result = specification.clone();
     let first = helper(&mut result, "first_step", Domain::Bool);
-    let sound = super::terms::balanced(BinaryOp::And, moved.iter().map(|f| f.expr.clone()).collect());
+    let sound = super::terms::balanced(
+        BinaryOp::And,
+        moved.iter().map(|f| f.expr.clone()).collect(),
+    );
     for formula in &mut result.assumptions.safety {
         let wrong = Expr::now(first).and(sound.clone().not());
         formula.expr = wrong.or(formula.expr.clone());
     }
     let side = &mut result.guarantees;
     side.initial = kept;
-    side.initial.push(made_up("the first step", Expr::now(first)));
+    side.initial
+        .push(made_up("the first step", Expr::now(first)));
     side.safety
         .push(made_up("the first step", Expr::next(first).not()));
     side.safety.extend(moved.into_iter().map(|f| Formula {

@@ -1,9 +1,9 @@
 //! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`.
 //!
-//! [`read`] turns a text into a [`Specification`] and findings; [`write`] goes the other way for the formats that a solver takes, and
+//! [`read`] turns a text into a [`Specification`] and findings; [`write`](fn@write) goes the other way for the formats that a solver takes, and
 //! [`contract::write`] prints a specification as a contract of our own language. The formats differ in how a formula
-//! is written, hardly in what it means, so each reader has its own syntax and shares [`terms`] (operators, sharing, bounds on size and
-//! depth) and [`names`] (declarations, who may speak of what).
+//! is written, hardly in what it means, so each reader has its own syntax and shares `terms` (operators, sharing, bounds on size and
+//! depth) and `names` (declarations, who may speak of what).
 //!
 //! The meaning follows each format's definition, not what its tool happens to do; where the two part, [`own_tool`] says what the
 //! tool would have answered. Sources: the documents `spc_format.md` and the grammar of gr1c 0.13, and `input_formats.md` and the
@@ -14,17 +14,17 @@
 //! nests. Recursive descent, pest's included, would need a bound on nesting before it starts.
 
 pub mod contract;
+mod gates;
 mod infix;
 pub mod lower;
 mod names;
 pub mod own_tool;
 mod prefix;
+mod rename;
 mod slugsin;
 mod spc;
 mod structured;
-mod rename;
 mod terms;
-mod gates;
 mod write_slugsin;
 mod write_spc;
 
@@ -113,7 +113,7 @@ pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
     }
 }
 
-/// The formats that [`write`] knows.
+/// The formats that [`write`](fn@write) knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Target {
     /// gr1c's.

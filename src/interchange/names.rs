@@ -6,14 +6,14 @@
 //! | transition | current values, next inputs | all |
 //! | goal | all | all |
 
-use super::terms::{Kind, Term, Terms, TooMuch, MAX_DEPTH};
-use crate::diagnostics::{Code, Diagnostic, Severity, codes, nearest};
+use super::terms::{Kind, MAX_DEPTH, Term, Terms, TooMuch};
+use crate::diagnostics::{Code, Diagnostic, codes, nearest};
 use crate::gr1::interval::{Interval, interval};
 use crate::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
 };
 use crate::source::{FileId, Span};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// A domain may have so many values, as in the language's own contracts.
@@ -22,6 +22,9 @@ const MAX_DOMAIN: i64 = 1 << 20;
 const MAX_NUMBER: i64 = 1 << 40;
 /// All formulas of a file may have so many operators and operands, written out, whatever its length.
 const MIN_BUDGET: u64 = 4 << 20;
+
+/// For so many unknown names a similar one is looked for: that takes time, and nobody reads more.
+const MAX_GUESSES: usize = 50;
 
 /// Which list a formula belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -60,6 +63,10 @@ pub(super) struct Names<'t> {
     mentions: Vec<Mention>,
     counts: BTreeMap<Section, usize>,
     budget: u64,
+    /// Notes that were given already.
+    noted: BTreeSet<String>,
+    /// Unknown names for which a similar one was looked for.
+    guessed: usize,
 }
 
 impl<'t> Names<'t> {
@@ -80,6 +87,8 @@ impl<'t> Names<'t> {
             mentions: Vec::new(),
             counts: BTreeMap::new(),
             budget: MIN_BUDGET + 8 * text.len() as u64,
+            noted: BTreeSet::new(),
+            guessed: 0,
         }
     }
 
@@ -109,7 +118,12 @@ impl<'t> Names<'t> {
             .push(Diagnostic::error(code, span, message).with_help(help));
     }
 
-    pub fn syntax(&mut self, range: Range<usize>, message: impl Into<String>, help: impl Into<String>) {
+    pub fn syntax(
+        &mut self,
+        range: Range<usize>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
         self.error(codes::SYNTAX, range, message, help);
     }
 
@@ -122,8 +136,7 @@ impl<'t> Names<'t> {
         help: impl Into<String>,
     ) {
         let (span, message) = (self.span(range), message.into());
-        let said = |f: &Diagnostic| f.severity == Severity::Note && f.code == code && f.message == message;
-        if !self.findings.iter().any(said) {
+        if self.noted.insert(message.clone()) {
             self.findings
                 .push(Diagnostic::note(code, span, message).with_help(help));
         }
@@ -136,7 +149,7 @@ impl<'t> Names<'t> {
             let finding = Diagnostic::error(
                 codes::NAME_DOUBLE,
                 self.span(range),
-                format!("the variable `{name}` is declared twice"),
+                format!("the variable `{}` is declared twice", quoted(name)),
             )
             .with_label(first, "declared here first")
             .with_help("declare each variable once, as the environment's or as the system's");
@@ -252,11 +265,19 @@ impl<'t> Names<'t> {
 
     /// Reports a name that is not declared.
     pub fn unknown(&mut self, name: &str, range: Range<usize>) {
-        let help = match nearest(name, self.by_name.keys().copied()) {
+        let name = quoted(name);
+        let near = if self.guessed < MAX_GUESSES {
+            nearest(&name, self.by_name.keys().copied())
+        } else {
+            None
+        };
+        self.guessed += 1;
+        let help = match near {
             Some(near) => format!("did you mean `{near}`?"),
             None => "declare it as a variable of the environment or of the system".to_owned(),
         };
-        self.error(codes::NAME_UNKNOWN, range, format!("`{name}` is not declared"), help);
+        let message = format!("`{name}` is not declared");
+        self.error(codes::NAME_UNKNOWN, range, message, help);
     }
 
     /// Drops the formula at hand.
@@ -265,18 +286,16 @@ impl<'t> Names<'t> {
         self.terms.clear();
     }
 
-    /// The number of the next formula of a section: it counts those that are refused too, so that names stay as the author counts.
-    pub fn count(&mut self, section: Section) -> usize {
+    /// Adds the formula at hand to a section's list, unless it could not be read or speaks of something it may not, and ends it.
+    /// `range` is its text. Names count refused formulas too, as the author does.
+    pub fn formula(&mut self, section: Section, term: Option<Term>, range: Range<usize>) {
         let count = self.counts.entry(section).or_default();
         *count += 1;
-        *count
-    }
-
-    /// Adds the formula at hand to a section's list, if it speaks of nothing it may not, and ends it. `range` is its text.
-    pub fn formula(&mut self, section: Section, term: Term, range: Range<usize>) {
-        let number = self.count(section);
-        let permitted = self.permitted(section);
-        if permitted && let Some(expr) = self.tree(term, &range) {
+        let number = *count;
+        if let Some(term) = term
+            && self.permitted(section)
+            && let Some(expr) = self.tree(term, &range)
+        {
             let formula = Formula {
                 name: format!("{} {number}", section.name),
                 requirement: None,
@@ -313,9 +332,12 @@ impl<'t> Names<'t> {
             Ok(expr) => expr,
             Err(why) => {
                 let message = match why {
-                    TooMuch::Deep => format!("this formula nests more than {MAX_DEPTH} levels deep"),
+                    TooMuch::Deep => {
+                        format!("this formula nests more than {MAX_DEPTH} levels deep")
+                    }
                     TooMuch::Large => {
-                        "this formula becomes too large once its memory cells are written out".to_owned()
+                        "this formula becomes too large once its memory cells are written out"
+                            .to_owned()
                     }
                 };
                 let help = "give parts of it variables of their own";
@@ -343,7 +365,7 @@ impl<'t> Names<'t> {
         let mut findings = Vec::new();
         for mention in &self.mentions {
             let variable = self.specification.variable(mention.var);
-            let (name, span) = (&variable.name, self.span(mention.range.clone()));
+            let (name, span) = (quoted(&variable.name), self.span(mention.range.clone()));
             let outputs = variable.owner == Owner::System;
             let next = mention.time == Time::Next;
             let finding = match (section.part, section.owner) {
@@ -379,6 +401,15 @@ impl<'t> Names<'t> {
     }
 }
 
+/// The beginning of a text, for messages.
+pub(super) fn quoted(text: &str) -> String {
+    const LENGTH: usize = 40;
+    match text.char_indices().nth(LENGTH) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
 /// A text in one line, without the comments that reach to the ends of its lines.
 pub(super) fn one_line(text: &str) -> String {
     let lines = text.lines().map(|l| l.split('#').next().unwrap_or(l));
@@ -395,7 +426,13 @@ pub(super) fn overwrite_low_bits(terms: &mut Terms, low: Term, value: Term, bits
 }
 
 /// Bit `k` of a variable's number, counted from its smallest value.
-pub(super) fn bit(names: &mut Names<'_>, var: VarId, k: u32, time: Time, range: Range<usize>) -> Term {
+pub(super) fn bit(
+    names: &mut Names<'_>,
+    var: VarId,
+    k: u32,
+    time: Time,
+    range: Range<usize>,
+) -> Term {
     let low = names.bounds(var).0;
     let value = names.mention(var, Kind::Int, time, range);
     let terms = &mut names.terms;

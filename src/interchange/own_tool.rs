@@ -12,20 +12,25 @@
 
 use super::{Format, Reading};
 use crate::diagnostics::{Diagnostic, codes};
-use crate::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable};
+use crate::gr1::{
+    Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
+};
 use crate::source::Span;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    MachineStart,
-    EnvironmentStart,
+enum Topic {
+    /// Whether the machine can start.
+    Machine,
+    /// Whether the environment can.
+    Environment,
+    /// Whether the machine wins from every start.
     EveryStart,
 }
 
 /// A question whose answer tells what the file's own tool says.
 #[derive(Debug, Clone)]
 pub struct Inquiry {
-    kind: Kind,
+    topic: Topic,
     format: Format,
     span: Span,
     /// What to solve: whether each is realizable is the answer.
@@ -37,29 +42,40 @@ pub fn inquiries(reading: &Reading) -> Vec<Inquiry> {
     let Some(specification) = &reading.specification else {
         return Vec::new();
     };
+    // What the tool refuses, it answers nothing about.
+    if reading.findings.iter().any(|f| f.code == codes::OWN_TOOL) {
+        return Vec::new();
+    }
     let place = |side: &Side| side.initial.first().map_or(reading.span, |f| f.span);
     let (environment, machine) = (&specification.assumptions, &specification.guarantees);
     let mut found = Vec::new();
-    let mut add = |kind, span, questions| {
+    let mut add = |topic, span, questions| {
         found.push(Inquiry {
-            kind,
+            topic,
             format: reading.format,
             span,
             questions,
         });
     };
     if reading.reachability {
-        let both = satisfiable(specification, environment.initial.iter().chain(&machine.initial));
-        add(Kind::EveryStart, place(machine), vec![both, every_start(specification)]);
+        let both = satisfiable(
+            specification,
+            environment.initial.iter().chain(&machine.initial),
+        );
+        add(
+            Topic::EveryStart,
+            place(machine),
+            vec![both, every_start(specification)],
+        );
         return found;
     }
     if reading.format == Format::Spc && !machine.initial.is_empty() {
         let question = satisfiable(specification, &machine.initial);
-        add(Kind::MachineStart, place(machine), vec![question]);
+        add(Topic::Machine, place(machine), vec![question]);
     }
     if !environment.initial.is_empty() {
         let question = satisfiable(specification, &environment.initial);
-        add(Kind::EnvironmentStart, place(environment), vec![question]);
+        add(Topic::Environment, place(environment), vec![question]);
     }
     found
 }
@@ -67,19 +83,19 @@ pub fn inquiries(reading: &Reading) -> Vec<Inquiry> {
 impl Inquiry {
     /// What to say, given whether the file is realizable, and whether each question is.
     pub fn note(&self, realizable: bool, answers: &[bool]) -> Option<Diagnostic> {
-        let (message, help) = match (self.kind, answers) {
-            (Kind::MachineStart, [false]) if !realizable => (
+        let (message, help) = match (self.topic, answers) {
+            (Topic::Machine, [false]) if !realizable => (
                 "gr1c answers \"realizable\": SYSINIT contradicts itself, and it asks nothing of a machine that cannot start".to_owned(),
                 "by the definition the machine needs an initial state: weaken SYSINIT",
             ),
-            (Kind::EnvironmentStart, [false]) if realizable => (
+            (Topic::Environment, [false]) if realizable => (
                 format!(
                     "{} answers \"realizable\" too: the environment's initial condition contradicts itself, so nothing is asked of the machine",
                     self.format.tool()
                 ),
                 "no environment can begin like this; weaken its initial condition",
             ),
-            (Kind::EveryStart, [possible, every]) if (*possible && *every) != realizable => (
+            (Topic::EveryStart, [possible, every]) if (*possible && *every) != realizable => (
                 if realizable {
                     "rg answers \"unrealizable\": it lets the environment choose the initial values of the system's variables too"
                 } else {
@@ -95,7 +111,10 @@ impl Inquiry {
 }
 
 /// Realizable exactly if these formulas have a common valuation: the machine chooses all variables.
-fn satisfiable<'f>(specification: &Specification, formulas: impl IntoIterator<Item = &'f Formula>) -> Specification {
+fn satisfiable<'f>(
+    specification: &Specification,
+    formulas: impl IntoIterator<Item = &'f Formula>,
+) -> Specification {
     let mut variables = specification.variables.clone();
     for variable in &mut variables {
         variable.owner = Owner::System;
@@ -136,12 +155,18 @@ fn every_start(specification: &Specification) -> Specification {
         span: Span::default(),
         text: String::new(),
     };
-    let named = |v: VarId| given.iter().find(|(w, _)| *w == v).map_or(v, |(_, name)| *name);
+    let named = |v: VarId| {
+        given
+            .iter()
+            .find(|(w, _)| *w == v)
+            .map_or(v, |(_, name)| *name)
+    };
     let chosen = std::mem::take(&mut result.guarantees.initial);
-    result
-        .assumptions
-        .initial
-        .extend(chosen.iter().map(|f| formula(f.expr.substitute(&mut |v, _| Expr::now(named(v))))));
+    result.assumptions.initial.extend(
+        chosen
+            .iter()
+            .map(|f| formula(f.expr.substitute(&mut |v, _| Expr::now(named(v))))),
+    );
     for (v, name) in &given {
         result
             .guarantees

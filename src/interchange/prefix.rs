@@ -9,7 +9,7 @@
 //! A line is read with a stack of what still wants operands, so nothing recurses. A formula that is recalled is one node, however often
 //! that happens ([`Terms`](super::terms::Terms)): an adder's carry chain stays as long as it is written.
 
-use super::names::Names;
+use super::names::{Names, quoted};
 use super::structured;
 use super::terms::{Kind, Term};
 use crate::gr1::{BinaryOp, Time};
@@ -89,7 +89,11 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
             "$" => {
                 let count = count(names, words.next(), &range, "how many formulas follow")?;
                 if count == 0 {
-                    names.syntax(range, "a memory buffer holds at least one formula", "write how many follow: `$ 2 f0 f1`");
+                    names.syntax(
+                        range,
+                        "a memory buffer holds at least one formula",
+                        "write how many follow: `$ 2 f0 f1`",
+                    );
                     return None;
                 }
                 buffers.push(waiting.len());
@@ -97,23 +101,32 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                 continue;
             }
             "?" => {
-                let index = count(names, words.next(), &range, "which formula of the buffer is meant")?;
+                let index = count(
+                    names,
+                    words.next(),
+                    &range,
+                    "which formula of the buffer is meant",
+                )?;
                 let cells = buffers.last().and_then(|at| match &waiting[*at] {
                     Waiting::Buffer(_, cells) => Some(cells),
                     _ => None,
                 });
-                match cells.and_then(|cells| cells.get(index)) {
-                    Some(term) => *term,
-                    None => {
-                        let (message, help) = if cells.is_some() {
-                            ("the buffer has no such formula yet", "formulas are counted from 0, and only those before can be recalled")
-                        } else {
-                            ("`?` stands outside of any memory buffer", "a buffer begins with `$` and the number of its formulas")
-                        };
-                        names.syntax(range, message, help);
-                        return None;
-                    }
-                }
+                let Some(term) = cells.and_then(|cells| cells.get(index)) else {
+                    let (message, help) = if cells.is_some() {
+                        (
+                            "the buffer has no such formula yet",
+                            "formulas are counted from 0, and only those before can be recalled",
+                        )
+                    } else {
+                        (
+                            "`?` stands outside of any memory buffer",
+                            "a buffer begins with `$` and the number of its formulas",
+                        )
+                    };
+                    names.syntax(range, message, help);
+                    return None;
+                };
+                *term
             }
             "0" | "1" => names.terms.bool(word == "1"),
             name => {
@@ -127,7 +140,7 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
             match waiting.pop() {
                 None => {
                     if let Some((word, range)) = words.next() {
-                        let message = format!("the formula is complete before `{word}`");
+                        let message = format!("the formula is complete before `{}`", quoted(word));
                         names.syntax(
                             range.start..line.end,
                             message,
@@ -142,7 +155,9 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                     waiting.push(Waiting::Binary(op, Some(value)));
                     break;
                 }
-                Some(Waiting::Binary(op, Some(first))) => value = names.terms.binary(op, first, value),
+                Some(Waiting::Binary(op, Some(first))) => {
+                    value = names.terms.binary(op, first, value);
+                }
                 Some(Waiting::Buffer(count, mut cells)) => {
                     cells.push(value);
                     if cells.len() < count {
@@ -190,7 +205,10 @@ fn variable(names: &mut Names<'_>, word: &str, range: Range<usize>) -> Option<Te
         Some(_) => {
             names.syntax(
                 range,
-                format!("`{name}` is a number, and prefix notation has none"),
+                format!(
+                    "`{}` is a number, and prefix notation has none",
+                    quoted(name)
+                ),
                 "write the line in infix notation, or name a bit of it",
             );
             return None;

@@ -22,7 +22,13 @@ pub(super) fn renamed<'a>(
         }
         let plain: String = name
             .chars()
-            .map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '_' })
+            .map(|c| {
+                if c.is_ascii_alphanumeric() || c == '_' {
+                    c
+                } else {
+                    '_'
+                }
+            })
             .collect();
         let plain = plain.trim_end_matches('_');
         let stem = if plain.starts_with(|c: char| c.is_ascii_alphabetic()) {
@@ -31,7 +37,9 @@ pub(super) fn renamed<'a>(
             format!("{prefix}{plain}")
         };
         let numbered = (2..).map(|n| format!("{stem}_{n}"));
-        let mut candidates = [stem.clone(), format!("{stem}_")].into_iter().chain(numbered);
+        let mut candidates = [stem.clone(), format!("{stem}_")]
+            .into_iter()
+            .chain(numbered);
         *slot = candidates.find(|c| takes(c) && !used.contains(c));
         used.extend(slot.clone());
     }
@@ -44,11 +52,15 @@ mod tests {
 
     #[test]
     fn names_are_made_acceptable_and_unique() {
-        let takes = |n: &str| n != "line" && n.starts_with(char::is_alphabetic) && !n.contains(['@', '.', '[', ']']);
+        let takes = |n: &str| {
+            n != "line" && n.starts_with(char::is_alphabetic) && !n.contains(['@', '.', '[', ']'])
+        };
         let names = ["line", "a", "x@1", "x_1", "h[2]", "line_", "7", "ü.", "x.1"];
         assert_eq!(
             renamed(names, "v", takes),
-            ["line_2", "a", "x_1_", "x_1", "h_2", "line_", "v7", "v", "x_1_2"]
+            [
+                "line_2", "a", "x_1_", "x_1", "h_2", "line_", "v7", "v", "x_1_2"
+            ]
         );
     }
 }

@@ -11,7 +11,7 @@
 //! (the machine chooses after it has seen them), goals may have primes. Formulas are in [`prefix`] notation, and in
 //! structured files also in [`infix`](super::infix) notation.
 
-use super::names::{Names, Part, Section};
+use super::names::{Names, Part, Section, quoted};
 use super::{prefix, structured};
 use crate::diagnostics::{codes, nearest};
 use crate::gr1::{Domain, Owner};
@@ -79,13 +79,7 @@ pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
         } else {
             prefix::formula(names, line.clone())
         };
-        match term {
-            Some(term) => names.formula(section, term, line),
-            None => {
-                names.count(section);
-                names.forget();
-            }
-        }
+        names.formula(section, term, line);
     }
 }
 
@@ -94,8 +88,10 @@ fn lines(text: &str) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut start = 0;
     for line in text.split_inclusive('\n') {
-        let trimmed = line.trim();
-        let begin = start + (line.len() - line.trim_start().len());
+        // Some editors put a mark in front of a file.
+        let blank = |c: char| c.is_whitespace() || c == '\u{feff}';
+        let trimmed = line.trim_matches(blank);
+        let begin = start + (line.len() - line.trim_start_matches(blank).len());
         start += line.len();
         if !trimmed.is_empty() && !trimmed.starts_with('#') {
             found.push(begin..begin + trimmed.len());
@@ -126,8 +122,9 @@ fn section_of(names: &mut Names<'_>, text: &str, line: Range<usize>) -> Head {
             }
         }
     }
+    let (name, text) = (quoted(name), quoted(text));
     let known = SECTIONS.iter().map(|s| s.name).chain(["INPUT", "OUTPUT"]);
-    let help = match nearest(name, known) {
+    let help = match nearest(&name, known) {
         Some(near) => format!("did you mean `[{near}]`?"),
         None => "sections are [INPUT], [OUTPUT], and [ENV_INIT], [ENV_TRANS], [ENV_LIVENESS] with their SYS counterparts".to_owned(),
     };
@@ -151,7 +148,11 @@ fn declaration(names: &mut Names<'_>, owner: Owner, dialect: Dialect, line: Rang
         None
     };
     if let Some(message) = bad {
-        names.syntax(line, message, "write one name a line; its next value is called by it and a prime");
+        names.syntax(
+            line,
+            message,
+            "write one name a line; its next value is called by it and a prime",
+        );
         return;
     }
     names.declare(owner, text, Domain::Bool, line);

@@ -33,8 +33,7 @@
 //! `<>False` it can win only so: a game without a goal, in which the environment has to be blocked.
 
 use super::infix::{self, Dialect, Infix, Token, Word};
-use super::names::{Names, Part, Section, one_line};
-use super::terms::Term;
+use super::names::{Names, Part, Section, one_line, quoted};
 use crate::diagnostics::codes;
 use crate::gr1::{BinaryOp, Domain, Expr, Formula, Owner};
 use std::ops::Range;
@@ -64,7 +63,10 @@ fn head(name: &str) -> Option<Head> {
     match name {
         "ENV" => Some(Head::Variables(Owner::Environment)),
         "SYS" => Some(Head::Variables(Owner::System)),
-        _ => SECTIONS.into_iter().find(|s| s.name == name).map(Head::Formulas),
+        _ => SECTIONS
+            .into_iter()
+            .find(|s| s.name == name)
+            .map(Head::Formulas),
     }
 }
 
@@ -117,7 +119,7 @@ fn sections<'a>(names: &mut Names<'_>, tokens: &'a [Token]) -> Vec<Found<'a>> {
         let place = tokens[i].1.clone();
         let Some(head) = head_at(names, i) else {
             // One finding for all up to the next section.
-            let word = names.text[place.clone()].to_owned();
+            let word = quoted(&names.text[place.clone()]);
             names.syntax(place, format!("expected a section, found `{word}`"), HEADS);
             while i < tokens.len() && head_at(names, i).is_none() {
                 i += 1;
@@ -126,12 +128,19 @@ fn sections<'a>(names: &mut Names<'_>, tokens: &'a [Token]) -> Vec<Found<'a>> {
         };
         let start = i + 2;
         let mut end = start;
-        while end < tokens.len() && tokens[end].0 != Word::Semicolon && head_at(names, end).is_none() {
+        while end < tokens.len()
+            && tokens[end].0 != Word::Semicolon
+            && head_at(names, end).is_none()
+        {
             end += 1;
         }
         if tokens.get(end).is_none_or(|t| t.0 != Word::Semicolon) {
             let last = tokens[end - 1].1.clone();
-            names.syntax(last, "the section ends here without `;`", "end each section with `;`");
+            names.syntax(
+                last,
+                "the section ends here without `;`",
+                "end each section with `;`",
+            );
             i = end;
         } else {
             i = end + 1;
@@ -147,7 +156,7 @@ fn variables(names: &mut Names<'_>, owner: Owner, body: &[Token]) {
     while let Some((word, range)) = body.get(i) {
         i += 1;
         if *word != Word::Name {
-            let found = names.text[range.clone()].to_owned();
+            let found = quoted(&names.text[range.clone()]);
             names.syntax(
                 range.clone(),
                 format!("expected a variable, found `{found}`"),
@@ -186,7 +195,12 @@ fn variables(names: &mut Names<'_>, owner: Owner, body: &[Token]) {
     }
 }
 
-fn domain_of(names: &mut Names<'_>, low: &Range<usize>, high: &Range<usize>, place: Range<usize>) -> Option<Domain> {
+fn domain_of(
+    names: &mut Names<'_>,
+    low: &Range<usize>,
+    high: &Range<usize>,
+    place: Range<usize>,
+) -> Option<Domain> {
     let text = names.text;
     let (a, b) = (
         names.number(&text[low.clone()], low.clone()),
@@ -198,7 +212,10 @@ fn domain_of(names: &mut Names<'_>, low: &Range<usize>, high: &Range<usize>, pla
             codes::DOMAIN_EMPTY,
             place,
             "a domain of this format begins with 0",
-            format!("write [0,{}] and count from there", b.saturating_sub(a).max(0)),
+            format!(
+                "write [0,{}] and count from there",
+                b.saturating_sub(a).max(0)
+            ),
         );
         return None;
     }
@@ -231,7 +248,11 @@ impl Reader<'_, '_> {
             }
             return;
         }
-        let earlier = self.initial.iter().find(|(name, _)| *name == section.name).cloned();
+        let earlier = self
+            .initial
+            .iter()
+            .find(|(name, _)| *name == section.name)
+            .cloned();
         if let Some((name, first)) = earlier {
             let first = self.names.span(first);
             self.names.syntax(
@@ -253,16 +274,17 @@ impl Reader<'_, '_> {
         if section.owner == Owner::System {
             let outside = body.iter().find(|(word, range)| {
                 *word == Word::Name
-                    && self.names.find(&self.names.text[range.clone()]).is_some_and(|(v, _)| {
-                        self.names.owner(v) == Owner::Environment
-                    })
+                    && self
+                        .names
+                        .find(&self.names.text[range.clone()])
+                        .is_some_and(|(v, _)| self.names.owner(v) == Owner::Environment)
             });
             if let Some((_, range)) = outside {
                 self.names.note(
                     codes::OWN_TOOL,
                     range.clone(),
                     "gr1c refuses a SYSINIT that names a variable of the environment; here the machine chooses after it has seen that",
-                    "gr1c would take the condition among the transitions",
+                    "name only the variables of `SYS:` to have the file read by both",
                 );
             }
         }
@@ -272,17 +294,8 @@ impl Reader<'_, '_> {
     }
 
     fn formula(&mut self, section: Section, tokens: &[Token], place: Range<usize>) {
-        match infix::formula(self.names, tokens, place.clone(), Dialect::Spc) {
-            Some(term) => self.finish(section, term, place),
-            None => {
-                self.names.count(section);
-                self.names.forget();
-            }
-        }
-    }
-
-    fn finish(&mut self, section: Section, term: Term, place: Range<usize>) {
-        if section.part == Part::Goal && self.names.terms.has_next(term) {
+        let term = infix::formula(self.names, tokens, place.clone(), Dialect::Spc);
+        if section.part == Part::Goal && term.is_some_and(|t| self.names.terms.has_next(t)) {
             self.names.note(
                 codes::OWN_TOOL,
                 place.clone(),
@@ -316,7 +329,9 @@ impl Reader<'_, '_> {
             };
             let head = tokens.first().map_or(place, |t| t.1.clone());
             let message = format!("a formula of {} begins with {wanted}", section.name);
-            let help = format!("formulas of a section are joined with `&`, each with its operator; {wanted} belongs in front of this one");
+            let help = format!(
+                "formulas of a section are joined with `&`, each with its operator; {wanted} belongs in front of this one"
+            );
             self.names.syntax(head, message, help);
             return;
         }
@@ -340,13 +355,7 @@ impl Reader<'_, '_> {
             }
             self.names.forget();
         } else {
-            match infix::formula(self.names, rest, place.clone(), Dialect::Spc) {
-                Some(term) => self.finish(section, term, place),
-                None => {
-                    self.names.count(section);
-                    self.names.forget();
-                }
-            }
+            self.formula(section, rest, place);
         }
     }
 
@@ -379,7 +388,8 @@ impl Reader<'_, '_> {
 
 /// Cuts `[]p & []q` into its formulas: at each `&` before an operator, outside of parentheses.
 fn parts(body: &[Token]) -> Vec<&[Token]> {
-    let temporal = |t: Option<&Token>| t.is_some_and(|t| matches!(t.0, Word::Always | Word::Eventually));
+    let temporal =
+        |t: Option<&Token>| t.is_some_and(|t| matches!(t.0, Word::Always | Word::Eventually));
     split(body, |i| temporal(body.get(i + 1)))
 }
 
@@ -390,7 +400,9 @@ fn conjuncts(body: &[Token]) -> Vec<&[Token]> {
         match word {
             Word::Open | Word::OpenBracket => depth += 1,
             Word::Close | Word::CloseBracket => depth = depth.saturating_sub(1),
-            Word::Infix(Infix::Iff | Infix::Op(BinaryOp::Or | BinaryOp::Implies)) if depth == 0 => return vec![body],
+            Word::Infix(Infix::Iff | Infix::Op(BinaryOp::Or | BinaryOp::Implies)) if depth == 0 => {
+                return vec![body];
+            }
             _ => {}
         }
     }
@@ -430,7 +442,10 @@ fn span_of(tokens: &[Token]) -> Range<usize> {
 /// See the module's text.
 fn lower_reachability(names: &mut Names<'_>, reach: &Reach) {
     let reached = names.helper("reached");
-    let (span, text) = (names.span(reach.range.clone()), one_line(&names.text[reach.range.clone()]));
+    let (span, text) = (
+        names.span(reach.range.clone()),
+        one_line(&names.text[reach.range.clone()]),
+    );
     let formula = |expr| Formula {
         name: "SYSGOAL 1".to_owned(),
         requirement: None,
@@ -445,7 +460,8 @@ fn lower_reachability(names: &mut Names<'_>, reach: &Reach) {
     let next = reach.goal.substitute(&mut |v, _| Expr::next(v));
     side.initial
         .push(formula(Expr::now(reached).equals(reach.goal.clone())));
-    side.safety
-        .push(formula(Expr::next(reached).equals(Expr::now(reached).or(next))));
+    side.safety.push(formula(
+        Expr::next(reached).equals(Expr::now(reached).or(next)),
+    ));
     side.justice.push(formula(Expr::now(reached)));
 }

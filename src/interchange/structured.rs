@@ -4,7 +4,7 @@
 //! the lowest, `x@1`, `x@2` ... for the others. They hold the distance from `lo`.
 
 use super::infix;
-use super::names::{Names, bit};
+use super::names::{Names, bit, quoted};
 use super::terms::{Kind, Term};
 use crate::gr1::{Domain, Owner, Time};
 use std::ops::Range;
@@ -18,12 +18,24 @@ pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize
     };
     let place = line.start..line.start + name.len();
     let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_' || c == '.');
-    let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
-    let reserved = ["X", "F", "G", "U", "W", "FALSE", "TRUE", "next", "LEASTSIGNIFICANTBITOVERWRITES"];
+    let plain = name
+        .chars()
+        .all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
+    let reserved = [
+        "X",
+        "F",
+        "G",
+        "U",
+        "W",
+        "FALSE",
+        "TRUE",
+        "next",
+        "LEASTSIGNIFICANTBITOVERWRITES",
+    ];
     if !starts || !plain || reserved.contains(&name) {
         names.syntax(
             place,
-            format!("`{name}` cannot be a variable's name"),
+            format!("`{}` cannot be a variable's name", quoted(name)),
             "a name has letters, digits, `_` and `.`, does not begin with a digit, and is no operator",
         );
         return;
@@ -34,7 +46,12 @@ pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize
     };
     let bounds = range
         .split_once("...")
-        .and_then(|(low, high)| Some((low.trim().parse::<i64>().ok()?, high.trim().parse::<i64>().ok()?)))
+        .and_then(|(low, high)| {
+            Some((
+                low.trim().parse::<i64>().ok()?,
+                high.trim().parse::<i64>().ok()?,
+            ))
+        })
         .filter(|(low, high)| low.abs() < 1 << 40 && high.abs() < 1 << 40);
     let Some((low, high)) = bounds else {
         names.syntax(
@@ -58,7 +75,12 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
 }
 
 /// The bit that a word in prefix notation names: `x@0.0.23'` or `x@1`.
-pub(super) fn bit_of(names: &mut Names<'_>, word: &str, time: Time, range: Range<usize>) -> Option<Term> {
+pub(super) fn bit_of(
+    names: &mut Names<'_>,
+    word: &str,
+    time: Time,
+    range: Range<usize>,
+) -> Option<Term> {
     let (name, index) = word.split_once('@')?;
     let (var, kind) = names.find(name)?;
     let (low, high) = names.bounds(var);

@@ -185,7 +185,7 @@ impl Terms {
         let shape = Shape::Binary(op, a, b);
         // A node that continues its operand's chain counts that chain's operands as its own.
         let part = |node: &Node| match node.shape {
-            Shape::Binary(inner, p, _) if self.chains(op, self.kind(a), inner, self.kind(p)) => {
+            Shape::Binary(inner, p, _) if chains(op, self.kind(a), inner, self.kind(p)) => {
                 (node.links, node.below)
             }
             _ => (1, node.depth()),
@@ -200,18 +200,6 @@ impl Terms {
             now: x.now || y.now,
             next: x.next || y.next,
         })
-    }
-
-    /// Whether `(p inner q) outer r` may be put together otherwise: same operator, associative. `=` and `!=` are that for truth
-    /// values only.
-    fn chains(&self, outer: BinaryOp, operands: Kind, inner: BinaryOp, inner_operands: Kind) -> bool {
-        use BinaryOp as B;
-        outer == inner
-            && match outer {
-                B::And | B::Or | B::Add => true,
-                B::Eq | B::Ne => operands == Kind::Bool && inner_operands == Kind::Bool,
-                _ => false,
-            }
     }
 
     /// The same with next values for current ones. There are only current values.
@@ -253,7 +241,7 @@ impl Terms {
         let (mut found, mut open) = (Vec::new(), vec![term]);
         while let Some(term) = open.pop() {
             match self.node(term).shape {
-                Shape::Binary(inner, a, b) if self.chains(op, operands, inner, self.kind(a)) => {
+                Shape::Binary(inner, a, b) if chains(op, operands, inner, self.kind(a)) => {
                     open.push(b);
                     open.push(a);
                 }
@@ -288,14 +276,32 @@ impl Terms {
             Shape::Unary(op, a) => Expr::Unary(op, Box::new(self.build(a))),
             Shape::Binary(op, a, b) => {
                 let operands = self.kind(a);
-                if self.chains(op, operands, op, operands) {
-                    balanced(op, self.links(op, operands, term).into_iter().map(|t| self.build(t)).collect())
+                if chains(op, operands, op, operands) {
+                    balanced(
+                        op,
+                        self.links(op, operands, term)
+                            .into_iter()
+                            .map(|t| self.build(t))
+                            .collect(),
+                    )
                 } else {
                     Expr::binary(op, self.build(a), self.build(b))
                 }
             }
         }
     }
+}
+
+/// Whether `(p inner q) outer r` may be put together otherwise: same operator, associative. `=` and `!=` are that for truth
+/// values only.
+fn chains(outer: BinaryOp, operands: Kind, inner: BinaryOp, inner_operands: Kind) -> bool {
+    use BinaryOp as B;
+    outer == inner
+        && match outer {
+            B::And | B::Or | B::Add => true,
+            B::Eq | B::Ne => operands == Kind::Bool && inner_operands == Kind::Bool,
+            _ => false,
+        }
 }
 
 /// A chain of an associative operator as a balanced tree, its operands in order.

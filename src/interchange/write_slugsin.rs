@@ -16,7 +16,11 @@ use std::fmt::Write as _;
 
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
     let lowered = lower::answering_second(&lower::without_invariants(specification));
-    let names = renamed(lowered.variables.iter().map(|v| v.name.as_str()), "v_", is_name);
+    let names = renamed(
+        lowered.variables.iter().map(|v| v.name.as_str()),
+        "v_",
+        is_name,
+    );
     let mut writer = Writer {
         specification: &lowered,
         names: &names,
@@ -33,9 +37,21 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
 
 /// Names that slugs' own tools take too.
 fn is_name(name: &str) -> bool {
-    const WORDS: [&str; 9] = ["X", "F", "G", "U", "W", "FALSE", "TRUE", "next", "LEASTSIGNIFICANTBITOVERWRITES"];
+    const WORDS: [&str; 9] = [
+        "X",
+        "F",
+        "G",
+        "U",
+        "W",
+        "FALSE",
+        "TRUE",
+        "next",
+        "LEASTSIGNIFICANTBITOVERWRITES",
+    ];
     name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && name.chars().all(|c| c.is_ascii_alphanumeric() || "_.".contains(c))
+        && name
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || "_.".contains(c))
         && !WORDS.contains(&name)
 }
 
@@ -84,7 +100,7 @@ impl Writer<'_> {
                         let gate = self.in_bits(gate);
                         let _ = writeln!(text, "{}", self.line(gate));
                     }
-                    Err(TooMany) => self.findings.push(TooMany.finding(formula)),
+                    Err(TooMany) => self.findings.push(TooMany::finding(formula)),
                 }
             }
             if let Some(time) = time {
@@ -182,9 +198,17 @@ impl Writer<'_> {
         let uses = self.gates.uses(root);
         let shared = |gate: Gate| {
             uses.get(&gate).is_some_and(|n| *n > 1)
-                && matches!(self.gates.shape(gate), Shape::And(..) | Shape::Or(..) | Shape::Xor(..))
+                && matches!(
+                    self.gates.shape(gate),
+                    Shape::And(..) | Shape::Or(..) | Shape::Xor(..)
+                )
         };
-        let cells: BTreeMap<Gate, usize> = uses.keys().copied().filter(|g| shared(*g)).zip(0..).collect();
+        let cells: BTreeMap<Gate, usize> = uses
+            .keys()
+            .copied()
+            .filter(|g| shared(*g))
+            .zip(0..)
+            .collect();
         let mut words: Vec<String> = Vec::new();
         if !cells.is_empty() {
             words.extend(["$".to_owned(), (cells.len() + 1).to_string()]);

@@ -17,7 +17,11 @@ const MAX_SIZE: u64 = 1 << 18;
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
     let lowered = lower::answering_second(&lower::without_invariants(specification));
     let lowered = lower::starting_alone(&lower::goals_of_states(&lowered));
-    let names = renamed(lowered.variables.iter().map(|v| v.name.as_str()), "v_", is_name);
+    let names = renamed(
+        lowered.variables.iter().map(|v| v.name.as_str()),
+        "v_",
+        is_name,
+    );
     let mut writer = Writer {
         specification: &lowered,
         names: &names,
@@ -34,10 +38,13 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
 
 fn is_name(name: &str) -> bool {
     const WORDS: [&str; 10] = [
-        "True", "False", "ENV", "SYS", "ENVINIT", "ENVTRANS", "ENVGOAL", "SYSINIT", "SYSTRANS", "SYSGOAL",
+        "True", "False", "ENV", "SYS", "ENVINIT", "ENVTRANS", "ENVGOAL", "SYSINIT", "SYSTRANS",
+        "SYSGOAL",
     ];
     name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && name.chars().all(|c| c.is_ascii_alphanumeric() || "_.".contains(c))
+        && name
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || "_.".contains(c))
         && !WORDS.contains(&name)
 }
 
@@ -70,7 +77,10 @@ impl Writer<'_> {
             text.push_str(";\n");
         }
         let specification = self.specification;
-        for (head, side) in [("ENV", &specification.assumptions), ("SYS", &specification.guarantees)] {
+        for (head, side) in [
+            ("ENV", &specification.assumptions),
+            ("SYS", &specification.guarantees),
+        ] {
             text.push('\n');
             self.side(head, side, &mut text);
         }
@@ -98,7 +108,7 @@ impl Writer<'_> {
         let mut text = String::new();
         match self.gates.formula(self.specification, &formula.expr) {
             Ok(gate) if self.gates.tree_size(gate) <= MAX_SIZE => self.gate(gate, &mut text),
-            _ => self.findings.push(TooMany.finding(formula)),
+            _ => self.findings.push(TooMany::finding(formula)),
         }
         text
     }
@@ -114,13 +124,14 @@ impl Writer<'_> {
         };
         match self.gates.shape(gate) {
             Shape::Const(value) => text.push_str(if value { "True" } else { "False" }),
-            Shape::Not(a) => match self.gates.shape(a) {
-                Shape::Xor(a, b) => binary(text, a, " <-> ", b),
-                _ => {
+            Shape::Not(a) => {
+                if let Shape::Xor(a, b) = self.gates.shape(a) {
+                    binary(text, a, " <-> ", b);
+                } else {
                     text.push('!');
                     self.gate(a, text);
                 }
-            },
+            }
             Shape::And(a, b) => binary(text, a, " & ", b),
             Shape::Or(a, b) => binary(text, a, " | ", b),
             Shape::Xor(a, b) => {

@@ -1,7 +1,7 @@
 //! Whether a controller that exists only as [`Functions`] keeps its contract: an inductive check of the certificate that comes
 //! with it, on a path of its own.
 //!
-//! The functions and the sets of the [`Ranking`](crate::game::Ranking) are built from plain data in a fresh kernel, the
+//! The functions and the sets of the [`Certificate`](crate::game::Certificate) are built from plain data in a fresh kernel, the
 //! specification is encoded anew, and every obligation is one implication between functions. Nothing here knows how the game
 //! was solved or the functions were chosen; a wrong certificate can only make the check fail.
 //!
@@ -83,7 +83,7 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         || functions.timing != specification.timing
         || controls.order.pairs().len() != pairs
         || controls.goals.len() != goals
-        || controls.ranking.goals.len() != goals
+        || controls.certificate.goals.len() != goals
     {
         return fault("the functions are not those of this contract");
     }
@@ -99,14 +99,14 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         diagram.is_sound(2 * pairs)
             && edges.all(|e| e.node().is_none_or(|n| n < diagram.nodes.len()))
     };
-    let ranks = controls.ranking.goals.iter().flatten().map(|r| r.reached);
-    let ranks = ranks.chain([controls.ranking.region]);
+    let ranks = controls.certificate.goals.iter().flatten().map(|r| r.reached);
+    let ranks = ranks.chain([controls.certificate.region]);
     if !sound(&controls.diagram, Box::new(edges))
-        || !sound(&controls.ranking.diagram, Box::new(ranks))
+        || !sound(&controls.certificate.diagram, Box::new(ranks))
     {
         return fault("a diagram refers to what does not exist");
     }
-    if let Some(rank) = controls.ranking.goals.iter().flatten().find(|r| {
+    if let Some(rank) = controls.certificate.goals.iter().flatten().find(|r| {
         r.assumption >= specification.assumptions.justice.len().max(1)
     }) {
         return fault(format!("there is no assumption {}", rank.assumption));
@@ -150,7 +150,7 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         }
     };
     computed(&controls.first, known(true))?;
-    for (goal, ranks) in controls.goals.iter().zip(&controls.ranking.goals) {
+    for (goal, ranks) in controls.goals.iter().zip(&controls.certificate.goals) {
         for mode in &goal.modes {
             if !supports.of(mode.when).all(|b| known(false).contains(b)) {
                 return fault("a mode asks for what is not known yet");
@@ -251,12 +251,12 @@ impl<'a, K: Kernel> Check<'a, K> {
         let nodes = m.import(&all)?;
         drop(all);
 
-        let mut sets = controls.ranking.diagram.clone();
-        let ranks = controls.ranking.goals.iter();
+        let mut sets = controls.certificate.diagram.clone();
+        let ranks = controls.certificate.goals.iter();
         let ranks = ranks.flat_map(|list| list.iter().map(|r| r.reached));
-        sets.roots = ranks.chain([controls.ranking.region]).collect();
+        sets.roots = ranks.chain([controls.certificate.region]).collect();
         let mut sets = m.import(&sets)?.into_iter();
-        let layers = controls.ranking.goals.iter();
+        let layers = controls.certificate.goals.iter();
         let layers = layers.map(|list| sets.by_ref().take(list.len()).collect()).collect();
         let region = sets.next().unwrap_or_else(|| m.constant(false));
 
@@ -481,7 +481,7 @@ impl<'a, K: Kernel> Check<'a, K> {
             Some(below) => layers[below].clone(),
             None => m.constant(false),
         };
-        let assumption = self.functions.controls.ranking.goals[goal][layer].assumption;
+        let assumption = self.functions.controls.certificate.goals[goal][layer].assumption;
         // From above, all moves into the layer are right; from within, all moves below it and those that wait.
         let into = m.prime(reached)?;
         let lower = m.prime(&below)?;

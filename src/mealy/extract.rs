@@ -1,7 +1,7 @@
 //! From a won game to a machine.
 
 use super::{Cube, Guard, Machine, Port, Test, Transition, minimise};
-use crate::game::{Limit, Limits, Row, Won};
+use crate::game::{Limit, Limits, Preference, Row, Won};
 use crate::gr1::{Specification, VarId};
 
 /// The machine of a won game, minimised, not yet verified.
@@ -10,7 +10,17 @@ pub fn extract(
     won: &Won,
     limits: &Limits,
 ) -> Result<Machine, Limit> {
-    let explicit = won.explore(specification, limits)?;
+    extract_preferring(Preference::default(), specification, won, limits)
+}
+
+/// The same, for a machine that is good at something.
+pub fn extract_preferring(
+    preference: Preference,
+    specification: &Specification,
+    won: &Won,
+    limits: &Limits,
+) -> Result<Machine, Limit> {
+    let explicit = won.explore(specification, preference, limits)?;
     let rows = |rows: Vec<Row>| -> Vec<Transition> { rows.into_iter().map(transition).collect() };
     let machine = Machine {
         name: specification.name.clone(),

@@ -14,9 +14,10 @@ use crate::game::{Assumed, Controls, Limit, Limits, Won};
 use crate::gr1::{Specification, Time, Timing, VarId};
 use crate::symbolic::{Bit, Diagram, Edge, Encoding};
 use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 
 /// A controller as functions.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Functions {
     /// The contract's name.
     pub name: String,

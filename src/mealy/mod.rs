@@ -18,9 +18,10 @@ mod text;
 pub mod verify;
 
 use crate::gr1::{Domain, Timing};
+use serde::{Deserialize, Serialize};
 
 /// An input or output.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Port {
     /// The variable's name.
     pub name: String,
@@ -31,7 +32,7 @@ pub struct Port {
 }
 
 /// One condition of a cube: input `input` lies in `low..=high`.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Test {
     /// Index into [`Machine::inputs`].
     pub input: usize,
@@ -42,7 +43,7 @@ pub struct Test {
 }
 
 /// A conjunction of tests, at most one an input, in ascending order of input. No test at all is `true`.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Cube(pub Vec<Test>);
 
 impl Cube {
@@ -55,7 +56,7 @@ impl Cube {
 }
 
 /// A disjunction of disjoint cubes. No cube at all is `false`.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Guard(pub Vec<Cube>);
 
 impl Guard {
@@ -66,7 +67,7 @@ impl Guard {
 }
 
 /// What the machine does on some inputs.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Transition {
     /// On which inputs of the step.
     pub guard: Guard,
@@ -77,7 +78,7 @@ pub struct Transition {
 }
 
 /// A controller.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// The contract's name.
     pub name: String,

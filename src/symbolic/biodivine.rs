@@ -171,6 +171,8 @@ impl Kernel for Biodivine {
 
     const NAME: &'static str = "biodivine";
 
+    const REORDERS: bool = false;
+
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit> {
         let variables = 2 * order.pairs().len();
         if variables > usize::from(u16::MAX) {
@@ -343,7 +345,10 @@ impl Kernel for Biodivine {
         if a.size() <= 2 || values.is_empty() {
             return Ok(a.clone());
         }
-        let values: Vec<_> = values.iter().map(|(b, v)| (self.variable(*b), *v)).collect();
+        let values: Vec<_> = values
+            .iter()
+            .map(|(b, v)| (self.variable(*b), *v))
+            .collect();
         self.limited(Some(a.bdd().restrict(&values)))
     }
 

@@ -82,7 +82,12 @@ impl Encoding {
     }
 
     /// That a variable has a value of its domain.
-    pub fn in_domain<K: Kernel>(&self, m: &K, var: VarId, time: Time) -> Result<K::Function, Limit> {
+    pub fn in_domain<K: Kernel>(
+        &self,
+        m: &K,
+        var: VarId,
+        time: Time,
+    ) -> Result<K::Function, Limit> {
         let layout = &self.variables[var.index()];
         let values = (layout.high - layout.low + 1) as u64;
         if values.is_power_of_two() {

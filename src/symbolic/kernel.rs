@@ -9,9 +9,10 @@
 use super::{Diagram, Limit, Limits};
 use std::fmt::Debug;
 use std::hash::Hash;
+use serde::{Deserialize, Serialize};
 
 /// A boolean variable of the diagrams.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Bit(pub u16);
 
 impl Bit {
@@ -73,7 +74,7 @@ impl BitSet {
 }
 
 /// The pairs of bits from the top of a diagram to its bottom; a permutation.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Order(Vec<u16>);
 
 impl Order {
@@ -116,6 +117,9 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
 
     /// The package's name, as `--kernel` takes it.
     const NAME: &'static str;
+
+    /// Whether it can change its order.
+    const REORDERS: bool;
 
     /// Room for functions over the pairs of an order.
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit>;
@@ -177,11 +181,8 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     fn exists(&self, a: &Self::Function, bits: &BitSet) -> Result<Self::Function, Limit>;
 
     /// The function with some bits fixed.
-    fn restrict(
-        &self,
-        a: &Self::Function,
-        values: &[(Bit, bool)],
-    ) -> Result<Self::Function, Limit>;
+    fn restrict(&self, a: &Self::Function, values: &[(Bit, bool)])
+    -> Result<Self::Function, Limit>;
 
     /// A function of current bits as one of primed bits.
     fn prime(&self, a: &Self::Function) -> Result<Self::Function, Limit>;

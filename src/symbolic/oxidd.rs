@@ -1,4 +1,4 @@
-//! The kernel over OxiDD's diagrams with complement edges: one store for all functions, and a cache that outlives operations.
+//! The kernel over `OxiDD`'s diagrams with complement edges: one store for all functions, and a cache that outlives operations.
 //!
 //! Right for large games. The store's capacity is fixed when it is made; its pages are only used as nodes come. Three habits
 //! of the package shape this file:
@@ -12,8 +12,8 @@ use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Orde
 use oxidd::bcdd::{BCDDFunction, BCDDManagerRef, new_manager};
 use oxidd::util::{AllocResult, Ref};
 use oxidd::{
-    BooleanFunction, BooleanFunctionQuant, BooleanOperator, Function as _,
-    FunctionSubst, HasLevel, InnerNode, Manager, ManagerRef, Node, Subst, VarNo,
+    BooleanFunction, BooleanFunctionQuant, BooleanOperator, Function as _, FunctionSubst, HasLevel,
+    InnerNode, Manager, ManagerRef, Node, Subst, VarNo,
 };
 use oxidd_core::LevelView as _;
 use oxidd_reorder::set_var_order_seq;
@@ -33,6 +33,16 @@ const MOST_NODES: u64 = 1 << 30;
 
 /// The smallest store that makes sense.
 const FEWEST_NODES: u64 = 1 << 16;
+
+/// Entries of the cache. A larger one costs more than it saves: it is cleared with every collection, and no longer lies in the
+/// processor's caches.
+const LARGE_CACHE: usize = 1 << 18;
+
+/// Entries of the cache for up to [`FEW_PAIRS`].
+const SMALL_CACHE: usize = 1 << 16;
+
+/// See [`SMALL_CACHE`].
+const FEW_PAIRS: usize = 24;
 
 /// Below this, nothing is collected.
 const COLLECT_NODES: u64 = 1 << 19;
@@ -131,7 +141,7 @@ impl OxiDd {
                     };
                     let mut child = |n: usize| {
                         let child = node.child(n);
-                        let negated = child.tag() != Default::default();
+                        let negated = is_negated(m, &child);
                         match m.get_node(child) {
                             Node::Terminal(_) => Edge::TRUE.flipped(negated),
                             Node::Inner(_) => {
@@ -202,7 +212,7 @@ fn walk(
     where
         M::InnerNode: HasLevel,
     {
-        let negated = edge.tag() != M::EdgeTag::default();
+        let negated = is_negated(manager, &edge);
         let Node::Inner(node) = manager.get_node(edge) else {
             return Edge::TRUE.flipped(negated);
         };
@@ -219,7 +229,9 @@ fn walk(
         };
         Edge::to(number).flipped(negated)
     }
-    function.0.with_manager_shared(|manager, edge| edge_of(manager, edge, numbers, visit))
+    function
+        .0
+        .with_manager_shared(|manager, edge| edge_of(manager, edge, numbers, visit))
 }
 
 impl Kernel for OxiDd {
@@ -227,13 +239,15 @@ impl Kernel for OxiDd {
 
     const NAME: &'static str = "oxidd";
 
+    const REORDERS: bool = true;
+
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit> {
         let pairs = order.pairs().len();
         let capacity = limits.nodes(BYTES_PER_NODE, USUAL_NODES, MOST_NODES);
-        let cache: usize = match pairs {
-            0..=24 => 1 << 16,
-            25..=60 => 1 << 19,
-            _ => 1 << 21,
+        let cache = if pairs > FEW_PAIRS {
+            LARGE_CACHE
+        } else {
+            SMALL_CACHE
         };
         if capacity < FEWEST_NODES {
             return Err(Limit::Memory);
@@ -254,8 +268,7 @@ impl Kernel for OxiDd {
                 .collect()
         });
         let literals = literals.map_err(|_| Limit::Memory)?;
-        let (current, primed): (Vec<VarNo>, Vec<VarNo>) =
-            (0..variables).partition(|v| v % 2 == 0);
+        let (current, primed): (Vec<VarNo>, Vec<VarNo>) = (0..variables).partition(|v| v % 2 == 0);
         let functions = |of: &[VarNo]| -> Vec<BCDDFunction> {
             let positive = of.iter().map(|v| &literals[*v as usize][1].0);
             positive.cloned().collect()
@@ -438,13 +451,13 @@ impl Kernel for OxiDd {
         let nodes = self.nodes();
         self.shared.peak.fetch_max(nodes, Ordering::Relaxed);
         let collected = self.shared.collected.load(Ordering::Relaxed);
-        if nodes < ev("LW_COLLECT", COLLECT_NODES).max(ev("LW_CF",3) * collected) {
+        if nodes < COLLECT_NODES.max(3 * collected) {
             return Ok(());
         }
         self.collect();
         if self.shared.reordering.load(Ordering::Relaxed) {
             let last = self.shared.reordered.load(Ordering::Relaxed);
-            if self.nodes() > ev("LW_REORDER",REORDER_NODES).max(ev("LW_RF",20) * last / 10) {
+            if self.nodes() > REORDER_NODES.max(2 * last) {
                 return self.sift();
             }
         }
@@ -453,9 +466,7 @@ impl Kernel for OxiDd {
 
     fn sift(&self) -> Result<(), Limit> {
         self.limits.check_time()?;
-        let t0 = std::time::Instant::now(); let b0=self.nodes();
         self.collect();
-        let b=self.nodes();
         if self.nodes() < self.shared.capacity / 3 {
             let everything = self.everything();
             if let Some((order, before, after)) =
@@ -466,7 +477,6 @@ impl Kernel for OxiDd {
             }
         }
         let left = self.nodes();
-        if std::env::var("LW_TRACE").is_ok() { eprintln!("  SIFT {b0} {b} -> {left} in {:.3}", t0.elapsed().as_secs_f64()); }
         self.shared.reordered.store(left, Ordering::Relaxed);
         self.shared.collected.store(left, Ordering::Relaxed);
         Ok(())
@@ -477,4 +487,7 @@ impl Kernel for OxiDd {
     }
 }
 
-fn ev(n: &str, d: u64) -> u64 { std::env::var(n).ok().and_then(|s| s.parse().ok()).unwrap_or(d) }
+/// Whether an edge is complemented.
+fn is_negated<M: Manager>(_: &M, edge: &Ref<'_, M::Edge>) -> bool {
+    edge.tag() != M::EdgeTag::default()
+}

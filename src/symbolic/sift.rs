@@ -23,6 +23,9 @@ const WORTHWHILE_PERCENT: usize = 98;
 /// More passes than this are not made.
 const MOST_PASSES: usize = 6;
 
+/// The first pass is given up when a quarter of the work leaves more than this many percent of the nodes.
+const HOPEFUL_PERCENT: usize = 99;
+
 /// A call touches at most this many nodes, [`MORE_WORK`] more for each of the first [`MANY_NODES`], and [`WORK_PER_NODE`] for
 /// every node.
 const LEAST_WORK: usize = 100_000;
@@ -111,7 +114,8 @@ impl Sifter {
         for edge in edges {
             sifter.release(edge);
         }
-        sifter.work = LEAST_WORK + WORK_PER_NODE * sifter.size + MORE_WORK * sifter.size.min(MANY_NODES);
+        sifter.work =
+            LEAST_WORK + WORK_PER_NODE * sifter.size + MORE_WORK * sifter.size.min(MANY_NODES);
         sifter
     }
 
@@ -180,7 +184,8 @@ impl Sifter {
 
     /// Swaps two bits of which the first lies directly above the second.
     fn swap_bits(&mut self, upper: Bit, lower: Bit) {
-        let asks_lower = |sifter: &Self, edge: u32| sifter.nodes[(edge >> 1) as usize].bit == lower.0;
+        let asks_lower =
+            |sifter: &Self, edge: u32| sifter.nodes[(edge >> 1) as usize].bit == lower.0;
         let mut moving: Vec<u32> = Vec::new();
         for ((high, low), number) in &self.tables[upper.index()] {
             if asks_lower(self, *high) || asks_lower(self, *low) {
@@ -229,7 +234,8 @@ impl Sifter {
 
     /// Sifts until it is no longer worthwhile; gives the number of nodes.
     fn sift(&mut self, limits: &Limits) -> usize {
-        for _ in 0..MOST_PASSES {
+        let all = self.work;
+        for pass in 0..MOST_PASSES {
             let before = self.size;
             let mut pairs = self.order.clone();
             pairs.sort_by_key(|p| std::cmp::Reverse(self.nodes_of(*p)));
@@ -239,6 +245,12 @@ impl Sifter {
                 }
                 if self.nodes_of(pair) > 0 {
                     self.place(pair);
+                }
+                if pass == 0
+                    && self.work < all / 4 * 3
+                    && self.size * 100 >= before * HOPEFUL_PERCENT
+                {
+                    return self.size;
                 }
             }
             if self.size * 100 >= before * WORTHWHILE_PERCENT {

@@ -52,7 +52,13 @@ fn small() -> Limits {
     }
 }
 
-fn holds_at<K: Kernel>(m: &K, encoding: &Encoding, f: &K::Function, now: &[i64], next: &[i64]) -> bool {
+fn holds_at<K: Kernel>(
+    m: &K,
+    encoding: &Encoding,
+    f: &K::Function,
+    now: &[i64],
+    next: &[i64],
+) -> bool {
     let mut bits = Vec::new();
     for i in 0..now.len() {
         let var = VarId(i as u32);
@@ -262,29 +268,30 @@ fn chain<K: Kernel>(m: &K, pairs: u16) -> K::Function {
     result
 }
 
+fn fills<K: Kernel>(limits: &Limits) -> bool {
+    let m = K::new(&Order::natural(40), limits).unwrap();
+    let half = 20u16;
+    let mut result = m.constant(true);
+    for i in 0..half {
+        let (a, b) = (
+            m.literal(Bit(2 * i), true),
+            m.literal(Bit(2 * (i + half)).primed(), true),
+        );
+        let Ok(same) = m.iff(&a, &b) else { return true };
+        match m.and(&result, &same) {
+            Ok(both) => result = both,
+            Err(limit) => return limit == Limit::Memory,
+        }
+    }
+    false
+}
+
 #[test]
 fn out_of_nodes_is_a_value() {
     let few = Limits {
         most_nodes: Some(70_000),
         ..Limits::default()
     };
-    fn fills<K: Kernel>(limits: &Limits) -> bool {
-        let m = K::new(&Order::natural(40), limits).unwrap();
-        let half = 20u16;
-        let mut result = m.constant(true);
-        for i in 0..half {
-            let (a, b) = (
-                m.literal(Bit(2 * i), true),
-                m.literal(Bit(2 * (i + half)).primed(), true),
-            );
-            let Ok(same) = m.iff(&a, &b) else { return true };
-            match m.and(&result, &same) {
-                Ok(both) => result = both,
-                Err(limit) => return limit == Limit::Memory,
-            }
-        }
-        false
-    }
     assert!(fills::<Biodivine>(&few));
     assert!(fills::<OxiDd>(&few));
 }
@@ -326,7 +333,9 @@ fn both_kernels_agree_with_truth_tables() {
         let function = |table: u16| {
             (0..16)
                 .filter(|row| table >> row & 1 == 1)
-                .fold(m.constant(false), |f, row| m.or(&f, &minterms[row]).unwrap())
+                .fold(m.constant(false), |f, row| {
+                    m.or(&f, &minterms[row]).unwrap()
+                })
         };
         let table = |f: &K::Function| -> u16 {
             let diagram = m.export(&[f]);
@@ -344,7 +353,9 @@ fn both_kernels_agree_with_truth_tables() {
                 .filter(|row| [0, 2, 4, 6].iter().any(|flip| t >> (row ^ flip) & 1 == 1))
                 .fold(0, |r, row| r | 1 << row)
         };
-        let tables: Vec<u16> = (0..64).map(|i: u16| i.wrapping_mul(40503) ^ i << 7).collect();
+        let tables: Vec<u16> = (0..64)
+            .map(|i: u16| i.wrapping_mul(40503) ^ i << 7)
+            .collect();
         for a in &tables {
             let fa = function(*a);
             assert_eq!(table(&fa), *a);
@@ -359,7 +370,10 @@ fn both_kernels_agree_with_truth_tables() {
                 assert_eq!(table(&m.xor(&fa, &fb).unwrap()), a ^ b);
                 assert_eq!(table(&m.iff(&fa, &fb).unwrap()), !(a ^ b));
                 assert_eq!(table(&m.implies(&fa, &fb).unwrap()), !a | b);
-                assert_eq!(table(&m.and_exists(&fa, &fb, &gone).unwrap()), exists(a & b));
+                assert_eq!(
+                    table(&m.and_exists(&fa, &fb, &gone).unwrap()),
+                    exists(a & b)
+                );
                 assert_eq!(
                     table(&m.implies_forall(&fa, &fb, &gone).unwrap()),
                     !exists(a & !b)

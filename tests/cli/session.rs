@@ -71,6 +71,7 @@ impl Session {
             }
         }
         command.env_remove("CLICOLOR_FORCE").env("NO_COLOR", "1");
+        command.env("LINEWRIGHT_CACHE", "off");
         command
     }
 

@@ -1,6 +1,9 @@
 //! Random specifications, small enough that the solver decides each in milliseconds.
 
-use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp, VarId, Variable};
+use linewright::gr1::{
+    BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp, VarId,
+    Variable,
+};
 use linewright::source::Span;
 use proptest::prelude::*;
 
@@ -43,6 +46,7 @@ fn number(readable: Vec<(VarId, Time)>) -> BoxedStrategy<Expr> {
 }
 
 fn formula(variables: &[Variable], scope: Scope) -> BoxedStrategy<Expr> {
+    use BinaryOp as B;
     let readable: Vec<(VarId, Time)> = variables
         .iter()
         .enumerate()
@@ -60,7 +64,6 @@ fn formula(variables: &[Variable], scope: Scope) -> BoxedStrategy<Expr> {
         readable.iter().copied().filter(|(v, _)| is(v)).collect()
     };
     let (truths, numbers) = (of(true), of(false));
-    use BinaryOp as B;
     let compare = prop::sample::select(vec![B::Eq, B::Ne, B::Lt, B::Le, B::Gt, B::Ge]);
     let comparison = (compare, number(numbers.clone()), number(numbers))
         .prop_map(|(op, a, b)| Expr::binary(op, a, b));
@@ -82,16 +85,24 @@ fn formula(variables: &[Variable], scope: Scope) -> BoxedStrategy<Expr> {
     .boxed()
 }
 
-fn list(variables: &[Variable], name: &'static str, at_most: usize, scope: Scope) -> BoxedStrategy<Vec<Formula>> {
+fn list(
+    variables: &[Variable],
+    name: &'static str,
+    at_most: usize,
+    scope: Scope,
+) -> BoxedStrategy<Vec<Formula>> {
     prop::collection::vec(formula(variables, scope), 0..=at_most)
         .prop_map(move |expressions| {
-            let made = expressions.into_iter().enumerate().map(|(i, expr)| Formula {
-                name: format!("{name} {i}"),
-                requirement: None,
-                expr,
-                span: Span::default(),
-                text: String::new(),
-            });
+            let made = expressions
+                .into_iter()
+                .enumerate()
+                .map(|(i, expr)| Formula {
+                    name: format!("{name} {i}"),
+                    requirement: None,
+                    expr,
+                    span: Span::default(),
+                    text: String::new(),
+                });
             made.collect()
         })
         .boxed()
@@ -100,7 +111,10 @@ fn list(variables: &[Variable], name: &'static str, at_most: usize, scope: Scope
 /// Random specifications of both timings, with all kinds of formulas.
 pub fn specifications() -> BoxedStrategy<Specification> {
     let names = ["a", "line", "x[1]", "next", "Wert ü", "b@0"];
-    let variables = (prop::collection::vec(domain(), 1..=2), prop::collection::vec(domain(), 1..=2));
+    let variables = (
+        prop::collection::vec(domain(), 1..=2),
+        prop::collection::vec(domain(), 1..=2),
+    );
     let timing = prop_oneof![3 => Just(Timing::Mealy), 1 => Just(Timing::Moore)];
     (variables, timing)
         .prop_flat_map(move |((inputs, outputs), timing)| {

@@ -34,6 +34,7 @@ pub fn linewright(folder: &Path, arguments: &[&str]) -> Output {
         .args(arguments)
         .current_dir(folder)
         .env_remove("CLICOLOR_FORCE")
+        .env("LINEWRIGHT_CACHE", "off")
         .env("NO_COLOR", "1")
         .output()
         .expect("the program starts")

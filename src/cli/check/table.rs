@@ -10,6 +10,8 @@ const BAD: Style = AnsiColor::Red.on_default().bold();
 const OPEN: Style = AnsiColor::Yellow.on_default().bold();
 const DIM: Style = Style::new().dimmed();
 
+const COLUMNS: usize = 8;
+
 /// One line of the table, before the columns are aligned.
 struct Row {
     verdict: &'static str,
@@ -31,12 +33,16 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
             verdict: c.verdict,
             cells: vec![
                 c.name.clone(),
-                term(&c.codes),
+                match c.format {
+                    Some(ending) => format!(".{ending}"),
+                    None => term(&c.codes),
+                },
                 interface(c.input_bits, c.output_bits),
                 c.verdict.replace('_', " "),
                 c.states.map(|n| count(n, "state")).unwrap_or_default(),
                 c.seconds.map(|s| format!("{s:.2} s")).unwrap_or_default(),
                 file(&c.file),
+                file(&c.kernel),
             ],
         });
     }
@@ -52,11 +58,12 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
                 empty(),
                 empty(),
                 file(&m.file),
+                empty(),
             ],
         });
     }
     for l in &document.lines {
-        let mut cells = vec![String::new(); 7];
+        let mut cells = vec![String::new(); COLUMNS];
         cells[0] = format!("line {}", l.name);
         l.verdict.clone_into(&mut cells[3]);
         cells[6] = file(&l.file);
@@ -71,7 +78,14 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     }
     text.push_str(&summary(document));
     if verbose {
+        text.push_str(&verdicts_only(document));
         text.push_str(&discharges(document));
+    }
+    for c in &document.contracts {
+        if let Some(statistics) = &c.statistics {
+            text.push('\n');
+            text.push_str(&statistics.show(&c.name));
+        }
     }
     text
 }
@@ -92,7 +106,7 @@ pub(super) fn short(document: &Document) -> String {
 }
 
 fn align(rows: &[Row]) -> String {
-    let mut widths = [0; 7];
+    let mut widths = [0; COLUMNS];
     for row in rows {
         for (width, cell) in widths.iter_mut().zip(&row.cells) {
             *width = (*width).max(cell.chars().count());
@@ -160,6 +174,18 @@ fn interface(inputs: Option<u32>, outputs: Option<u32>) -> String {
         (Some(i), Some(o)) => format!("{i} in, {o} out"),
         _ => String::new(),
     }
+}
+
+/// Which contracts were too large for more than a verdict.
+fn verdicts_only(document: &Document) -> String {
+    let large = document.contracts.iter().filter(|c| c.verdict_only);
+    let lines = large.map(|c| {
+        format!(
+            "{}: only the verdict; it is large, so its controller was not written down, and its plant not examined\n",
+            c.name
+        )
+    });
+    lines.collect()
 }
 
 /// For every machine, how the assumptions of its components are met.

@@ -179,7 +179,7 @@ fn options(arguments: &[OsString]) -> Result<Options, String> {
     let mut options = Options {
         filters: Vec::new(),
         runs: 3,
-        limit: Duration::from_secs(120),
+        limit: Duration::from_mins(2),
         each: false,
         check: Vec::new(),
     };

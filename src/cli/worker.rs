@@ -1,0 +1,119 @@
+//! Work that has to end in time, on a thread that is left behind when it does not.
+//!
+//! The stages look at the deadline between the operations of a BDD kernel; a single operation cannot be interrupted, and may
+//! last minutes. So whoever waits here goes on shortly after the deadline, or after Ctrl-C, with what the work had
+//! reported until then. The thread goes on until the program ends, which is soon.
+
+use super::interrupt;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+/// How long the work may need to notice the deadline by itself, which gives the better answer.
+const GRACE: Duration = Duration::from_millis(300);
+
+/// How often one looks whether Ctrl-C was pressed.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Formulas nest as deep as their author likes, and so does what walks over them.
+const STACK_BYTES: usize = 256 << 20;
+
+/// Why nobody waits any longer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stop {
+    /// The time has run out.
+    Time,
+    /// Ctrl-C was pressed.
+    Interrupt,
+}
+
+/// Whether to stop now.
+pub fn stop(deadline: Option<Instant>) -> Option<Stop> {
+    if interrupt::interrupted() {
+        Some(Stop::Interrupt)
+    } else if deadline.is_some_and(|d| Instant::now() >= d) {
+        Some(Stop::Time)
+    } else {
+        None
+    }
+}
+
+/// How work ended.
+#[derive(Debug)]
+pub enum Ended<P, R> {
+    /// With a result.
+    Done(R),
+    /// Nobody waits for it any longer. With it, the last thing that it reported.
+    Left(Stop, Option<P>),
+}
+
+/// Runs `work` on a thread of its own. What it gives to the function that it is given is kept, in case that it is left.
+pub fn run<P, R>(
+    deadline: Option<Instant>,
+    work: impl FnOnce(&dyn Fn(P)) -> R + Send + 'static,
+) -> Ended<P, R>
+where
+    P: Send + 'static,
+    R: Send + 'static,
+{
+    let (sender, receiver) = mpsc::channel();
+    let last = deadline.and_then(|d| d.checked_add(GRACE));
+    let builder = std::thread::Builder::new().stack_size(STACK_BYTES);
+    let thread = builder.spawn(move || {
+        let report = |partly: P| {
+            let _ = sender.send(Err(partly));
+        };
+        let result = work(&report);
+        let _ = sender.send(Ok(result));
+    });
+    let thread = thread.unwrap_or_else(|e| panic!("no thread can be started: {e}"));
+    let mut reported = None;
+    loop {
+        let left = last.map_or(LOOK, |l| l.saturating_duration_since(Instant::now()));
+        match receiver.recv_timeout(left.min(LOOK)) {
+            Ok(Ok(result)) => return Ended::Done(result),
+            Ok(Err(partly)) => reported = Some(partly),
+            Err(RecvTimeoutError::Timeout) => {
+                if let Some(stop) = stop(last) {
+                    return Ended::Left(stop, reported);
+                }
+            }
+            Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                Err(panic) => std::panic::resume_unwind(panic),
+                Ok(()) => unreachable!("work ends with a result; please report this"),
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_that_ends_gives_its_result() {
+        let ended = run(None, |report: &dyn Fn(u8)| {
+            report(1);
+            2
+        });
+        assert!(matches!(ended, Ended::Done(2)));
+    }
+
+    #[test]
+    fn work_that_does_not_end_is_left() {
+        let begin = Instant::now();
+        let deadline = begin + Duration::from_millis(50);
+        let ended = run(Some(deadline), |report: &dyn Fn(u8)| {
+            report(1);
+            report(2);
+            std::thread::sleep(Duration::from_mins(1));
+        });
+        assert!(matches!(ended, Ended::Left(Stop::Time, Some(2))));
+        assert!(begin.elapsed() < Duration::from_secs(10));
+    }
+
+    #[test]
+    #[should_panic(expected = "broken")]
+    fn a_panic_is_passed_on() {
+        run(None, |_: &dyn Fn(u8)| panic!("broken"));
+    }
+}

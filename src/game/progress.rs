@@ -1,0 +1,161 @@
+//! How far a solve has come, for whoever waits for it on another thread.
+//!
+//! A single operation of a kernel cannot be interrupted and may take minutes. So who has to end in time does not wait for
+//! the solver, but reads here what it had reached, and leaves it.
+
+use super::fixpoint::Iterations;
+use super::solver::Statistics;
+use std::fmt;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What a solve is at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Phase {
+    /// It has not begun.
+    #[default]
+    Waiting,
+    /// Formulas become functions.
+    Encoding,
+    /// An order of the variables is looked for.
+    Ordering,
+    /// The winning region is computed.
+    Fixpoint,
+    /// The verdict is known; guarantees that clash are looked for.
+    Core,
+    /// It has ended.
+    Ended,
+}
+
+const PHASES: [Phase; 6] = [
+    Phase::Waiting,
+    Phase::Encoding,
+    Phase::Ordering,
+    Phase::Fixpoint,
+    Phase::Core,
+    Phase::Ended,
+];
+
+/// How far a solve has come. One of it belongs to one solve.
+#[derive(Debug, Default)]
+pub struct Progress {
+    phase: AtomicU8,
+    iterations: Iterations,
+    statistics: Mutex<Statistics>,
+}
+
+impl Progress {
+    /// What it is at.
+    pub fn phase(&self) -> Phase {
+        PHASES[usize::from(self.phase.load(Ordering::Relaxed)).min(PHASES.len() - 1)]
+    }
+
+    /// What is known of its cost so far.
+    pub fn statistics(&self) -> Statistics {
+        let mut statistics = self.locked().clone();
+        self.iterations.add_to(&mut statistics);
+        statistics
+    }
+
+    /// What was reached, as it follows "the time limit was reached": `after 12 rounds, with 3 of 40 goals settled`.
+    pub fn reached(&self) -> String {
+        Reached(self).to_string()
+    }
+
+    pub(super) fn enter(&self, phase: Phase) {
+        self.phase.store(phase as u8, Ordering::Relaxed);
+    }
+
+    /// Begins anew, on this kernel.
+    pub(super) fn begin(&self, statistics: Statistics) {
+        self.iterations.reset();
+        *self.locked() = statistics;
+        self.enter(Phase::Encoding);
+    }
+
+    pub(super) fn note(&self, change: impl FnOnce(&mut Statistics)) {
+        change(&mut self.locked());
+    }
+
+    pub(super) fn iterations(&self) -> &Iterations {
+        &self.iterations
+    }
+
+    fn locked(&self) -> MutexGuard<'_, Statistics> {
+        self.statistics
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+struct Reached<'a>(&'a Progress);
+
+impl fmt::Display for Reached<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let progress = self.0;
+        match progress.phase() {
+            Phase::Waiting => f.write_str("before it was begun"),
+            Phase::Encoding => f.write_str("while its formulas were encoded"),
+            Phase::Ordering => f.write_str("while an order of its variables was looked for"),
+            Phase::Fixpoint | Phase::Core | Phase::Ended => {
+                let get = |n: &std::sync::atomic::AtomicU64| n.load(Ordering::Relaxed);
+                let at = &progress.iterations;
+                let (rounds, steps) = (get(&at.outer), get(&at.inner));
+                let plural = |n: u64| if n == 1 { "" } else { "s" };
+                write!(
+                    f,
+                    "in round {rounds}, step {steps} of its fixpoint, with {} of {} goal{} settled and {} nodes",
+                    get(&at.settled),
+                    get(&at.goals),
+                    plural(get(&at.goals)),
+                    rounded(get(&at.nodes)),
+                )
+            }
+        }
+    }
+}
+
+/// `950`, `12 k`, `1.2 M`
+fn rounded(n: u64) -> String {
+    match n {
+        0..10_000 => n.to_string(),
+        10_000..1_000_000 => format!("{} k", n / 1000),
+        _ => format!("{:.1} M", n as f64 / 1e6),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_are_numbered() {
+        for (number, phase) in PHASES.into_iter().enumerate() {
+            assert_eq!(phase as usize, number);
+        }
+    }
+
+    #[test]
+    fn what_was_reached() {
+        let progress = Progress::default();
+        assert_eq!(progress.reached(), "before it was begun");
+        progress.enter(Phase::Fixpoint);
+        let at = progress.iterations();
+        at.outer.store(12, Ordering::Relaxed);
+        at.inner.store(31, Ordering::Relaxed);
+        at.settled.store(3, Ordering::Relaxed);
+        at.goals.store(40, Ordering::Relaxed);
+        at.nodes.store(1_234_567, Ordering::Relaxed);
+        assert_eq!(
+            progress.reached(),
+            "in round 12, step 31 of its fixpoint, with 3 of 40 goals settled and 1.2 M nodes"
+        );
+    }
+
+    #[test]
+    fn numbers_are_rounded() {
+        assert_eq!(rounded(9_999), "9999");
+        assert_eq!(rounded(12_345), "12 k");
+        assert_eq!(rounded(1_250_000), "1.2 M");
+    }
+}

@@ -1,0 +1,128 @@
+//! Limits end a run in time, whatever is being computed, and say what was reached.
+
+use crate::session::Session;
+use std::time::{Duration, Instant};
+
+/// How long the program may go on after a limit. The promise is a second; the rest is for a busy machine.
+const MARGIN: Duration = Duration::from_secs(2);
+
+/// `product.lw` multiplies two numbers of 20 bits: no order of the variables makes that small.
+const HARD: &str = "check product.lw --no-timing";
+
+#[test]
+fn a_time_limit_ends_a_run_that_would_last() {
+    let session = Session::new();
+    for kernel in ["auto", "biodivine", "oxidd"] {
+        let begin = Instant::now();
+        let printed = session.run(&format!("{HARD} --kernel {kernel} --timeout 2"));
+        let elapsed = begin.elapsed();
+        assert_eq!(printed.code, 3, "{}", printed.out);
+        assert!(elapsed >= Duration::from_secs(2), "{elapsed:?}");
+        assert!(elapsed < Duration::from_secs(2) + MARGIN, "{elapsed:?}");
+        let wanted = "the time limit was reached while its formulas were encoded";
+        assert!(printed.out.contains(wanted), "{}", printed.out);
+    }
+}
+
+#[test]
+fn the_other_contracts_keep_their_verdicts() {
+    let session = Session::new();
+    let printed =
+        session.run("check lamp.lw product.lw unrealizable.lw --format short --timeout 3");
+    assert_eq!(printed.code, 3, "{}", printed.out);
+    for line in [
+        "lamp.lw: contract Light: realizable",
+        "product.lw: contract Product: gave_up",
+        "unrealizable.lw: contract Foresight: unrealizable",
+    ] {
+        assert!(printed.out.contains(line), "{line}: {}", printed.out);
+    }
+}
+
+#[test]
+fn a_memory_limit_ends_in_a_message() {
+    let session = Session::new();
+    for (kernel, mib) in [
+        ("auto", 1),
+        ("auto", 8),
+        ("biodivine", 8),
+        ("oxidd", 8),
+        ("oxidd", 0),
+    ] {
+        let printed = session.run(&format!("{HARD} --kernel {kernel} --memory {mib}"));
+        assert_eq!(
+            printed.code, 3,
+            "{kernel} {mib}: {}{}",
+            printed.out, printed.err
+        );
+        let wanted = "there is no verdict on `Product`: the memory limit was reached";
+        assert!(
+            printed.out.contains(wanted),
+            "{kernel} {mib}: {}",
+            printed.out
+        );
+        assert_eq!(printed.err, "", "{kernel} {mib}");
+    }
+}
+
+#[test]
+fn json_keeps_its_form_when_it_gives_up() {
+    let session = Session::new();
+    let printed = session.run("check product.lw --format json --stats --timeout 1");
+    assert_eq!(printed.code, 3);
+    let document: serde_json::Value = serde_json::from_str(&printed.out).expect("a document");
+    let contract = &document["contracts"][0];
+    assert_eq!(contract["verdict"], "gave_up");
+    assert_eq!(contract["statistics"]["pairs"], 42);
+    assert_eq!(document["summary"]["gave_up"], 1);
+}
+
+#[cfg(unix)]
+mod interrupts {
+    use super::{HARD, MARGIN, Session};
+    use nix::sys::signal::{Signal, kill};
+    use nix::unistd::Pid;
+    use std::process::{Child, Output, Stdio};
+    use std::time::{Duration, Instant};
+
+    fn start(session: &Session, line: &str) -> Child {
+        let mut command = session.command(line);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.spawn().expect("the program starts")
+    }
+
+    fn interrupt(child: &Child) {
+        let id = i32::try_from(child.id()).expect("a process id");
+        kill(Pid::from_raw(id), Signal::SIGINT).expect("a signal");
+    }
+
+    fn text(output: &Output) -> String {
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    #[test]
+    fn the_first_one_ends_what_is_being_solved() {
+        let session = Session::new();
+        let child = start(&session, HARD);
+        std::thread::sleep(Duration::from_secs(2));
+        interrupt(&child);
+        let begin = Instant::now();
+        let output = child.wait_with_output().expect("it ends");
+        assert!(begin.elapsed() < MARGIN, "{:?}", begin.elapsed());
+        assert_eq!(output.status.code(), Some(3), "{}", text(&output));
+        let wanted = "there is no verdict on `Product`: it was interrupted while";
+        assert!(text(&output).contains(wanted), "{}", text(&output));
+    }
+
+    #[test]
+    fn what_is_known_is_printed() {
+        let session = Session::new();
+        let child = start(&session, "check unrealizable.lw product.lw --format short");
+        std::thread::sleep(Duration::from_secs(2));
+        interrupt(&child);
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(3), "{}", text(&output));
+        let wanted = "unrealizable.lw: contract Foresight: unrealizable";
+        assert!(text(&output).contains(wanted), "{}", text(&output));
+    }
+}
