@@ -17,9 +17,12 @@
 use super::arena::Arena;
 use super::fixpoint::{Layer, layers};
 use crate::gr1::{Specification, Timing};
-use crate::symbolic::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Order};
-use rustc_hash::{FxHashMap, FxHashSet};
+use super::workbench::Workbench;
+use crate::symbolic::{Bit, Diagram, Edge, Kernel, Limit, Order};
 use serde::{Deserialize, Serialize};
+
+/// The bench is emptied between two goals when so many nodes lie on it.
+const CROWDED_NODES: usize = 1 << 21;
 
 /// An assumption that a step may break.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -108,11 +111,18 @@ pub fn functions<K: Kernel>(
     let mut outputs: Vec<Bit> = arena.outputs_next.iter().collect();
     outputs.sort_unstable_by_key(|b| positions[usize::from(b.pair())]);
 
-    let mut builder = Builder::new(&order);
-    let mut states = Builder::new(&order);
-    let assumed_first = assumed(arena, specification, true, &mut builder)?;
-    let first = initial(arena, region, &outputs, &mut builder)?;
-    let parts = safety(arena, specification)?;
+    let limits = m.limits();
+    let bench = || Workbench::new(&order, &limits);
+    let mut work = Work {
+        bench: bench(),
+        kept: bench(),
+        parts: Vec::new(),
+        outputs,
+    };
+    let mut states = bench();
+    let assumed_first = assumed(arena, specification, true, &mut work.kept)?;
+    let first = initial(arena, region, &mut work)?;
+    work.parts = work.bench.add(m, &safety(arena, specification)?)?;
     let mut care = region.clone();
     if arena.timing == Timing::Mealy {
         for part in arena.environment.parts() {
@@ -120,36 +130,37 @@ pub fn functions<K: Kernel>(
         }
     }
     let mut goals = Vec::new();
-    let mut ranks = Vec::new();
+    let mut stages = Vec::new();
     for j in 0..arena.goals.len() {
         let layers = layers(arena, j, region)?;
-        let modes = modes(arena, j, region, &layers, (&parts, &care), &outputs, &mut builder)?;
-        let reached = builder.add(m, [&arena.goals[j]])[0];
+        let modes = modes(arena, j, region, &layers, &care, &mut work)?;
+        let reached = work.kept.add(m, [&arena.goals[j]])?[0];
         goals.push(Pursuit { modes, reached });
-        let edges = states.add(m, layers.iter().map(|l| &l.reached));
+        let edges = states.add(m, layers.iter().map(|l| &l.reached))?;
         let layers = layers.iter().zip(edges);
         let layers = layers.map(|(layer, reached)| Stage {
             reached,
             assumption: layer.assumption,
         });
-        ranks.push(layers.collect());
+        stages.push(layers.collect());
         m.safe_point()?;
+        work.tidy(bench)?;
     }
+    let assumed = assumed(arena, specification, false, &mut work.kept)?;
     let pairs = arena.encoding.pairs();
-    let order = order.pairs().iter().copied();
-    let order = order.filter(|p| usize::from(*p) < pairs).collect();
-    let region = states.add(m, [region])[0];
+    let pairs = order.pairs().iter().copied().filter(|p| usize::from(*p) < pairs).collect();
+    let region = states.add(m, [region])?[0];
     Ok(Controls {
         assumed_first,
-        assumed: assumed(arena, specification, false, &mut builder)?,
-        diagram: builder.diagram,
+        assumed,
+        diagram: work.kept.into_diagram(),
         first,
         goals,
-        order: Order::new(order).expect("an order of all pairs; please report this"),
+        order: Order::new(pairs).expect("an order of all pairs; please report this"),
         certificate: Certificate {
-            diagram: states.diagram,
+            diagram: states.into_diagram(),
             region,
-            goals: ranks,
+            goals: stages,
         },
     })
 }
@@ -159,29 +170,30 @@ fn assumed<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
     first: bool,
-    builder: &mut Builder,
+    kept: &mut Workbench,
 ) -> Result<Vec<(Assumed, Edge)>, Limit> {
     let m = &arena.kernel;
     let side = &specification.assumptions;
     let mut found = Vec::new();
-    let mut add = |what, function: &K::Function| {
+    let mut add = |what, function: &K::Function| -> Result<(), Limit> {
         if !m.is_true(function) {
-            found.push((what, builder.add(m, [function])[0]));
+            found.push((what, kept.add(m, [function])?[0]));
         }
+        Ok(())
     };
     if first {
         for (i, formula) in side.initial.iter().enumerate() {
             let function = arena.encoding.formula(m, &formula.expr)?;
-            add(Assumed::Initial(i), &m.prime(&function)?);
+            add(Assumed::Initial(i), &m.prime(&function)?)?;
         }
     }
     for (i, formula) in side.invariants.iter().enumerate() {
         let function = arena.encoding.formula(m, &formula.expr)?;
-        add(Assumed::Invariant(i), &m.prime(&function)?);
+        add(Assumed::Invariant(i), &m.prime(&function)?)?;
     }
     if !first {
         for (i, formula) in side.safety.iter().enumerate() {
-            add(Assumed::Safety(i), &arena.encoding.formula(m, &formula.expr)?);
+            add(Assumed::Safety(i), &arena.encoding.formula(m, &formula.expr)?)?;
         }
     }
     Ok(found)
@@ -191,25 +203,23 @@ fn assumed<K: Kernel>(
 fn initial<K: Kernel>(
     arena: &Arena<K>,
     region: &K::Function,
-    outputs: &[Bit],
-    builder: &mut Builder,
+    work: &mut Work,
 ) -> Result<Vec<(Bit, Edge)>, Limit> {
     let m = &arena.kernel;
     let mut good = m.and(&arena.sys_initial, region)?;
     if arena.timing == Timing::Moore {
         good = m.implies_forall(&arena.env_initial, &good, &arena.inputs_now)?;
     }
-    let mut rest = m.prime(&good)?;
+    let mut rest = work.bench.add(m, [&m.prime(&good)?])?[0];
     let mut functions = Vec::new();
-    for bit in outputs.iter().rev() {
-        let low = m.restrict(&rest, &[(*bit, false)])?;
-        let high = m.restrict(&rest, &[(*bit, true)])?;
-        functions.push(m.not(&low)?);
-        rest = m.or(&low, &high)?;
+    for bit in work.outputs.iter().rev() {
+        let may_clear = work.bench.fix(rest, *bit, false)?;
+        let may_set = work.bench.fix(rest, *bit, true)?;
+        rest = work.bench.or(may_clear, may_set)?;
+        functions.push((*bit, work.bench.simplify(may_clear.negated(), rest)?));
     }
     functions.reverse();
-    let edges = builder.add(m, functions.iter());
-    Ok(outputs.iter().copied().zip(edges).collect())
+    work.keep(&functions)
 }
 
 /// The ways of pursuing goal `j`: reach it, or else move into the lowest layer that is possible.
@@ -223,9 +233,8 @@ fn modes<K: Kernel>(
     j: usize,
     region: &K::Function,
     layers: &[Layer<K>],
-    (parts, care): (&[K::Function], &K::Function),
-    outputs: &[Bit],
-    builder: &mut Builder,
+    care: &K::Function,
+    work: &mut Work,
 ) -> Result<Vec<Mode>, Limit> {
     let m = &arena.kernel;
     let reach = m.and(&arena.goals[j], &m.prime(region)?)?;
@@ -267,18 +276,14 @@ fn modes<K: Kernel>(
         }
         let used = m.and(&todo, &when)?;
         let asked = std::mem::replace(&mut todo, left);
-        let mut care = Care::new(m, &builder.positions, &used);
-        let mut all = vec![aim];
-        for part in parts {
-            let part = care.simplify(m, part)?;
-            if !m.is_true(&part) {
-                all.push(part);
-            }
-        }
-        let functions = eliminate(m, &all, outputs, &mut care)?;
-        let outputs = builder.add_where(m, &functions, &used);
+        let added = work.bench.add(m, [&aim, &used, &when, &asked])?;
+        let when = work.bench.simplify(added[2], added[3])?;
+        let mut functions = work.eliminate(added[0], added[1])?;
+        functions.push((Bit(0), when));
+        let mut outputs = work.keep(&functions)?;
+        let when = outputs.pop().map_or(Edge::TRUE, |(_, when)| when);
         modes.push(Mode {
-            when: builder.add_where(m, &[(Bit(0), when)], &asked)[0].1,
+            when,
             outputs,
             layer,
         });
@@ -292,47 +297,102 @@ fn modes<K: Kernel>(
     Ok(modes)
 }
 
-/// Eliminates bits from a conjunction of parts, always the one whose parts are smallest, and gives for each a function over
-/// the others; those that were eliminated later come first. All that is made is simplified for where it matters.
-fn eliminate<K: Kernel>(
-    m: &K,
-    parts: &[K::Function],
-    bits: &[Bit],
-    care: &mut Care,
-) -> Result<Vec<(Bit, K::Function)>, Limit> {
-    let part = |f: K::Function| {
-        let support = BitSet::new(m.support(&f));
-        let size = m.size(&f);
-        (f, support, size)
-    };
-    let mut parts: Vec<_> = parts.iter().map(|f| part(f.clone())).collect();
-    let mut left: Vec<Bit> = bits.to_vec();
-    let mut functions = Vec::new();
-    while !left.is_empty() {
-        let cost = |bit: &Bit| {
-            let bucket = parts.iter().filter(|(_, support, _)| support.contains(*bit));
-            bucket.map(|(_, _, size)| *size).sum::<usize>()
-        };
-        // The lowest of the order among equals.
-        let place = (0..left.len()).min_by_key(|i| (cost(&left[*i]), std::cmp::Reverse(*i)));
-        let bit = left.remove(place.unwrap_or(0));
-        let (mut bucket, rest): (Vec<_>, Vec<_>) =
-            parts.into_iter().partition(|(_, support, _)| support.contains(bit));
-        parts = rest;
-        bucket.sort_by_key(|(_, _, size)| *size);
-        let both = m.all(bucket.iter().map(|(f, ..)| f))?;
-        let both = care.simplify(m, &both)?;
-        let low = m.restrict(&both, &[(bit, false)])?;
-        let high = m.restrict(&both, &[(bit, true)])?;
-        let now = m.literal(Bit(bit.0 & !1), true);
-        functions.push((bit, m.ite(&now, &high, &m.not(&low)?)?));
-        let rest = m.or(&low, &high)?;
-        if !m.is_true(&rest) {
-            parts.push(part(rest));
-        }
+/// Where functions are made, and where they are kept.
+struct Work {
+    bench: Workbench,
+    kept: Workbench,
+    /// The machine's safety, formula by formula.
+    parts: Vec<Edge>,
+    /// The next output bits by their place in the order.
+    outputs: Vec<Bit>,
+}
+
+impl Work {
+    /// Keeps functions.
+    fn keep(&mut self, functions: &[(Bit, Edge)]) -> Result<Vec<(Bit, Edge)>, Limit> {
+        let roots: Vec<Edge> = functions.iter().map(|(_, f)| *f).collect();
+        let kept = self.kept.copy(&self.bench, &roots)?;
+        Ok(functions.iter().map(|(bit, _)| *bit).zip(kept).collect())
     }
-    functions.reverse();
-    Ok(functions)
+
+    /// Empties the bench when much lies on it.
+    fn tidy(&mut self, fresh: impl FnOnce() -> Workbench) -> Result<(), Limit> {
+        if self.bench.nodes() > CROWDED_NODES {
+            let mut bench = fresh();
+            self.parts = bench.copy(&self.bench, &self.parts)?;
+            self.bench = bench;
+        }
+        Ok(())
+    }
+
+    /// Eliminates the outputs from the safety and an aim, always the one whose parts are smallest, and gives for each a function
+    /// over the others; those that were eliminated later come first. It matters what they are where `care` holds.
+    fn eliminate(&mut self, aim: Edge, care: Edge) -> Result<Vec<(Bit, Edge)>, Limit> {
+        let Self {
+            bench,
+            parts,
+            outputs,
+            ..
+        } = self;
+        let part = |bench: &Workbench, f: Edge| (f, bench.support(f, outputs), bench.size(f));
+        let mut pool = vec![part(bench, aim)];
+        for f in parts.iter() {
+            let f = bench.simplify(*f, care)?;
+            if f != Edge::TRUE {
+                pool.push(part(bench, f));
+            }
+        }
+        let mut left = outputs.clone();
+        let mut functions = Vec::new();
+        while !left.is_empty() {
+            let cost = |bit: &Bit| {
+                let bucket = pool.iter().filter(|(_, support, _)| support.contains(*bit));
+                bucket.map(|(_, _, size)| *size).sum::<usize>()
+            };
+            // The lowest of the order among equals.
+            let place = (0..left.len()).min_by_key(|i| (cost(&left[*i]), std::cmp::Reverse(*i)));
+            let bit = left.remove(place.unwrap_or(0));
+            let (mut bucket, rest): (Vec<_>, Vec<_>) =
+                pool.into_iter().partition(|(_, support, _)| support.contains(bit));
+            pool = rest;
+            bucket.sort_by_key(|(_, _, size)| *size);
+            let mut both = Edge::TRUE;
+            for (f, ..) in bucket {
+                both = bench.and(both, f)?;
+            }
+            let both = bench.simplify(both, care)?;
+            let (may_clear, may_set) = (bench.fix(both, bit, false)?, bench.fix(both, bit, true)?);
+            let possible = bench.or(may_clear, may_set)?;
+            functions.push((bit, choose(bench, bit, (may_clear, may_set, possible), care)?));
+            if possible != Edge::TRUE {
+                pool.push(part(bench, possible));
+            }
+        }
+        functions.reverse();
+        Ok(functions)
+    }
+}
+
+/// A function for a bit, given where it may be 0, may be 1, and where either is possible; the bit keeps its value where it may.
+fn choose(
+    bench: &mut Workbench,
+    bit: Bit,
+    (may_clear, may_set, possible): (Edge, Edge, Edge),
+    care: Edge,
+) -> Result<Edge, Limit> {
+    let now = bench.literal(Bit(bit.0 & !1))?;
+    let stays = bench.and(now, may_set)?;
+    let set = bench.and(now.negated(), may_clear.negated())?;
+    let keeps = bench.or(stays, set)?;
+    let keeps = bench.simplify(keeps, possible)?;
+    let keeps = bench.simplify(keeps, care)?;
+    let free = bench.and(may_clear, may_set)?;
+    let forced = bench.and(possible, free.negated())?;
+    let plain = bench.simplify(may_set, forced)?;
+    let plain = bench.simplify(plain, care)?;
+    if std::env::var_os("CH").is_some_and(|c| c == "1") { return Ok(keeps); }
+    if std::env::var_os("CH").is_some_and(|c| c == "4") { return Ok(if bench.size(plain) < bench.size(keeps) { plain } else { keeps }); }
+    Ok(if 2 * bench.size(plain) < bench.size(keeps) { plain } else { keeps })
 }
 
 /// The machine's safety, formula by formula; for Moore, freed of the next inputs.
@@ -353,248 +413,4 @@ fn safety<K: Kernel>(
         }
     }
     Ok(parts)
-}
-
-/// Where functions matter.
-struct Care {
-    scratch: Builder,
-    care: Edge,
-    found: Found,
-}
-
-impl Care {
-    fn new<K: Kernel>(kernel: &K, positions: &[u16], care: &K::Function) -> Self {
-        let mut scratch = Builder {
-            positions: positions.to_vec(),
-            ..Builder::default()
-        };
-        let care = scratch.add(kernel, [care])[0];
-        Self {
-            scratch,
-            care,
-            found: Found::default(),
-        }
-    }
-
-    /// A function that agrees with `f` where it matters.
-    fn simplify<K: Kernel>(&mut self, kernel: &K, f: &K::Function) -> Result<K::Function, Limit> {
-        let edge = self.scratch.add(kernel, [f])[0];
-        let smaller = self.scratch.restrict(edge, self.care, &mut self.found);
-        if self.scratch.size(smaller) >= self.scratch.size(edge) {
-            return Ok(f.clone());
-        }
-        let mut alone = Builder::default();
-        let root = alone.copy(&self.scratch.diagram, &[smaller])[0];
-        alone.diagram.roots = vec![root];
-        let mut functions = kernel.import(&alone.diagram)?;
-        Ok(functions.pop().unwrap_or_else(|| f.clone()))
-    }
-}
-
-/// Collects functions of a kernel in one diagram.
-#[derive(Debug, Default)]
-struct Builder {
-    diagram: Diagram,
-    known: FxHashMap<DiagramNode, Edge>,
-    /// For every pair its place in the order.
-    positions: Vec<u16>,
-}
-
-/// What was found by [`Builder::restrict`] and [`Builder::or`].
-#[derive(Debug, Default)]
-struct Found {
-    restricted: FxHashMap<(Edge, Edge), Edge>,
-    disjunctions: FxHashMap<(Edge, Edge), Edge>,
-}
-
-impl Builder {
-    fn new(order: &Order) -> Self {
-        Self {
-            positions: order.positions(),
-            ..Self::default()
-        }
-    }
-
-    /// Adds functions that matter only where `care` holds.
-    fn add_where<K: Kernel>(
-        &mut self,
-        kernel: &K,
-        functions: &[(Bit, K::Function)],
-        care: &K::Function,
-    ) -> Vec<(Bit, Edge)> {
-        let mut scratch = Self {
-            positions: self.positions.clone(),
-            ..Self::default()
-        };
-        let edges = scratch.add(kernel, functions.iter().map(|(_, f)| f).chain([care]));
-        let (care, edges) = edges.split_last().expect("the care set was added");
-        let mut found = Found::default();
-        let smaller: Vec<Edge> = edges
-            .iter()
-            .map(|edge| {
-                let smaller = scratch.restrict(*edge, *care, &mut found);
-                if scratch.size(smaller) < scratch.size(*edge) { smaller } else { *edge }
-            })
-            .collect();
-        let added = self.copy(&scratch.diagram, &smaller);
-        functions.iter().map(|(bit, _)| *bit).zip(added).collect()
-    }
-
-    /// Adds the functions of another diagram.
-    fn copy(&mut self, diagram: &Diagram, roots: &[Edge]) -> Vec<Edge> {
-        let mut needed = vec![false; diagram.nodes.len()];
-        for edge in roots {
-            if let Some(n) = edge.node() {
-                needed[n] = true;
-            }
-        }
-        for n in (0..needed.len()).rev() {
-            if needed[n] {
-                for edge in [diagram.nodes[n].high, diagram.nodes[n].low] {
-                    if let Some(n) = edge.node() {
-                        needed[n] = true;
-                    }
-                }
-            }
-        }
-        let mut edges: Vec<Edge> = Vec::with_capacity(needed.len());
-        let at = |edges: &[Edge], edge: Edge| match edge.node() {
-            None => edge,
-            Some(n) => edges[n].flipped(edge.is_negated()),
-        };
-        for (node, needed) in diagram.nodes.iter().zip(&needed) {
-            let edge = if *needed {
-                let (high, low) = (at(&edges, node.high), at(&edges, node.low));
-                self.decision(node.bit, high, low)
-            } else {
-                Edge::FALSE
-            };
-            edges.push(edge);
-        }
-        roots.iter().map(|r| at(&edges, *r)).collect()
-    }
-
-    /// The number of nodes of a function.
-    fn size(&self, root: Edge) -> usize {
-        let mut seen = FxHashSet::default();
-        let mut stack: Vec<usize> = root.node().into_iter().collect();
-        while let Some(n) = stack.pop() {
-            if seen.insert(n) {
-                let node = self.diagram.nodes[n];
-                stack.extend([node.high, node.low].into_iter().filter_map(Edge::node));
-            }
-        }
-        seen.len()
-    }
-
-    /// The place of the topmost decision; that of a constant is below all.
-    fn level(&self, edge: Edge) -> u32 {
-        edge.node().map_or(u32::MAX, |n| {
-            let bit = self.diagram.nodes[n].bit;
-            2 * u32::from(self.positions[usize::from(bit.pair())]) + u32::from(bit.0 & 1)
-        })
-    }
-
-    /// Where an edge leads to when the bit at this place is 1, and when it is 0.
-    fn cofactors(&self, edge: Edge, level: u32) -> (Edge, Edge) {
-        match edge.node() {
-            Some(n) if self.level(edge) == level => {
-                let node = self.diagram.nodes[n];
-                let negate = edge.is_negated();
-                (node.high.flipped(negate), node.low.flipped(negate))
-            }
-            _ => (edge, edge),
-        }
-    }
-
-    fn bit_of(&self, edge: Edge) -> Option<Bit> {
-        edge.node().map(|n| self.diagram.nodes[n].bit)
-    }
-
-    fn or(&mut self, a: Edge, b: Edge, found: &mut Found) -> Edge {
-        if a == Edge::TRUE || b == Edge::TRUE || a == b.negated() {
-            return Edge::TRUE;
-        }
-        if a == Edge::FALSE || a == b {
-            return b;
-        }
-        if b == Edge::FALSE {
-            return a;
-        }
-        let key = (a.min(b), a.max(b));
-        if let Some(known) = found.disjunctions.get(&key) {
-            return *known;
-        }
-        let level = self.level(a).min(self.level(b));
-        let top = if self.level(a) == level { a } else { b };
-        let bit = self.bit_of(top).expect("a decision, since constants were dealt with");
-        let ((a1, a0), (b1, b0)) = (self.cofactors(a, level), self.cofactors(b, level));
-        let high = self.or(a1, b1, found);
-        let low = self.or(a0, b0, found);
-        let result = self.decision(bit, high, low);
-        found.disjunctions.insert(key, result);
-        result
-    }
-
-    /// A function that agrees with `f` where `care` holds, and is likely to be smaller: decisions of which only one side
-    /// matters are left out (Coudert and Madre, "A unified framework for the formal verification of sequential circuits",
-    /// ICCAD 1990).
-    fn restrict(&mut self, f: Edge, care: Edge, found: &mut Found) -> Edge {
-        if care == Edge::TRUE || care == Edge::FALSE || f.node().is_none() {
-            return f;
-        }
-        if let Some(known) = found.restricted.get(&(f, care)) {
-            return *known;
-        }
-        let (level, care_level) = (self.level(f), self.level(care));
-        let result = if care_level < level {
-            let (high, low) = self.cofactors(care, care_level);
-            let either = self.or(high, low, found);
-            self.restrict(f, either, found)
-        } else {
-            let bit = self.bit_of(f).expect("a decision, since constants were dealt with");
-            let ((f1, f0), (c1, c0)) = (self.cofactors(f, level), self.cofactors(care, level));
-            if c1 == Edge::FALSE {
-                self.restrict(f0, c0, found)
-            } else if c0 == Edge::FALSE {
-                self.restrict(f1, c1, found)
-            } else {
-                let high = self.restrict(f1, c1, found);
-                let low = self.restrict(f0, c0, found);
-                self.decision(bit, high, low)
-            }
-        };
-        found.restricted.insert((f, care), result);
-        result
-    }
-
-    /// Adds functions, and gives their edges.
-    fn add<'a, K: Kernel>(
-        &mut self,
-        kernel: &K,
-        functions: impl IntoIterator<Item = &'a K::Function>,
-    ) -> Vec<Edge> {
-        let functions: Vec<&K::Function> = functions.into_iter().collect();
-        let exported = kernel.export(&functions);
-        self.copy(&exported, &exported.roots)
-    }
-
-    /// The edge to a decision. The edge for 1 is never negated, so that a function and its negation are one node.
-    fn decision(&mut self, bit: Bit, high: Edge, low: Edge) -> Edge {
-        if high == low {
-            return high;
-        }
-        let negate = high.is_negated();
-        let node = DiagramNode {
-            bit,
-            high: high.flipped(negate),
-            low: low.flipped(negate),
-        };
-        let nodes = &mut self.diagram.nodes;
-        let edge = *self.known.entry(node).or_insert_with(|| {
-            nodes.push(node);
-            Edge::to(nodes.len() - 1)
-        });
-        edge.flipped(negate)
-    }
 }

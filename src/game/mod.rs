@@ -23,6 +23,7 @@ mod set_up;
 mod solver;
 mod strategy;
 mod structure;
+mod workbench;
 
 pub use self::explore::{Explicit, Row};
 pub use self::findings::{EnvironmentFindings, examine_environment};
