@@ -22,7 +22,7 @@ use crate::symbolic::{Bit, Diagram, Edge, Kernel, Limit, Order};
 use serde::{Deserialize, Serialize};
 
 /// The bench is emptied between two goals when so many nodes lie on it.
-const CROWDED_NODES: usize = 1 << 21;
+const CROWDED_NODES: usize = 1 << 16;
 
 /// An assumption that a step may break.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -311,7 +311,7 @@ impl Work {
     /// Keeps functions.
     fn keep(&mut self, functions: &[(Bit, Edge)]) -> Result<Vec<(Bit, Edge)>, Limit> {
         let roots: Vec<Edge> = functions.iter().map(|(_, f)| *f).collect();
-        let kept = self.kept.copy(&self.bench, &roots)?;
+        let kept = self.kept.copy(&mut self.bench, &roots)?;
         Ok(functions.iter().map(|(bit, _)| *bit).zip(kept).collect())
     }
 
@@ -319,7 +319,7 @@ impl Work {
     fn tidy(&mut self, fresh: impl FnOnce() -> Workbench) -> Result<(), Limit> {
         if self.bench.nodes() > CROWDED_NODES {
             let mut bench = fresh();
-            self.parts = bench.copy(&self.bench, &self.parts)?;
+            self.parts = bench.copy(&mut self.bench, &self.parts)?;
             self.bench = bench;
         }
         Ok(())
@@ -334,7 +334,10 @@ impl Work {
             outputs,
             ..
         } = self;
-        let part = |bench: &Workbench, f: Edge| (f, bench.support(f, outputs), bench.size(f));
+        let part = |bench: &mut Workbench, f: Edge| {
+            let (support, size) = bench.measure(f, outputs);
+            (f, support, size)
+        };
         let mut pool = vec![part(bench, aim)];
         for f in parts.iter() {
             let f = bench.simplify(*f, care)?;
@@ -363,7 +366,7 @@ impl Work {
             let both = bench.simplify(both, care)?;
             let (may_clear, may_set) = (bench.fix(both, bit, false)?, bench.fix(both, bit, true)?);
             let possible = bench.or(may_clear, may_set)?;
-            functions.push((bit, choose(bench, bit, (may_clear, may_set, possible), care)?));
+            functions.push((bit, choose(bench, (may_clear, may_set), possible, care)?));
             if possible != Edge::TRUE {
                 pool.push(part(bench, possible));
             }
@@ -373,26 +376,18 @@ impl Work {
     }
 }
 
-/// A function for a bit, given where it may be 0, may be 1, and where either is possible; the bit keeps its value where it may.
+/// A function for a bit, given where it may be 0 and where it may be 1. Where either will do, it is whatever makes the function
+/// small: one that keeps the bit's value there is two to three times as large.
 fn choose(
     bench: &mut Workbench,
-    bit: Bit,
-    (may_clear, may_set, possible): (Edge, Edge, Edge),
+    (may_clear, may_set): (Edge, Edge),
+    possible: Edge,
     care: Edge,
 ) -> Result<Edge, Limit> {
-    let now = bench.literal(Bit(bit.0 & !1))?;
-    let stays = bench.and(now, may_set)?;
-    let set = bench.and(now.negated(), may_clear.negated())?;
-    let keeps = bench.or(stays, set)?;
-    let keeps = bench.simplify(keeps, possible)?;
-    let keeps = bench.simplify(keeps, care)?;
     let free = bench.and(may_clear, may_set)?;
     let forced = bench.and(possible, free.negated())?;
-    let plain = bench.simplify(may_set, forced)?;
-    let plain = bench.simplify(plain, care)?;
-    if std::env::var_os("CH").is_some_and(|c| c == "1") { return Ok(keeps); }
-    if std::env::var_os("CH").is_some_and(|c| c == "4") { return Ok(if bench.size(plain) < bench.size(keeps) { plain } else { keeps }); }
-    Ok(if 2 * bench.size(plain) < bench.size(keeps) { plain } else { keeps })
+    let function = bench.simplify(may_set, forced)?;
+    bench.simplify(function, care)
 }
 
 /// The machine's safety, formula by formula; for Moore, freed of the next inputs.

@@ -49,6 +49,9 @@ pub struct Workbench {
     remembered: Vec<Remembered>,
     /// For every pair its place in the order.
     positions: Vec<u16>,
+    /// For every node when it was last visited.
+    marks: Vec<u32>,
+    mark: u32,
     limits: Limits,
     most_nodes: usize,
 }
@@ -66,6 +69,8 @@ impl Workbench {
             known: FxHashMap::default(),
             remembered: Vec::new(),
             positions: order.positions(),
+            marks: Vec::new(),
+            mark: 0,
             limits: *limits,
             most_nodes: bounds.fold(MOST_NODES, u64::min) as usize,
         }
@@ -238,34 +243,47 @@ impl Workbench {
     }
 
     /// The number of nodes of a function.
-    pub fn size(&self, root: Edge) -> usize {
-        self.below([root]).len()
+    fn size(&mut self, root: Edge) -> usize {
+        self.below(&[root]).len()
     }
 
-    /// The bits that a function depends on.
-    pub fn support(&self, root: Edge, bits: &[Bit]) -> BitSet {
-        let below = self.below([root]);
-        let mut levels: Vec<u32> = below.iter().map(|n| self.nodes[*n].level).collect();
-        levels.sort_unstable();
-        levels.dedup();
-        let depends = |bit: &Bit| levels.binary_search(&self.level_of(*bit)).is_ok();
-        BitSet::new(bits.iter().copied().filter(depends))
-    }
-
-    /// All nodes of some functions, those that are led to first.
-    fn below(&self, roots: impl IntoIterator<Item = Edge>) -> Vec<usize> {
-        let mut seen = rustc_hash::FxHashSet::default();
-        let mut stack: Vec<usize> = roots.into_iter().filter_map(Edge::node).collect();
-        while let Some(n) = stack.pop() {
-            if seen.insert(n) {
-                let node = self.nodes[n];
-                stack.extend([node.high, node.low].into_iter().filter_map(Edge::node));
-            }
+    /// Which of these bits a function depends on, and its number of nodes.
+    pub fn measure(&mut self, root: Edge, bits: &[Bit]) -> (BitSet, usize) {
+        let below = self.below(&[root]);
+        let mut asked = vec![false; 2 * self.positions.len()];
+        for n in &below {
+            asked[self.nodes[*n].level as usize] = true;
         }
-        let mut all: Vec<usize> = seen.into_iter().collect();
-        // A node is made after those that it leads to.
-        all.sort_unstable();
-        all
+        let depends = |bit: &Bit| asked[self.level_of(*bit) as usize];
+        let support = BitSet::new(bits.iter().copied().filter(depends));
+        (support, below.len())
+    }
+
+    /// All nodes of some functions.
+    fn below(&mut self, roots: &[Edge]) -> Vec<usize> {
+        self.marks.resize(self.nodes.len(), 0);
+        self.mark += 1;
+        let mut found = Vec::new();
+        let (marks, mark) = (&mut self.marks, self.mark);
+        let mut visit = |edge: Edge, found: &mut Vec<usize>| {
+            if let Some(n) = edge.node()
+                && marks[n] != mark
+            {
+                marks[n] = mark;
+                found.push(n);
+            }
+        };
+        for root in roots {
+            visit(*root, &mut found);
+        }
+        let mut next = 0;
+        while let Some(n) = found.get(next) {
+            let Node { high, low, .. } = self.nodes[*n];
+            visit(high, &mut found);
+            visit(low, &mut found);
+            next += 1;
+        }
+        found
     }
 
     /// Functions of a kernel whose order is this one.
@@ -290,13 +308,16 @@ impl Workbench {
     }
 
     /// Functions of another workbench with the same order.
-    pub fn copy(&mut self, other: &Self, roots: &[Edge]) -> Result<Vec<Edge>, Limit> {
+    pub fn copy(&mut self, other: &mut Self, roots: &[Edge]) -> Result<Vec<Edge>, Limit> {
         let mut edges: FxHashMap<usize, Edge> = FxHashMap::default();
         let at = |edges: &FxHashMap<usize, Edge>, edge: Edge| match edge.node() {
             None => edge,
             Some(n) => edges[&n].flipped(edge.is_negated()),
         };
-        for n in other.below(roots.iter().copied()) {
+        let mut below = other.below(roots);
+        // A node is made after those that it leads to.
+        below.sort_unstable();
+        for n in below {
             let Node { level, high, low } = other.nodes[n];
             let edge = self.decision(level, at(&edges, high), at(&edges, low))?;
             edges.insert(n, edge);
