@@ -17,7 +17,7 @@ const MACHINE_PEAK_NODES: u64 = 50_000;
 const MACHINE_PAIRS: usize = 48;
 
 /// Where functions will do, a machine is given up that needs more nodes than this at once.
-const MACHINE_NODES: u64 = 200_000;
+const MACHINE_NODES: u64 = 4_000_000;
 
 /// What a controller shall be like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

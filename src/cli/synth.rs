@@ -148,7 +148,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     }
     let mut jobs = Jobs::examining().wishing(Wish {
         preference: arguments.prefer.into(),
-        functions: true,
+        // The other forms can only show a machine.
+        functions: controllers.iter().all(|e| matches!(e, Emit::Json | Emit::C)),
     });
     let mut indices: Vec<usize> = Vec::new();
     if !controllers.is_empty() {

@@ -57,7 +57,10 @@ pub fn strategy<K: Kernel>(
 
     let mut wide = Vec::new();
     for j in 0..goals {
-        let targets = maker.targets(j, &layers[j], &layers[(j + 1) % goals])?;
+        let mut targets = maker.targets(j, &layers[j], &layers[(j + 1) % goals])?;
+        if preference == Preference::States {
+            targets = vec![maker.any(targets)?];
+        }
         wide.push(match arena.timing {
             Timing::Mealy => maker.first_feasible_mealy(&targets)?,
             Timing::Moore => maker.first_feasible_moore(&targets)?,
@@ -156,6 +159,15 @@ impl<'a, K: Kernel> Maker<'a, K> {
         }
         targets.push(waiting);
         Ok(targets)
+    }
+
+    /// All targets as one. Whichever is chosen, the play comes nearer to the goal or waits where an assumption fails.
+    fn any(&self, targets: Vec<K::Function>) -> Result<K::Function, Limit> {
+        let mut any = self.arena.kernel.constant(false);
+        for target in targets {
+            any = self.arena.kernel.or(&any, &target)?;
+        }
+        Ok(any)
     }
 
     /// For every state of the region and every next input, the moves of the first kind that is possible.
