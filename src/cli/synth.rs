@@ -8,6 +8,7 @@ use super::pipeline::{CheckedContract, Goal, Jobs};
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::game::{Limit, Preference};
+use crate::gr1::Specification;
 use crate::interchange::{self, Target, inquiries};
 use crate::mealy;
 use crate::source::Span;
@@ -174,7 +175,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             continue;
         };
         for emit in &controllers {
-            match controller.write(*emit, contract.span) {
+            match controller.write(*emit, &contract.specification, contract.span) {
                 Ok(files) => written.extend(files),
                 Err(finding) => findings.push(*finding),
             }
@@ -212,7 +213,12 @@ impl<'a> Controller<'a> {
     }
 
     /// The files of one of its written forms, by name. A finding (LW204) where that form would be too large.
-    fn write(&self, emit: Emit, span: Span) -> Result<Vec<(String, String)>, Box<Diagnostic>> {
+    fn write(
+        &self,
+        emit: Emit,
+        specification: &Specification,
+        span: Span,
+    ) -> Result<Vec<(String, String)>, Box<Diagnostic>> {
         if emit == Emit::C {
             let files = match self {
                 Self::Machine(machine) => controller::of_machine(machine),
@@ -225,7 +231,7 @@ impl<'a> Controller<'a> {
             ]);
         }
         let (name, text) = match self {
-            Self::Machine(machine) => (&machine.name, write(emit, machine)?),
+            Self::Machine(machine) => (&machine.name, write(emit, machine, specification)?),
             Self::Functions(functions) if emit == Emit::Json => {
                 let document = functions.to_json(true);
                 (&functions.name, mealy::json::to_text(&document))
@@ -242,7 +248,11 @@ impl<'a> Controller<'a> {
 }
 
 /// A controller in one of its written forms. A finding (LW204) where that form would be too large.
-fn write(emit: Emit, machine: &mealy::Machine) -> Result<String, Box<Diagnostic>> {
+fn write(
+    emit: Emit,
+    machine: &mealy::Machine,
+    specification: &Specification,
+) -> Result<String, Box<Diagnostic>> {
     let too_large = |limit: Limit| {
         Box::new(
             Diagnostic::error(
@@ -254,7 +264,7 @@ fn write(emit: Emit, machine: &mealy::Machine) -> Result<String, Box<Diagnostic>
         )
     };
     Ok(match emit {
-        Emit::Gr1c => format!("{:#}\n", mealy::gr1c::to_json(machine).map_err(too_large)?),
+        Emit::Gr1c => format!("{:#}\n", mealy::gr1c::to_json(machine, specification).map_err(too_large)?),
         Emit::Dot => mealy::dot::to_dot(machine),
         Emit::Svg => mealy::svg::to_svg(machine),
         _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
