@@ -9,6 +9,10 @@
 //!
 //! Three narrow waists hold the rest together: [`gr1::Specification`], [`mealy::Machine`] and [`line::Trace`].
 
+// Tests of inner parts share files with those from outside.
+#[cfg(test)]
+extern crate self as linewright;
+
 pub mod cli;
 pub mod contract;
 pub mod diagnostics;

@@ -13,7 +13,7 @@ mod random;
 #[path = "support/mod.rs"]
 mod support;
 
-use linewright::game::{Limits, Options, Outcome, KernelChoice, solve_with};
+use linewright::game::{KernelChoice, Limits, Options, Outcome, solve_with};
 use linewright::gr1::Specification;
 use linewright::interchange::{Format, read};
 use linewright::mealy::functions::Functions;
@@ -38,7 +38,9 @@ fn functions(specification: &Specification, kernel: KernelChoice) -> Option<Func
 
 /// A benchmark specification, if it is there.
 fn benchmark(name: &str) -> Option<Specification> {
-    let path = support::root().join("../shared/bench/specs/anzu").join(name);
+    let path = support::root()
+        .join("../shared/bench/specs/anzu")
+        .join(name);
     let Ok(text) = std::fs::read_to_string(&path) else {
         support::skip("specs", &format!("there is no {name}"));
         return None;

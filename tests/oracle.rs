@@ -2,10 +2,16 @@
 
 #[path = "oracle/check.rs"]
 mod check;
+#[path = "oracle/exhaustive.rs"]
+mod exhaustive;
 #[path = "oracle/game.rs"]
 mod game;
 #[path = "oracle/random.rs"]
 mod random;
+#[path = "oracle/switches.rs"]
+mod switches;
+#[path = "oracle/ways.rs"]
+mod ways;
 
 use check::accepts;
 use game::{Board, Subset};

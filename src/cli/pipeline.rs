@@ -1,7 +1,7 @@
 //! From a specification to a verified controller: solve → extract → verify, many at once.
 //!
 //! A controller that the verifier refuses is a fault of this program; it ends the command and is never written out. What was
-//! solved before comes from the [cache](super::cache): results, from which the findings are made anew.
+//! solved before comes from the [cache]: results, from which the findings are made anew.
 
 use super::cache::{self, Cache, Entry, Hints, Key, Version};
 use super::controller::{Controller, Wish, controller};

@@ -150,7 +150,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut jobs = Jobs::examining().wishing(Wish {
         preference: arguments.prefer.into(),
         // The other forms can only show a machine.
-        functions: controllers.iter().all(|e| matches!(e, Emit::Json | Emit::C)),
+        functions: controllers
+            .iter()
+            .all(|e| matches!(e, Emit::Json | Emit::C)),
     });
     let mut indices: Vec<usize> = Vec::new();
     if !controllers.is_empty() {
@@ -238,7 +240,8 @@ impl<'a> Controller<'a> {
             }
             Self::Functions(functions) => {
                 let name = &functions.name;
-                let message = format!("the controller of `{name}` has too many states for this form");
+                let message =
+                    format!("the controller of `{name}` has too many states for this form");
                 let finding = Diagnostic::error(codes::GAVE_UP, span, message);
                 return Err(Box::new(finding.with_help("use --emit json or --emit c")));
             }
@@ -264,7 +267,10 @@ fn write(
         )
     };
     Ok(match emit {
-        Emit::Gr1c => format!("{:#}\n", mealy::gr1c::to_json(machine, specification).map_err(too_large)?),
+        Emit::Gr1c => format!(
+            "{:#}\n",
+            mealy::gr1c::to_json(machine, specification).map_err(too_large)?
+        ),
         Emit::Dot => mealy::dot::to_dot(machine),
         Emit::Svg => mealy::svg::to_svg(machine),
         _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),

@@ -166,7 +166,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         }
         let mut settled = 0; // For how many goals in a row Z has stayed as it is.
         let mut round = z.clone();
-        for j in (0..goals).cycle() {
+        for (place, j) in self.goal_order().into_iter().enumerate().cycle() {
             count(&self.iterations.outer);
             at.settled.store(settled as u64, Ordering::Relaxed);
             let smaller = self.reach_goal(j, &z, &mut |_, _| ())?;
@@ -174,7 +174,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
                 round = smaller;
             } else {
                 round = m.and(&round, &smaller)?;
-                if j + 1 < goals {
+                if place + 1 < goals {
                     continue;
                 }
                 settled = goals - 1;
@@ -193,6 +193,16 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
             }
         }
         Ok(Some(z))
+    }
+
+    /// The order in which the goals are taken.
+    fn goal_order(&self) -> Vec<usize> {
+        let arena = self.arena;
+        let mut order: Vec<usize> = (0..arena.goals.len()).collect();
+        if arena.heuristics.has(Heuristic::GoalOrder) {
+            order.sort_by_cached_key(|j| arena.kernel.support(&arena.goals[*j]).len());
+        }
+        order
     }
 
     /// The middle and inner fixpoints for a goal; calls `found(i, X)` for every X that adds something to Y.
@@ -255,6 +265,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
                 }
             }
             let larger = m.or(&y, &x)?;
+            m.safe_point()?;
             if larger == y {
                 idle += 1;
                 if idle >= assumptions {
@@ -264,6 +275,9 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
                 found(i, &x);
                 idle = 0;
                 y = larger;
+                if y == *z {
+                    break; // There is nothing left to reach.
+                }
             }
         }
         Ok(y)

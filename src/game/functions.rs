@@ -16,8 +16,8 @@
 
 use super::arena::Arena;
 use super::fixpoint::{Layer, layers};
-use crate::gr1::{Specification, Timing};
 use super::workbench::Workbench;
+use crate::gr1::{Specification, Timing};
 use crate::symbolic::{Bit, Diagram, Edge, Kernel, Limit, Order};
 use serde::{Deserialize, Serialize};
 
@@ -148,7 +148,12 @@ pub fn functions<K: Kernel>(
     }
     let assumed = assumed(arena, specification, false, &mut work.kept)?;
     let pairs = arena.encoding.pairs();
-    let pairs = order.pairs().iter().copied().filter(|p| usize::from(*p) < pairs).collect();
+    let pairs = order
+        .pairs()
+        .iter()
+        .copied()
+        .filter(|p| usize::from(*p) < pairs)
+        .collect();
     let region = states.add(m, [region])?[0];
     Ok(Controls {
         assumed_first,
@@ -193,7 +198,10 @@ fn assumed<K: Kernel>(
     }
     if !first {
         for (i, formula) in side.safety.iter().enumerate() {
-            add(Assumed::Safety(i), &arena.encoding.formula(m, &formula.expr)?)?;
+            add(
+                Assumed::Safety(i),
+                &arena.encoding.formula(m, &formula.expr)?,
+            )?;
         }
     }
     Ok(found)
@@ -355,8 +363,9 @@ impl Work {
             // The lowest of the order among equals.
             let place = (0..left.len()).min_by_key(|i| (cost(&left[*i]), std::cmp::Reverse(*i)));
             let bit = left.remove(place.unwrap_or(0));
-            let (mut bucket, rest): (Vec<_>, Vec<_>) =
-                pool.into_iter().partition(|(_, support, _)| support.contains(bit));
+            let (mut bucket, rest): (Vec<_>, Vec<_>) = pool
+                .into_iter()
+                .partition(|(_, support, _)| support.contains(bit));
             pool = rest;
             bucket.sort_by_key(|(_, _, size)| *size);
             let mut both = Edge::TRUE;

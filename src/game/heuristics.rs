@@ -27,6 +27,9 @@ pub enum Heuristic {
     SafetyFirst,
     /// Feed the region that one goal leaves to the next goal, instead of intersecting a round of all goals.
     Carrying,
+    /// Take the goals of the fewest bits first: they shrink the region most often, and whatever shrinks it late sends all the
+    /// goals before through another round.
+    GoalOrder,
     /// Begin every inner greatest fixpoint at the region, instead of at all states.
     InnerStart,
     /// Begin every inner greatest fixpoint where the one of the previous round ended.
@@ -39,7 +42,7 @@ pub enum Heuristic {
 
 impl Heuristic {
     /// All of them, with the name that `--without` takes.
-    pub const ALL: [(Self, &'static str); 13] = [
+    pub const ALL: [(Self, &'static str); 14] = [
         (Self::Structure, "structure"),
         (Self::Sifting, "sifting"),
         (Self::Resifting, "resifting"),
@@ -49,6 +52,7 @@ impl Heuristic {
         (Self::StatePredecessors, "state-predecessors"),
         (Self::SafetyFirst, "safety-first"),
         (Self::Carrying, "carrying"),
+        (Self::GoalOrder, "goal-order"),
         (Self::InnerStart, "inner-start"),
         (Self::Recycling, "recycling"),
         (Self::PredecessorCache, "predecessor-cache"),

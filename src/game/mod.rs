@@ -23,6 +23,8 @@ mod set_up;
 mod solver;
 mod strategy;
 mod structure;
+#[cfg(test)]
+mod tests;
 mod workbench;
 
 pub use self::explore::{Explicit, Row};

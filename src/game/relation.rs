@@ -29,7 +29,15 @@ impl<K: Kernel> Relation<K> {
         heuristics: Heuristics,
     ) -> Result<Self, Limit> {
         let clusters = if heuristics.has(Heuristic::Clusters) {
-            clustered(kernel, parts, bound)?
+            // Conjuncts that say nothing of the bits to quantify stay apart, and come last.
+            let mentions = |part: &&K::Function| {
+                let support = kernel.support(part);
+                support.into_iter().any(|bit| gone.contains(bit))
+            };
+            let (with, without): (Vec<_>, Vec<_>) = parts.iter().partition(mentions);
+            let mut clusters = clustered(kernel, &with, bound)?;
+            clusters.extend(clustered(kernel, &without, bound)?);
+            clusters
         } else {
             let parts = parts.iter().filter(|p| !kernel.is_true(p));
             parts.cloned().collect()
@@ -106,7 +114,7 @@ impl<K: Kernel> Relation<K> {
 /// Puts conjuncts together, in order, until a cluster is large.
 fn clustered<K: Kernel>(
     kernel: &K,
-    parts: &[K::Function],
+    parts: &[&K::Function],
     bound: usize,
 ) -> Result<Vec<K::Function>, Limit> {
     let mut result: Vec<(K::Function, usize)> = Vec::new();
@@ -122,13 +130,13 @@ fn clustered<K: Kernel>(
                 continue;
             }
         }
-        result.push((part.clone(), size));
+        result.push(((*part).clone(), size));
     }
     Ok(result.into_iter().map(|(f, _)| f).collect())
 }
 
 /// The order in which a product goes through clusters of these supports: next comes the one that lets most bits go for the
-/// fewest that it brings.
+/// fewest that it brings; those that let none go come last, when the product is smallest.
 fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     let mut left: Vec<usize> = (0..supports.len()).collect();
     let mut present = BitSet::default();
@@ -136,15 +144,19 @@ fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     for bit in supports.iter().flat_map(BitSet::iter) {
         *mentions.entry(bit).or_default() += 1;
     }
+    let frees: Vec<bool> = supports
+        .iter()
+        .map(|s| s.iter().any(|bit| gone.contains(bit)))
+        .collect();
     let mut order = Vec::new();
     while !left.is_empty() {
         let score = |index: usize| {
             let bits = supports[index].iter();
-            bits.map(|bit| {
+            let worth = bits.map(|bit| {
                 let freed = gone.contains(bit) && mentions[&bit] == 1;
                 2 * i64::from(freed) - i64::from(!present.contains(bit))
-            })
-            .sum::<i64>()
+            });
+            (frees[index], worth.sum::<i64>())
         };
         // The first among equals, so that the order of the file decides.
         let (place, index) = left

@@ -62,7 +62,9 @@ const BOTTOM: u32 = u32::MAX;
 impl Workbench {
     /// Without functions yet.
     pub fn new(order: &Order, limits: &Limits) -> Self {
-        let by_memory = limits.memory_mib.map(|mib| mib.saturating_mul(1 << 20) / NODE_BYTES);
+        let by_memory = limits
+            .memory_mib
+            .map(|mib| mib.saturating_mul(1 << 20) / NODE_BYTES);
         let bounds = [by_memory, limits.most_nodes].into_iter().flatten();
         Self {
             nodes: Vec::new(),
@@ -180,7 +182,11 @@ impl Workbench {
 
     /// The function with a bit fixed.
     pub fn fix(&mut self, f: Edge, bit: Bit, value: bool) -> Result<Edge, Limit> {
-        let operation = if value { Operation::High } else { Operation::Low };
+        let operation = if value {
+            Operation::High
+        } else {
+            Operation::Low
+        };
         self.fix_level(f, self.level_of(bit), operation)
     }
 
@@ -191,7 +197,11 @@ impl Workbench {
         }
         let (high, low) = self.branches(f, top);
         if top == level {
-            return Ok(if operation == Operation::High { high } else { low });
+            return Ok(if operation == Operation::High {
+                high
+            } else {
+                low
+            });
         }
         let key = (operation, f.0 & !1, level);
         if let Some(known) = self.recall(key) {

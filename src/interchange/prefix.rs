@@ -129,6 +129,14 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                 *term
             }
             "0" | "1" => names.terms.bool(word == "1"),
+            name if is_infix(names, name) => {
+                names.syntax(
+                    range,
+                    format!("`{}` belongs to infix notation; this line is read in prefix notation", quoted(name)),
+                    "operators stand before their operands, without parentheses: `& a b`, `| ! a b`; infix notation is for `.structuredslugs`",
+                );
+                return None;
+            }
             name => {
                 let found = variable(names, name, range);
                 sound &= found.is_some();
@@ -175,6 +183,12 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
         "`&`, `|` and `^` have two operands, `!` has one, `$ n` has n",
     );
     None
+}
+
+/// Whether a word is what only formulas in infix notation have. Names may be anything, so a declared one is not.
+fn is_infix(names: &Names<'_>, word: &str) -> bool {
+    let sign = matches!(word, "->" | "<->" | "&&" | "||" | "=" | "/\\" | "\\/");
+    (sign || word.starts_with('(') || word.ends_with(')')) && names.find(word).is_none()
 }
 
 fn count(

@@ -239,12 +239,11 @@ struct Reader<'n, 't> {
 
 impl Reader<'_, '_> {
     fn section(&mut self, section: Section, place: &Range<usize>, body: &[Token]) {
-        if body.is_empty() {
-            return;
-        }
         if section.part != Part::Initial {
-            for part in parts(body) {
-                self.temporal(section, part);
+            if !body.is_empty() {
+                for part in parts(body) {
+                    self.temporal(section, part);
+                }
             }
             return;
         }
@@ -257,12 +256,15 @@ impl Reader<'_, '_> {
             let first = self.names.span(first);
             self.names.syntax(
                 place.clone(),
-                format!("there is an {name} section already"),
+                format!("there is a section {name} already"),
                 "join the two formulas with `&`",
             );
             if let Some(finding) = self.names.findings.last_mut() {
                 finding.labels.push((first, "the first one".to_owned()));
             }
+            return;
+        }
+        if body.is_empty() {
             return;
         }
         self.initial.push((section.name, place.clone()));

@@ -78,8 +78,14 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
     let controls = &functions.controls;
     let pairs = encoding.pairs();
     let goals = specification.guarantees.justice.len().max(1);
-    if !specification.inputs().map(bits).eq(functions.input_bits.iter().cloned())
-        || !specification.outputs().map(bits).eq(functions.output_bits.iter().cloned())
+    if !specification
+        .inputs()
+        .map(bits)
+        .eq(functions.input_bits.iter().cloned())
+        || !specification
+            .outputs()
+            .map(bits)
+            .eq(functions.output_bits.iter().cloned())
         || functions.timing != specification.timing
         || controls.order.pairs().len() != pairs
         || controls.goals.len() != goals
@@ -99,16 +105,25 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         diagram.is_sound(2 * pairs)
             && edges.all(|e| e.node().is_none_or(|n| n < diagram.nodes.len()))
     };
-    let ranks = controls.certificate.goals.iter().flatten().map(|r| r.reached);
+    let ranks = controls
+        .certificate
+        .goals
+        .iter()
+        .flatten()
+        .map(|r| r.reached);
     let ranks = ranks.chain([controls.certificate.region]);
     if !sound(&controls.diagram, Box::new(edges))
         || !sound(&controls.certificate.diagram, Box::new(ranks))
     {
         return fault("a diagram refers to what does not exist");
     }
-    if let Some(rank) = controls.certificate.goals.iter().flatten().find(|r| {
-        r.assumption >= specification.assumptions.justice.len().max(1)
-    }) {
+    if let Some(rank) = controls
+        .certificate
+        .goals
+        .iter()
+        .flatten()
+        .find(|r| r.assumption >= specification.assumptions.justice.len().max(1))
+    {
         return fault(format!("there is no assumption {}", rank.assumption));
     }
 
@@ -199,7 +214,9 @@ impl Supports {
     }
 
     fn of(&self, edge: Edge) -> impl Iterator<Item = Bit> {
-        let range = edge.node().map_or(0..0, |n| n * self.words..(n + 1) * self.words);
+        let range = edge
+            .node()
+            .map_or(0..0, |n| n * self.words..(n + 1) * self.words);
         let words = self.masks[range].iter().enumerate();
         words.flat_map(|(w, mask)| {
             let bits = (0..64).filter(move |b| mask >> b & 1 == 1);
@@ -257,7 +274,9 @@ impl<'a, K: Kernel> Check<'a, K> {
         sets.roots = ranks.chain([controls.certificate.region]).collect();
         let mut sets = m.import(&sets)?.into_iter();
         let layers = controls.certificate.goals.iter();
-        let layers = layers.map(|list| sets.by_ref().take(list.len()).collect()).collect();
+        let layers = layers
+            .map(|list| sets.by_ref().take(list.len()).collect())
+            .collect();
         let region = sets.next().unwrap_or_else(|| m.constant(false));
 
         let side = &specification.assumptions;
@@ -296,7 +315,10 @@ impl<'a, K: Kernel> Check<'a, K> {
             if formulas.is_empty() {
                 return Ok(vec![encoding.formula(&m, &Expr::TRUE)?]);
             }
-            formulas.iter().map(|f| encoding.formula(&m, &f.expr)).collect()
+            formulas
+                .iter()
+                .map(|f| encoding.formula(&m, &f.expr))
+                .collect()
         };
         Ok(Self {
             assumptions: justice(&side.justice)?,

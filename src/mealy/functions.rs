@@ -13,8 +13,8 @@ use super::extract::ports;
 use crate::game::{Assumed, Controls, Limit, Limits, Won};
 use crate::gr1::{Specification, Time, Timing, VarId};
 use crate::symbolic::{Bit, Diagram, Edge, Encoding};
-use serde_json::{Value, json};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 /// A controller as functions.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -150,9 +150,9 @@ impl Functions {
         }
         let ports = self.outputs.iter().zip(&self.output_bits);
         let values = ports.map(|(port, bits)| {
-            let code = bits
-                .iter()
-                .fold(0i64, |code, bit| code << 1 | i64::from(signals[bit.index()]));
+            let code = bits.iter().fold(0i64, |code, bit| {
+                code << 1 | i64::from(signals[bit.index()])
+            });
             port.domain.low() + code
         });
         let values = values.collect();
@@ -216,7 +216,11 @@ fn evaluate(diagram: &Diagram, mut edge: Edge, signals: &[bool]) -> bool {
     let mut value = edge.is_negated();
     while let Some(node) = edge.node() {
         let node = &diagram.nodes[node];
-        edge = if signals[node.bit.index()] { node.high } else { node.low };
+        edge = if signals[node.bit.index()] {
+            node.high
+        } else {
+            node.low
+        };
         value ^= edge.is_negated();
     }
     value

@@ -60,7 +60,9 @@ pub fn to_json(machine: &Machine, specification: &Specification) -> Result<Value
     let shifted = |valuation: &[i64]| -> Vec<i64> {
         let ports = machine.inputs.iter().chain(&machine.outputs);
         let pairs = ports.zip(valuation);
-        pairs.map(|(port, value)| value - port.domain.low()).collect()
+        pairs
+            .map(|(port, value)| value - port.domain.low())
+            .collect()
     };
     let name = |number: usize| format!("{number:#x}");
     let mut written = Map::new();
@@ -168,7 +170,11 @@ impl<'a> Promises<'a> {
                 if letter.len() == self.inputs.len() {
                     visit(&letter)?;
                 } else {
-                    let low = self.specification.variable(self.inputs[letter.len()]).domain.low();
+                    let low = self
+                        .specification
+                        .variable(self.inputs[letter.len()])
+                        .domain
+                        .low();
                     letter.push(low);
                     next[self.inputs[letter.len() - 1].index()] = low;
                     continue;
@@ -195,7 +201,9 @@ impl<'a> Promises<'a> {
         } else {
             self.later[chosen].iter().all(|e| eval::holds(e, now, next))
         };
-        own && self.always[chosen].iter().all(|e| eval::holds(e, next, &[]))
+        own && self.always[chosen]
+            .iter()
+            .all(|e| eval::holds(e, next, &[]))
     }
 }
 

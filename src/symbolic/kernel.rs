@@ -7,9 +7,9 @@
 //! lie *safe points*, at which whoever drives the game lets the kernel collect what is dead and change its order.
 
 use super::{Diagram, Limit, Limits};
+use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 use std::hash::Hash;
-use serde::{Deserialize, Serialize};
 
 /// A boolean variable of the diagrams.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

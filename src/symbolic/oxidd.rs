@@ -47,8 +47,12 @@ const FEW_PAIRS: usize = 24;
 /// Below this, nothing is collected.
 const COLLECT_NODES: u64 = 1 << 19;
 
-/// Below this, the order is left as it is.
-const REORDER_NODES: u64 = 10_000;
+/// While less than this many nodes are made between two safe points, the order is left as it is.
+const REORDER_NODES: u64 = 18_000;
+
+/// Sifting at a safe point may touch this many nodes for every one that was made since the last time, so that it never takes
+/// much more than a fixed share of all the work.
+const WORK_PER_MADE: u64 = 60;
 
 /// The store is brought into a new order for less than this many percent of its nodes.
 const WORTHWHILE_PERCENT: usize = 98;
@@ -76,7 +80,13 @@ struct Shared {
     peak: AtomicU64,
     /// How many nodes were left after the last collection.
     collected: AtomicU64,
-    /// How many nodes were left after the last change of the order.
+    /// How many nodes there were at the last safe point.
+    before: AtomicU64,
+    /// How many nodes were made since the last sifting.
+    made: AtomicU64,
+    /// The most nodes that were made between two safe points since the last sifting.
+    busiest: AtomicU64,
+    /// What that was when the order was sifted last.
     reordered: AtomicU64,
     reordering: AtomicBool,
 }
@@ -124,6 +134,28 @@ impl OxiDd {
         self.shared.store.with_manager_shared(|m| m.gc());
         let left = self.nodes();
         self.shared.collected.store(left, Ordering::Relaxed);
+    }
+
+    /// Looks for a better order, with at most this much work.
+    fn sift_within(&self, work: usize) -> Result<(), Limit> {
+        self.limits.check_time()?;
+        self.collect();
+        if self.nodes() < self.shared.capacity / 3 {
+            let everything = self.everything();
+            if let Some((order, before, after)) =
+                sift::sift(&everything, &self.order(), work, &self.limits)
+                && after * 100 < before * WORTHWHILE_PERCENT
+            {
+                set_order(&self.shared.store, &order);
+            }
+        }
+        let left = self.nodes();
+        let busiest = self.shared.busiest.swap(0, Ordering::Relaxed);
+        self.shared.made.store(0, Ordering::Relaxed);
+        self.shared.reordered.store(busiest, Ordering::Relaxed);
+        self.shared.collected.store(left, Ordering::Relaxed);
+        self.shared.before.store(left, Ordering::Relaxed);
+        Ok(())
     }
 
     /// All nodes of the store. A node is a root when something outside the store refers to it.
@@ -288,6 +320,9 @@ impl Kernel for OxiDd {
                 peak: AtomicU64::new(0),
                 collected: AtomicU64::new(0),
                 reordered: AtomicU64::new(0),
+                before: AtomicU64::new(0),
+                made: AtomicU64::new(0),
+                busiest: AtomicU64::new(0),
                 reordering: AtomicBool::new(true),
             }),
             limits: *limits,
@@ -450,36 +485,28 @@ impl Kernel for OxiDd {
         self.limits.check_time()?;
         let nodes = self.nodes();
         self.shared.peak.fetch_max(nodes, Ordering::Relaxed);
+        let before = self.shared.before.swap(nodes, Ordering::Relaxed);
+        let made = nodes.saturating_sub(before);
+        self.shared.busiest.fetch_max(made, Ordering::Relaxed);
+        self.shared.made.fetch_add(made, Ordering::Relaxed);
         let collected = self.shared.collected.load(Ordering::Relaxed);
+        let last = self.shared.reordered.load(Ordering::Relaxed);
+        if self.shared.reordering.load(Ordering::Relaxed)
+            && self.shared.busiest.load(Ordering::Relaxed) > REORDER_NODES.max(2 * last)
+        {
+            let made = self.shared.made.load(Ordering::Relaxed);
+            return self.sift_within(made.saturating_mul(WORK_PER_MADE) as usize);
+        }
         if nodes < COLLECT_NODES.max(3 * collected) {
             return Ok(());
         }
         self.collect();
-        if self.shared.reordering.load(Ordering::Relaxed) {
-            let last = self.shared.reordered.load(Ordering::Relaxed);
-            if self.nodes() > REORDER_NODES.max(2 * last) {
-                return self.sift();
-            }
-        }
+        self.shared.before.store(self.nodes(), Ordering::Relaxed);
         Ok(())
     }
 
     fn sift(&self) -> Result<(), Limit> {
-        self.limits.check_time()?;
-        self.collect();
-        if self.nodes() < self.shared.capacity / 3 {
-            let everything = self.everything();
-            if let Some((order, before, after)) =
-                sift::sift(&everything, &self.order(), &self.limits)
-                && after * 100 < before * WORTHWHILE_PERCENT
-            {
-                set_order(&self.shared.store, &order);
-            }
-        }
-        let left = self.nodes();
-        self.shared.reordered.store(left, Ordering::Relaxed);
-        self.shared.collected.store(left, Ordering::Relaxed);
-        Ok(())
+        self.sift_within(usize::MAX)
     }
 
     fn set_reordering(&self, allowed: bool) {

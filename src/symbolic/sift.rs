@@ -3,8 +3,9 @@
 //! Rudell's sifting ("Dynamic variable ordering for ordered binary decision diagrams", ICCAD 1993) with groups in the sense of
 //! Panda and Somenzi ("Who are the variables in your neighborhood", ICCAD 1995), the groups being fixed: a variable and its
 //! primed twin, current bit on top. Each pair, the largest first, goes to the nearer end and then to the other one, and comes
-//! to rest where the diagrams were smallest; a direction is left when they have grown by a fifth. So a pass never ends with
-//! more nodes than it began with.
+//! to rest where the diagrams were smallest; a direction is left when they have grown by a fifth, or when nothing that is left
+//! of it could make them smaller than they were. Then neighbours that cling together go the same way as one, since neither
+//! would leave the other alone. So a pass never ends with more nodes than it began with.
 //!
 //! It works on a copy, with counted references and complement edges (the high edge is never negated), and not inside a
 //! kernel: swaps of levels need no locks here, an order serves every kernel, and running out of memory or time leaves the
@@ -18,7 +19,7 @@ use rustc_hash::FxHashMap;
 const GROWTH_PERCENT: usize = 120;
 
 /// Passes go on while one leaves less than this many percent of the nodes.
-const WORTHWHILE_PERCENT: usize = 98;
+const WORTHWHILE_PERCENT: usize = 95;
 
 /// More passes than this are not made.
 const MOST_PASSES: usize = 6;
@@ -28,16 +29,16 @@ const HOPEFUL_PERCENT: usize = 99;
 
 /// A call touches at most this many nodes, [`MORE_WORK`] more for each of the first [`MANY_NODES`], and [`WORK_PER_NODE`] for
 /// every node.
-const LEAST_WORK: usize = 100_000;
+const LEAST_WORK: usize = 300_000;
 
 /// See [`LEAST_WORK`].
-const MORE_WORK: usize = 1_000;
+const MORE_WORK: usize = 3_000;
 
 /// See [`LEAST_WORK`].
 const MANY_NODES: usize = 20_000;
 
 /// See [`LEAST_WORK`].
-const WORK_PER_NODE: usize = 100;
+const WORK_PER_NODE: usize = 300;
 
 /// What is not a bit: the level of the constant.
 const CONSTANT: u16 = u16::MAX;
@@ -56,6 +57,10 @@ struct Node {
 pub struct Sifter {
     nodes: Vec<Node>,
     free: Vec<u32>,
+    /// Scratch: the nodes of a bit that depend on the one below.
+    moving: Vec<u32>,
+    /// Scratch: edges to let go.
+    dead: Vec<u32>,
     /// For every bit its nodes, by their edges.
     tables: Vec<FxHashMap<(u32, u32), u32>>,
     /// The pairs from the top to the bottom, and the reverse.
@@ -69,10 +74,17 @@ pub struct Sifter {
 
 /// An order in which the diagrams are smaller, with the number of nodes before and after; `None` if none was found.
 ///
-/// `diagram` must respect `order`.
-pub fn sift(diagram: &Diagram, order: &Order, limits: &Limits) -> Option<(Order, usize, usize)> {
+/// `diagram` must respect `order`. No more than `most_work` nodes are touched, however many there are.
+pub fn sift(
+    diagram: &Diagram,
+    order: &Order,
+    most_work: usize,
+    limits: &Limits,
+) -> Option<(Order, usize, usize)> {
     let mut sifter = Sifter::new(diagram, order);
+    sifter.work = sifter.work.min(most_work);
     let before = sifter.size;
+    sifter.work = sifter.work.min(most_work);
     let after = sifter.sift(limits);
     (after < before).then(|| {
         let order = Order::new(sifter.order).expect("sifting lost a pair; please report this");
@@ -91,6 +103,8 @@ impl Sifter {
                 low: 0,
             }],
             free: Vec::new(),
+            moving: Vec::new(),
+            dead: Vec::new(),
             tables: vec![FxHashMap::default(); 2 * pairs],
             order: order.pairs().to_vec(),
             positions: order.positions(),
@@ -124,7 +138,13 @@ impl Sifter {
     }
 
     fn release(&mut self, edge: u32) {
-        let mut dead = vec![edge];
+        let node = &mut self.nodes[(edge >> 1) as usize];
+        if node.references > 1 {
+            node.references -= 1;
+            return;
+        }
+        let mut dead = std::mem::take(&mut self.dead);
+        dead.push(edge);
         while let Some(edge) = dead.pop() {
             let number = edge >> 1;
             let node = &mut self.nodes[number as usize];
@@ -137,6 +157,7 @@ impl Sifter {
                 dead.extend([high, low]);
             }
         }
+        self.dead = dead;
     }
 
     /// The node of these edges, with one more reference.
@@ -186,7 +207,8 @@ impl Sifter {
     fn swap_bits(&mut self, upper: Bit, lower: Bit) {
         let asks_lower =
             |sifter: &Self, edge: u32| sifter.nodes[(edge >> 1) as usize].bit == lower.0;
-        let mut moving: Vec<u32> = Vec::new();
+        let mut moving = std::mem::take(&mut self.moving);
+        moving.clear();
         for ((high, low), number) in &self.tables[upper.index()] {
             if asks_lower(self, *high) || asks_lower(self, *low) {
                 moving.push(*number);
@@ -195,7 +217,8 @@ impl Sifter {
         self.work = self
             .work
             .saturating_sub(self.tables[upper.index()].len() + 4 * moving.len() + 1);
-        for number in moving {
+        for number in &moving {
+            let number = *number;
             let Node { high, low, .. } = self.nodes[number as usize];
             self.tables[upper.index()].remove(&(high, low));
             let (high_high, high_low) = self.cofactors(high, lower.0);
@@ -211,6 +234,7 @@ impl Sifter {
             self.release(high);
             self.release(low);
         }
+        self.moving = moving;
     }
 
     /// Swaps the pair at a position with the one below it.
@@ -244,13 +268,22 @@ impl Sifter {
                     return self.size;
                 }
                 if self.nodes_of(pair) > 0 {
-                    self.place(pair);
+                    self.place(pair, 1);
                 }
                 if pass == 0
                     && self.work < all / 4 * 3
                     && self.size * 100 >= before * HOPEFUL_PERCENT
                 {
                     return self.size;
+                }
+            }
+            for (upper, lower) in self.couples() {
+                if self.work == 0 || limits.check_time().is_err() {
+                    return self.size;
+                }
+                let below = self.positions[usize::from(upper)] + 1;
+                if self.positions[usize::from(lower)] == below {
+                    self.place(upper, 2);
                 }
             }
             if self.size * 100 >= before * WORTHWHILE_PERCENT {
@@ -260,15 +293,56 @@ impl Sifter {
         self.size
     }
 
-    /// Moves one pair to its best place.
-    fn place(&mut self, pair: u16) {
-        let mut here = usize::from(self.positions[usize::from(pair)]);
+    /// Neighbours that would not be swapped, upper and lower, each pair in one couple at most; those of the most nodes first.
+    fn couples(&mut self) -> Vec<(u16, u16)> {
+        let mut found = Vec::new();
+        for position in 0..self.order.len().saturating_sub(1) {
+            let (upper, lower) = (self.order[position], self.order[position + 1]);
+            let before = self.size;
+            self.swap(position);
+            let gain = self.size.saturating_sub(before);
+            self.swap(position);
+            if gain > 0 {
+                found.push((gain, upper, lower));
+            }
+        }
+        found.sort_by_key(|(gain, upper, _)| (std::cmp::Reverse(*gain), *upper));
+        let mut taken = vec![false; self.order.len()];
+        let mut couples = Vec::new();
+        for (_, upper, lower) in found {
+            if !taken[usize::from(upper)] && !taken[usize::from(lower)] {
+                taken[usize::from(upper)] = true;
+                taken[usize::from(lower)] = true;
+                couples.push((upper, lower));
+            }
+        }
+        couples.sort_by_key(|(a, b)| std::cmp::Reverse(self.nodes_of(*a) + self.nodes_of(*b)));
+        couples
+    }
+
+    /// Moves a pair, and those directly below it that belong to its block, to their best place.
+    fn place(&mut self, top: u16, length: usize) {
+        let mut here = usize::from(self.positions[usize::from(top)]);
         let (mut best, mut best_size) = (here, self.size);
-        let last = self.order.len() - 1;
+        let last = self.order.len() - length;
         let upwards_first = here < last / 2;
         for upwards in [upwards_first, !upwards_first] {
+            let below = &self.order[here + length..];
+            let mut below: usize = below.iter().map(|p| self.nodes_of(*p)).sum();
             while here != if upwards { 0 } else { last } {
-                here = self.step(here, upwards);
+                // What lies above a block that moves down stays, and so does every node of the block, under its bit or another;
+                // what lies below a block that moves up stays.
+                let least = if upwards { below } else { self.size - below };
+                if least >= best_size {
+                    break;
+                }
+                here = self.step(here, length, upwards);
+                if upwards {
+                    below += self.nodes_of(self.order[here + length]);
+                } else {
+                    let rest = &self.order[here + length..];
+                    below = rest.iter().map(|p| self.nodes_of(*p)).sum();
+                }
                 if self.size < best_size {
                     (best, best_size) = (here, self.size);
                 }
@@ -278,17 +352,21 @@ impl Sifter {
             }
         }
         while here != best {
-            here = self.step(here, here > best);
+            here = self.step(here, length, here > best);
         }
     }
 
-    /// Moves the pair at a position by one; gives its new position.
-    fn step(&mut self, here: usize, upwards: bool) -> usize {
+    /// Moves the block at a position by one; gives its new position.
+    fn step(&mut self, here: usize, length: usize, upwards: bool) -> usize {
         if upwards {
-            self.swap(here - 1);
+            for position in here - 1..here - 1 + length {
+                self.swap(position);
+            }
             here - 1
         } else {
-            self.swap(here);
+            for position in (here..here + length).rev() {
+                self.swap(position);
+            }
             here + 1
         }
     }

@@ -66,7 +66,9 @@ fn functions_of_random_specifications_are_right_and_no_wrong_ones_pass() {
             }
         }
     }
-    println!("{realizable} realizable ({moore} moore), mutants: {refused} refused, {wrong} of them wrong, {passed} passed");
+    println!(
+        "{realizable} realizable ({moore} moore), mutants: {refused} refused, {wrong} of them wrong, {passed} passed"
+    );
     assert!(realizable > 150 && moore > 20);
     assert!(wrong > 100 && passed > 50);
 }
@@ -83,7 +85,11 @@ fn mutate(random: &mut Random, functions: &Functions) -> Option<Functions> {
     let nodes = controls.diagram.nodes.len() as u64;
     if nodes > 0 && random.chance(60) {
         let node = &mut controls.diagram.nodes[random.below(nodes) as usize];
-        let edge = if random.chance(50) { &mut node.high } else { &mut node.low };
+        let edge = if random.chance(50) {
+            &mut node.high
+        } else {
+            &mut node.low
+        };
         *edge = edge.negated();
         return Some(mutant);
     }
@@ -94,7 +100,11 @@ fn mutate(random: &mut Random, functions: &Functions) -> Option<Functions> {
         0 => goal.reached = goal.reached.negated(),
         1 if modes > 1 => {
             let mode = &mut goal.modes[random.below(modes - 1) as usize];
-            mode.when = if random.chance(50) { Edge::TRUE } else { Edge::FALSE };
+            mode.when = if random.chance(50) {
+                Edge::TRUE
+            } else {
+                Edge::FALSE
+            };
         }
         2 => {
             let count = controls.first.len() as u64;

@@ -116,7 +116,10 @@ fn driver(files: &Files) -> String {
     }
     let mut prints = String::new();
     for field in fields(files, "outputs") {
-        let _ = writeln!(prints, "            printf(\" %lld\", (long long)outputs.{field});");
+        let _ = writeln!(
+            prints,
+            "            printf(\" %lld\", (long long)outputs.{field});"
+        );
     }
     format!(
         "#include \"{name}.h\"\n#include <stdio.h>\n#include <string.h>\n\
@@ -127,7 +130,10 @@ fn driver(files: &Files) -> String {
 }
 
 fn compiler() -> bool {
-    let found = Command::new("cc").arg("--version").stdout(Stdio::null()).status();
+    let found = Command::new("cc")
+        .arg("--version")
+        .stdout(Stdio::null())
+        .status();
     let found = found.is_ok_and(|s| s.success());
     if !found {
         support::skip("cc", "there is no C compiler");
@@ -136,7 +142,10 @@ fn compiler() -> bool {
 }
 
 fn compile(folder: &Path, arguments: &[&str]) {
-    let output = Command::new("cc").args(arguments).current_dir(folder).output();
+    let output = Command::new("cc")
+        .args(arguments)
+        .current_dir(folder)
+        .output();
     let output = output.expect("the compiler starts");
     let text = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && text.is_empty(), "{text}");
@@ -153,9 +162,15 @@ fn compare(files: &Files, player: &mut dyn Player, steps: usize) {
     write(&source, &files.source);
     write("driver.c", &driver(files));
     let strict = "-std=c99 -pedantic -Wall -Wextra -Wconversion -Werror -O1 -c";
-    let strict: Vec<&str> = strict.split(' ').chain([source.as_str(), "-o", "controller.o"]).collect();
+    let strict: Vec<&str> = strict
+        .split(' ')
+        .chain([source.as_str(), "-o", "controller.o"])
+        .collect();
     compile(folder.path(), &strict);
-    compile(folder.path(), &["-w", "driver.c", "controller.o", "-o", "driver"]);
+    compile(
+        folder.path(),
+        &["-w", "driver.c", "controller.o", "-o", "driver"],
+    );
 
     let (given, wanted) = play(player, &mut Random::new(7), steps);
     let mut child = Command::new(folder.path().join("driver"))
@@ -169,7 +184,10 @@ fn compare(files: &Files, player: &mut dyn Player, steps: usize) {
     let output = child.wait_with_output().expect("the driver ends");
     let _ = writer.join();
     let printed = String::from_utf8_lossy(&output.stdout);
-    let pairs = printed.lines().map(str::trim_end).zip(wanted.lines().map(str::trim_end));
+    let pairs = printed
+        .lines()
+        .map(str::trim_end)
+        .zip(wanted.lines().map(str::trim_end));
     for (i, (printed, wanted)) in pairs.enumerate() {
         assert_eq!(printed, wanted, "{}: step {i}", files.name);
     }

@@ -39,12 +39,23 @@ struct Scope {
     next: Vec<VarId>,
 }
 
+/// How often each formula of each kind is there, in percent: one entry a formula that may be.
+struct Chances {
+    assumed_initial: &'static [u64],
+    assumed_invariants: &'static [u64],
+    assumed_safety: &'static [u64],
+    assumed_justice: &'static [u64],
+    assumed_step_justice: &'static [u64],
+    initial: &'static [u64],
+    invariants: &'static [u64],
+    safety: &'static [u64],
+    justice: &'static [u64],
+    step_justice: &'static [u64],
+}
+
+/// Any specification: every kind of formula, and each of them often absent.
 pub fn specification(r: &mut Random) -> Specification {
-    let timing = if r.chance(35) {
-        Timing::Moore
-    } else {
-        Timing::Mealy
-    };
+    let timing = timing(r);
     let wide = r.chance(35);
     let count = if wide { 2 + r.below(3) } else { 2 + r.below(5) };
     let mut variables = Vec::new();
@@ -65,14 +76,87 @@ pub fn specification(r: &mut Random) -> Specification {
             _ if r.chance(50) => Owner::Environment,
             _ => Owner::System,
         };
-        variables.push(Variable {
-            name: format!("v{i}"),
-            owner,
-            internal: r.chance(10) && owner == Owner::System,
-            domain,
-            span: Span::default(),
-        });
+        let internal = r.chance(10) && owner == Owner::System;
+        variables.push(variable_of(i, owner, internal, domain));
     }
+    let chances = Chances {
+        assumed_initial: &[30],
+        assumed_invariants: &[15],
+        assumed_safety: &[40, 40],
+        assumed_justice: &[45, 45],
+        assumed_step_justice: &[20],
+        initial: &[40],
+        invariants: &[40],
+        safety: &[55, 55, 55],
+        justice: &[60, 60],
+        step_justice: &[25],
+    };
+    with_formulas(r, timing, variables, &chances)
+}
+
+/// A specification with an integer and with at least two justice formulas on either side, so that the three fixpoints really
+/// lie within each other. Safety is rarer, or it would decide too often.
+pub fn specification_with_goals(r: &mut Random) -> Specification {
+    let timing = timing(r);
+    let ranges = [(-1, 1), (2, 4), (0, 3), (-2, 2)];
+    let mut variables = Vec::new();
+    let integer = r.below(3);
+    for i in 0..2 + r.below(3) {
+        let owner = match i {
+            0 => Owner::Environment,
+            1 => Owner::System,
+            _ if r.chance(50) => Owner::Environment,
+            _ => Owner::System,
+        };
+        // An input, an output, or both.
+        let domain = if i < 2 && (i == integer || integer == 2) {
+            let (low, high) = ranges[r.below(ranges.len() as u64) as usize];
+            Domain::Range { low, high }
+        } else {
+            Domain::Bool
+        };
+        let internal = r.chance(10) && owner == Owner::System;
+        variables.push(variable_of(i, owner, internal, domain));
+    }
+    let chances = Chances {
+        assumed_initial: &[25],
+        assumed_invariants: &[10],
+        assumed_safety: &[50, 25],
+        assumed_justice: &[100, 100, 30],
+        assumed_step_justice: &[20],
+        initial: &[25],
+        invariants: &[15],
+        safety: &[60, 40],
+        justice: &[100, 100, 30],
+        step_justice: &[20],
+    };
+    with_formulas(r, timing, variables, &chances)
+}
+
+fn timing(r: &mut Random) -> Timing {
+    if r.chance(35) {
+        Timing::Moore
+    } else {
+        Timing::Mealy
+    }
+}
+
+fn variable_of(i: u64, owner: Owner, internal: bool, domain: Domain) -> Variable {
+    Variable {
+        name: format!("v{i}"),
+        owner,
+        internal,
+        domain,
+        span: Span::default(),
+    }
+}
+
+fn with_formulas(
+    r: &mut Random,
+    timing: Timing,
+    variables: Vec<Variable>,
+    chances: &Chances,
+) -> Specification {
     let ids = |owner: Option<Owner>| -> Vec<VarId> {
         let all = variables.iter().enumerate();
         all.filter(|(_, v)| owner.is_none_or(|o| v.owner == o))
@@ -85,10 +169,10 @@ pub fn specification(r: &mut Random) -> Specification {
         next: next.to_vec(),
     };
 
-    let mut list = |most: u64, percent: u64, scope: &Scope, name: &str| -> Vec<Formula> {
+    let mut list = |percents: &[u64], scope: &Scope, name: &str| -> Vec<Formula> {
         let mut formulas = Vec::new();
-        for i in 0..most {
-            if r.chance(percent) {
+        for (i, percent) in percents.iter().enumerate() {
+            if r.chance(*percent) {
                 let depth = 1 + r.below(3) as u32;
                 let mut expr = boolean(r, &variables, scope, depth);
                 if name.ends_with("safety") || name.ends_with("invariant") {
@@ -106,25 +190,27 @@ pub fn specification(r: &mut Random) -> Specification {
         }
         formulas
     };
-    let step = scope(&all, &all);
+    let start = scope(&inputs, &[]);
     let now = scope(&all, &[]);
+    let step = scope(&all, &all);
+    let c = chances;
     let assumptions = Side {
-        initial: list(1, 30, &scope(&inputs, &[]), "assumed initial"),
-        invariants: list(1, 15, &scope(&inputs, &[]), "assumed invariant"),
-        safety: list(2, 40, &scope(&all, &inputs), "assumed safety"),
+        initial: list(c.assumed_initial, &start, "assumed initial"),
+        invariants: list(c.assumed_invariants, &start, "assumed invariant"),
+        safety: list(c.assumed_safety, &scope(&all, &inputs), "assumed safety"),
         justice: [
-            list(2, 45, &now, "assumed justice"),
-            list(1, 20, &step, "assumed step justice"),
+            list(c.assumed_justice, &now, "assumed justice"),
+            list(c.assumed_step_justice, &step, "assumed step justice"),
         ]
         .concat(),
     };
     let guarantees = Side {
-        initial: list(1, 40, &now, "initial"),
-        invariants: list(1, 40, &now, "invariant"),
-        safety: list(3, 55, &step, "safety"),
+        initial: list(c.initial, &now, "initial"),
+        invariants: list(c.invariants, &now, "invariant"),
+        safety: list(c.safety, &step, "safety"),
         justice: [
-            list(2, 60, &now, "justice"),
-            list(1, 25, &step, "step justice"),
+            list(c.justice, &now, "justice"),
+            list(c.step_justice, &step, "step justice"),
         ]
         .concat(),
     };

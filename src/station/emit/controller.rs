@@ -27,17 +27,82 @@ pub struct Files {
 
 /// Words that cannot name a field, with those that a C++ compiler reserves.
 const RESERVED: [&str; 66] = [
-    "and", "asm", "auto", "bool", "break", "case", "catch", "char", "class", "const", "continue", "default", "delete",
-    "do", "double", "else", "enum", "export", "extern", "false", "float", "for", "friend", "goto", "if", "inline", "int",
-    "long", "mutable", "namespace", "new", "not", "operator", "or", "private", "protected", "public", "register",
-    "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch", "template", "this", "throw", "true",
-    "try", "typedef", "typeid", "typename", "union", "unsigned", "using", "virtual", "void", "volatile", "wchar_t",
-    "while", "xor", "nullptr", "constexpr", "alignas",
+    "and",
+    "asm",
+    "auto",
+    "bool",
+    "break",
+    "case",
+    "catch",
+    "char",
+    "class",
+    "const",
+    "continue",
+    "default",
+    "delete",
+    "do",
+    "double",
+    "else",
+    "enum",
+    "export",
+    "extern",
+    "false",
+    "float",
+    "for",
+    "friend",
+    "goto",
+    "if",
+    "inline",
+    "int",
+    "long",
+    "mutable",
+    "namespace",
+    "new",
+    "not",
+    "operator",
+    "or",
+    "private",
+    "protected",
+    "public",
+    "register",
+    "restrict",
+    "return",
+    "short",
+    "signed",
+    "sizeof",
+    "static",
+    "struct",
+    "switch",
+    "template",
+    "this",
+    "throw",
+    "true",
+    "try",
+    "typedef",
+    "typeid",
+    "typename",
+    "union",
+    "unsigned",
+    "using",
+    "virtual",
+    "void",
+    "volatile",
+    "wchar_t",
+    "while",
+    "xor",
+    "nullptr",
+    "constexpr",
+    "alignas",
 ];
 
 /// A controller with explicit states.
 pub fn of_machine(machine: &Machine) -> Files {
-    let text = Text::new(&machine.name, machine.timing, &machine.inputs, &machine.outputs);
+    let text = Text::new(
+        &machine.name,
+        machine.timing,
+        &machine.inputs,
+        &machine.outputs,
+    );
     let header = text.header("    /* -1 before step 0. */\n    int32_t state;\n");
     Files {
         source: text.machine(machine),
@@ -173,7 +238,9 @@ impl<'a> Text<'a> {
     /// Names of what is local to the source file begin like this.
     fn signature(&self) -> String {
         let name = &self.name;
-        format!("int {name}_step({name}_state *state, const {name}_inputs *inputs, {name}_outputs *outputs)\n{{\n")
+        format!(
+            "int {name}_step({name}_state *state, const {name}_inputs *inputs, {name}_outputs *outputs)\n{{\n"
+        )
     }
 
     /// Refuses inputs outside their domains.
@@ -200,7 +267,11 @@ impl<'a> Text<'a> {
         let (mut states, mut answers) = (Vec::new(), Vec::new());
         let mut known: HashMap<&[i64], usize> = HashMap::new();
         for list in std::iter::once(&machine.initial).chain(&machine.states) {
-            states.push(format!("    {{ {}, {} }},\n", rows.len(), rows.len() + list.len()));
+            states.push(format!(
+                "    {{ {}, {} }},\n",
+                rows.len(),
+                rows.len() + list.len()
+            ));
             for transition in list {
                 let first = cubes.len();
                 for cube in &transition.guard.0 {
@@ -238,7 +309,13 @@ impl<'a> Text<'a> {
         table(&mut out, "test", "tests", &tests, "{ 0, 0, 0 }");
         out.push_str("/* Conjunctions of tests. */\n");
         table(&mut out, "range", "cubes", &cubes, "{ 0, 0 }");
-        table(&mut out, "transition", "transitions", &rows, "{ 0, 0, 0, 0 }");
+        table(
+            &mut out,
+            "transition",
+            "transitions",
+            &rows,
+            "{ 0, 0, 0, 0 }",
+        );
         out.push_str("/* The transitions of step 0, and of every state. */\n");
         table(&mut out, "range", "states", &states, "{ 0, 0 }");
         if !self.outputs.is_empty() {
@@ -293,7 +370,13 @@ impl<'a> Text<'a> {
         let ports = ports.chain(self.outputs.iter().zip(&functions.output_bits));
         for ((_, port), bits) in ports {
             if let (Some(first), Some(last)) = (bits.first(), bits.last()) {
-                let _ = writeln!(out, "/* {}..{}: {} */", first.0, last.0 + 1, comment(&port.name));
+                let _ = writeln!(
+                    out,
+                    "/* {}..{}: {} */",
+                    first.0,
+                    last.0 + 1,
+                    comment(&port.name)
+                );
             }
         }
         out.push_str("\n/* A decision. Edge 2n leads to node n - 1, edge 2n + 1 to its negation; 0 is false and 1 is true. */\ntypedef struct {\n    uint32_t high, low; /* where it goes on when the signal is 1, and when it is 0 */\n    uint16_t signal;\n} node;\n\n");
@@ -306,7 +389,9 @@ impl<'a> Text<'a> {
             .collect();
         table(&mut out, "node", "nodes", &nodes, "{ 0, 0, 0 }");
         let row = |outputs: &[(Bit, crate::symbolic::Edge)]| -> String {
-            let items = outputs.iter().map(|(b, e)| format!("{{ {}, {} }}, ", e.0, b.0));
+            let items = outputs
+                .iter()
+                .map(|(b, e)| format!("{{ {}, {} }}, ", e.0, b.0));
             items.collect::<String>()
         };
         let count = controls.first.len();
@@ -341,7 +426,9 @@ impl<'a> Text<'a> {
                 .collect();
             table(out, "uint32_t", what, &rows, "1");
         };
-        out.push_str("/* What the environment has promised for step 0, and for every later step. */\n");
+        out.push_str(
+            "/* What the environment has promised for step 0, and for every later step. */\n",
+        );
         let edges = controls.assumed_first.iter().map(|(_, e)| e.0).collect();
         assumed(&mut out, "assumed_first", edges, &functions.names_first);
         let edges = controls.assumed.iter().map(|(_, e)| e.0).collect();
@@ -398,9 +485,17 @@ impl<'a> Text<'a> {
         for ((field, port), bits) in self.outputs.iter().zip(&functions.output_bits) {
             let low = literal(port.domain.low());
             let value = bits.first().map_or(low.clone(), |first| {
-                format!("get(signals + {}, {}) + {low}", first.primed().0, bits.len())
+                format!(
+                    "get(signals + {}, {}) + {low}",
+                    first.primed().0,
+                    bits.len()
+                )
             });
-            let _ = writeln!(out, "    outputs->{field} = ({})({value});", integer(&port.domain));
+            let _ = writeln!(
+                out,
+                "    outputs->{field} = ({})({value});",
+                integer(&port.domain)
+            );
         }
         if self.outputs.is_empty() {
             out.push_str("    (void)outputs;\n");

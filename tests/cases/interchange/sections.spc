@@ -6,6 +6,8 @@ SYS: c d [1,3] e [0;
 SYSINIT: c;
 SYSINIT: !c;
 #~^ LW002
+SYSINIT: ;
+#~^ LW002
 nonsense
 #~^ LW002
 ENVTRANS: b;
