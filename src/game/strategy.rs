@@ -300,7 +300,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         moves: &[K::Function],
         initial: &K::Function,
     ) -> Result<Vec<K::Function>, Limit> {
-        let (arena, m) = (self.arena, &self.arena.kernel);
+        let m = &self.arena.kernel;
         let goals = moves.len();
         let mut known = vec![m.constant(false); goals];
         let mut fresh = known.clone();
@@ -326,7 +326,9 @@ impl<'a, K: Kernel> Maker<'a, K> {
                 ]
             };
             let mut gone = self.now.clone();
-            self.flag.into_iter().for_each(|bit| gone.insert(bit));
+            for bit in self.flag {
+                gone.insert(bit);
+            }
             for (k, steps) in targets {
                 let successors = m.unprime(&m.exists(&steps, &gone)?)?;
                 fresh[k] = m.and_not(&m.or(&fresh[k], &successors)?, &known[k])?;

@@ -117,11 +117,6 @@ impl Workbench {
         Ok(edge.flipped(negate))
     }
 
-    /// A bit.
-    pub fn literal(&mut self, bit: Bit) -> Result<Edge, Limit> {
-        self.decision(self.level_of(bit), Edge::TRUE, Edge::FALSE)
-    }
-
     /// Where an edge leads to when the bit at this place is 1, and when it is 0; the place is not below its topmost decision.
     fn branches(&self, edge: Edge, level: u32) -> (Edge, Edge) {
         match edge.node().map(|n| self.nodes[n]) {
@@ -133,14 +128,14 @@ impl Workbench {
         }
     }
 
-    fn place(&self, key: (Operation, u32, u32)) -> usize {
+    fn place(key: (Operation, u32, u32)) -> usize {
         let mut hasher = FxHasher::default();
         key.hash(&mut hasher);
         (hasher.finish() >> 20) as usize & (REMEMBERED - 1)
     }
 
     fn recall(&self, key: (Operation, u32, u32)) -> Option<Edge> {
-        let (known, result) = self.remembered.get(self.place(key))?;
+        let (known, result) = self.remembered.get(Self::place(key))?;
         (*known == key).then_some(*result)
     }
 
@@ -148,7 +143,7 @@ impl Workbench {
         if self.remembered.is_empty() {
             self.remembered = vec![(<_>::default(), Edge::FALSE); REMEMBERED];
         }
-        let place = self.place(key);
+        let place = Self::place(key);
         self.remembered[place] = (key, result);
     }
 

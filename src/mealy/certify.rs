@@ -139,10 +139,14 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
     let known = |first: bool| {
         let mut known = BitSet::default();
         if !first {
-            current.iter().for_each(|b| known.insert(*b));
+            for bit in &current {
+                known.insert(*bit);
+            }
         }
         if specification.timing == Timing::Mealy {
-            next_inputs.iter().for_each(|b| known.insert(b));
+            for bit in next_inputs.iter() {
+                known.insert(bit);
+            }
         }
         known
     };
