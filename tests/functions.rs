@@ -8,7 +8,10 @@ mod compiled;
 mod explicit;
 #[path = "fixtures/mod.rs"]
 mod fixtures;
+#[path = "functions/preferences.rs"]
+mod preferences;
 #[path = "oracle/random.rs"]
+#[allow(dead_code, reason = "only its numbers and specifications are used")]
 mod random;
 #[path = "support/mod.rs"]
 mod support;

@@ -397,7 +397,7 @@ impl Task {
                 kernel: self.settings.kernel,
                 heuristics: &heuristics,
                 memory_mib: self.settings.limits.memory_mib,
-                wish: self.wish,
+                wish: self.wish(),
             },
         );
         let found = cache.and_then(|c| c.find(&key));
@@ -449,6 +449,15 @@ impl Task {
     /// Whether a controller is asked for.
     fn extracts(&self, large: bool) -> bool {
         self.job.goal.extracts(large)
+    }
+
+    /// What it shall be like. Where only a small game has one at all, a machine may still be large; functions show as well that
+    /// there is a right controller.
+    fn wish(&self) -> Wish {
+        Wish {
+            functions: self.wish.functions || self.job.goal == Goal::Small,
+            ..self.wish
+        }
     }
 
     /// Whether the plant's side is examined.
@@ -524,7 +533,7 @@ impl Task {
                 specification,
                 &won,
                 statistics.pairs,
-                self.wish,
+                self.wish(),
                 limits,
                 statistics.seconds.as_mut(),
             )?;

@@ -35,7 +35,7 @@ pub struct Arguments {
     /// The form of the controller; can be given several times
     #[arg(long, value_enum, default_value = "json")]
     pub emit: Vec<Emit>,
-    /// What a machine shall be good at, where there is a choice
+    /// What a machine shall be good at, where there is a choice; functions always take short ways
     #[arg(long, value_enum, default_value_t)]
     pub prefer: Prefer,
     /// The folder to write to; without it, a single result goes to standard output
@@ -52,7 +52,7 @@ pub enum Prefer {
     /// Few steps until the next goal is reached
     #[default]
     Reaction,
-    /// Few states, even where that takes longer
+    /// Few states, even where that takes longer: never more than with `reaction`
     States,
 }
 

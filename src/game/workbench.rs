@@ -8,8 +8,7 @@
 //! ICCAD 1990.
 
 use crate::symbolic::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
-use rustc_hash::{FxHashMap, FxHasher};
-use std::hash::{Hash, Hasher};
+use rustc_hash::FxHashMap;
 
 /// How many nodes there may be without a limit on memory.
 const MOST_NODES: u64 = 1 << 25;
@@ -20,15 +19,26 @@ const NODE_BYTES: u64 = 48;
 /// Results that are remembered; a power of two.
 const REMEMBERED: usize = 1 << 18;
 
+/// The least room for nodes; a power of two.
+const FEWEST_SLOTS: usize = 1 << 12;
+
+/// Three numbers spread over 2^32.
+fn spread(a: u32, b: u32, c: u32) -> u32 {
+    let both = u64::from(b) << 32 | u64::from(c);
+    let mixed = (both ^ u64::from(a).wrapping_mul(0x9e37_79b9_7f4a_7c15))
+        .wrapping_mul(0xf135_7aea_2e62_a9c5);
+    ((mixed ^ mixed >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as u32
+}
+
 /// A decision; the edge for 1 is never negated, so that a function and its negation are one node.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Node {
     level: u32,
     high: Edge,
     low: Edge,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Operation {
     #[default]
     Nothing,
@@ -45,7 +55,9 @@ type Remembered = ((Operation, u32, u32), Edge);
 #[derive(Debug)]
 pub struct Workbench {
     nodes: Vec<Node>,
-    known: FxHashMap<Node, Edge>,
+    /// Every node's number plus one, where its hash says or behind; 0 is free. Small, so that much of it stays near the
+    /// processor. A power of two, at least twice the number of nodes.
+    slots: Vec<u32>,
     remembered: Vec<Remembered>,
     /// For every pair its place in the order.
     positions: Vec<u16>,
@@ -68,7 +80,7 @@ impl Workbench {
         let bounds = [by_memory, limits.most_nodes].into_iter().flatten();
         Self {
             nodes: Vec::new(),
-            known: FxHashMap::default(),
+            slots: vec![0; FEWEST_SLOTS],
             remembered: Vec::new(),
             positions: order.positions(),
             marks: Vec::new(),
@@ -103,18 +115,46 @@ impl Workbench {
             high: high.flipped(negate),
             low: low.flipped(negate),
         };
-        let fresh = self.nodes.len();
-        let edge = *self.known.entry(node).or_insert(Edge::to(fresh));
-        if edge == Edge::to(fresh) {
-            if fresh >= self.most_nodes {
-                return Err(Limit::Memory);
+        let mut place = self.slot(node);
+        loop {
+            let Some(number) = self.slots[place].checked_sub(1) else {
+                break;
+            };
+            if self.nodes[number as usize] == node {
+                return Ok(Edge::to(number as usize).flipped(negate));
             }
-            if fresh.is_multiple_of(1 << 14) {
-                self.limits.check_time()?;
-            }
-            self.nodes.push(node);
+            place = (place + 1) & (self.slots.len() - 1);
         }
-        Ok(edge.flipped(negate))
+        let fresh = self.nodes.len();
+        if fresh >= self.most_nodes {
+            return Err(Limit::Memory);
+        }
+        if fresh.is_multiple_of(1 << 14) {
+            self.limits.check_time()?;
+        }
+        self.nodes.push(node);
+        self.slots[place] = fresh as u32 + 1;
+        if 2 * self.nodes.len() > self.slots.len() {
+            self.widen();
+        }
+        Ok(Edge::to(fresh).flipped(negate))
+    }
+
+    /// Where to look for a node first.
+    fn slot(&self, node: Node) -> usize {
+        spread(node.level, node.high.0, node.low.0) as usize & (self.slots.len() - 1)
+    }
+
+    /// Makes room for as many nodes again.
+    fn widen(&mut self) {
+        self.slots = vec![0; 2 * self.slots.len()];
+        for number in 0..self.nodes.len() {
+            let mut place = self.slot(self.nodes[number]);
+            while self.slots[place] != 0 {
+                place = (place + 1) & (self.slots.len() - 1);
+            }
+            self.slots[place] = number as u32 + 1;
+        }
     }
 
     /// Where an edge leads to when the bit at this place is 1, and when it is 0; the place is not below its topmost decision.
@@ -128,10 +168,8 @@ impl Workbench {
         }
     }
 
-    fn place(key: (Operation, u32, u32)) -> usize {
-        let mut hasher = FxHasher::default();
-        key.hash(&mut hasher);
-        (hasher.finish() >> 20) as usize & (REMEMBERED - 1)
+    fn place((operation, a, b): (Operation, u32, u32)) -> usize {
+        spread(operation as u32, a, b) as usize & (REMEMBERED - 1)
     }
 
     fn recall(&self, key: (Operation, u32, u32)) -> Option<Edge> {

@@ -232,6 +232,9 @@ impl Supports {
 /// Formulas of the machine's safety are put together until they have this many nodes.
 const CLUSTER_NODES: usize = 1_000;
 
+/// Outputs are put together until they have more nodes than this.
+const OUTPUT_NODES: usize = 500;
+
 struct Check<'a, K: Kernel> {
     specification: &'a Specification,
     functions: &'a Functions,
@@ -361,15 +364,21 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(!self.kernel.is_false(&left))
     }
 
-    /// The steps that begin here, as a relation.
+    /// The steps that begin here, as a relation. Several small outputs are put together before they meet the many states, so
+    /// that the large relation is made anew only a few times.
     fn steps(&self, from: K::Function, outputs: &[(Bit, Edge)]) -> Result<K::Function, Limit> {
         let m = &self.kernel;
         let mut steps = from;
+        let mut several = m.constant(true);
         for (bit, edge) in outputs {
             let same = m.iff(&m.literal(*bit, true), &self.at(*edge)?)?;
-            steps = m.and(&steps, &same)?;
+            several = m.and(&several, &same)?;
+            if m.size(&several) > OUTPUT_NODES {
+                steps = m.and(&steps, &several)?;
+                several = m.constant(true);
+            }
         }
-        Ok(steps)
+        m.and(&steps, &several)
     }
 
     /// The formula of the machine's safety that a step breaks.

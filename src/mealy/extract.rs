@@ -14,7 +14,31 @@ pub fn extract(
 }
 
 /// The same, for a machine that is good at something.
+///
+/// Where few states are asked for, freedom in what to aim at mostly leads to fewer, but not always; so both machines are made,
+/// and the one with fewer states is taken.
 pub fn extract_preferring(
+    preference: Preference,
+    specification: &Specification,
+    won: &Won,
+    limits: &Limits,
+) -> Result<Machine, Limit> {
+    let make = |preference| machine(preference, specification, won, limits);
+    let quick = make(Preference::Reaction);
+    if preference == Preference::Reaction {
+        return quick;
+    }
+    match (make(preference), quick) {
+        (Ok(free), Ok(quick)) if free.states.len() < quick.states.len() => Ok(free),
+        (Ok(_), Ok(quick)) => Ok(quick),
+        (Ok(only), Err(Limit::Size | Limit::Memory))
+        | (Err(Limit::Size | Limit::Memory), Ok(only)) => Ok(only),
+        (Err(limit), _) | (_, Err(limit)) => Err(limit),
+    }
+}
+
+/// The machine of one strategy, minimised.
+fn machine(
     preference: Preference,
     specification: &Specification,
     won: &Won,

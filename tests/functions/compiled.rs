@@ -3,7 +3,7 @@
 use super::random::{self, Random};
 use super::{benchmark, fixtures, functions, support};
 use linewright::game::{KernelChoice, Limits, Outcome, solve};
-use linewright::gr1::Specification;
+use linewright::gr1::{Domain, Specification};
 use linewright::mealy::extract::extract;
 use linewright::mealy::functions::{Functions, Refusal};
 use linewright::mealy::{Machine, Port};
@@ -66,7 +66,7 @@ impl Player for Explicit<'_> {
 fn play(player: &mut dyn Player, random: &mut Random, steps: usize) -> (String, String) {
     let (mut given, mut wanted) = (String::new(), String::new());
     let domains: Vec<_> = player.inputs().iter().map(|p| p.domain.clone()).collect();
-    let mut last: Vec<i64> = domains.iter().map(|d| d.low()).collect();
+    let mut last: Vec<i64> = domains.iter().map(Domain::low).collect();
     for _ in 0..steps {
         let mut inputs = last.clone();
         let all = random.chance(20);
