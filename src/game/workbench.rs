@@ -116,10 +116,7 @@ impl Workbench {
             low: low.flipped(negate),
         };
         let mut place = self.slot(node);
-        loop {
-            let Some(number) = self.slots[place].checked_sub(1) else {
-                break;
-            };
+        while let Some(number) = self.slots[place].checked_sub(1) {
             if self.nodes[number as usize] == node {
                 return Ok(Edge::to(number as usize).flipped(negate));
             }
