@@ -347,12 +347,8 @@ impl Work {
             (f, support, size)
         };
         let mut pool = vec![part(bench, aim)];
-        for f in parts.iter() {
-            let f = bench.simplify(*f, care)?;
-            if f != Edge::TRUE {
-                pool.push(part(bench, f));
-            }
-        }
+        // Simplified by `care`, parts and buckets would each be smaller, but share less with each other and with other goals.
+        pool.extend(parts.iter().map(|f| part(bench, *f)));
         let mut left = outputs.clone();
         let mut functions = Vec::new();
         while !left.is_empty() {
@@ -372,7 +368,6 @@ impl Work {
             for (f, ..) in bucket {
                 both = bench.and(both, f)?;
             }
-            let both = bench.simplify(both, care)?;
             let (may_clear, may_set) = (bench.fix(both, bit, false)?, bench.fix(both, bit, true)?);
             let possible = bench.or(may_clear, may_set)?;
             functions.push((bit, choose(bench, (may_clear, may_set), possible, care)?));

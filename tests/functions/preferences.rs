@@ -1,6 +1,6 @@
 //! What a machine shall be good at: whatever is preferred it is right, and preferring few states never gives more.
 
-use super::{benchmark, fixtures, random};
+use super::{fixtures, random};
 use linewright::game::{Limits, Outcome, Preference, solve};
 use linewright::gr1::Specification;
 use linewright::mealy::extract::extract_preferring;
@@ -45,25 +45,4 @@ fn few_states_are_never_more() {
         sum(1)
     );
     assert!(found.len() > 150 && fewer > 0);
-}
-
-/// Peers need 14,070 nodes for it.
-#[test]
-fn a_benchmark_has_a_small_machine() {
-    let Some(specification) = benchmark("genbuf5.slugsin") else {
-        return;
-    };
-    let limits = Limits::default();
-    let Outcome::Realizable(won) = solve(&specification, &limits) else {
-        panic!("genbuf5 is realizable");
-    };
-    let machine = extract_preferring(Preference::Reaction, &specification, &won, &limits);
-    let machine = machine.expect("no limit");
-    let written = linewright::mealy::gr1c::to_json(&machine, &specification).expect("no limit");
-    let nodes = written["nodes"].as_object().map_or(0, serde_json::Map::len);
-    println!(
-        "genbuf5: {} states, {nodes} nodes for gr1c",
-        machine.states.len()
-    );
-    assert!(nodes > 0 && nodes < 14_070, "{nodes} nodes");
 }
