@@ -81,8 +81,9 @@ fn every_format_is_written_and_always_the_same() {
 /// What gr1c's format says, step by step: from each node, every successor is what the machine does on its inputs.
 #[test]
 fn the_gr1c_automaton_is_the_machine() {
-    let pick = machine(&fixtures::pick(2));
-    let json = gr1c::to_json(&pick).expect("small");
+    let specification = fixtures::pick(2);
+    let pick = machine(&specification);
+    let json = gr1c::to_json(&pick, &specification).expect("small");
     assert_eq!(json["version"], 1);
     assert_eq!(json["ENV"][1]["grip"], "boolean");
     assert_eq!(json["ENV"][0]["cmd"], serde_json::json!([0, 6]));
@@ -122,8 +123,9 @@ fn the_gr1c_automaton_is_the_machine() {
     }
     assert_eq!(pairs.len(), nodes.len());
     // A camera grid of 6 cells and its reference has too many letters.
-    let grid = machine(&fixtures::quality_check(6));
-    assert_eq!(gr1c::to_json(&grid), Err(Limit::Size));
+    let specification = fixtures::quality_check(6);
+    let grid = machine(&specification);
+    assert_eq!(gr1c::to_json(&grid, &specification), Err(Limit::Size));
 }
 
 #[test]

@@ -8,12 +8,13 @@
 //! match its own checksum is not read, and where nothing can be written nothing is. Entries hold results and no messages, so
 //! that the findings of a contract that has moved within its file point at the right place.
 
+use super::controller::Wish;
 use super::statistics::Statistics;
 use crate::game::{
     Diagram, DiagramNode, Edge, EnvironmentFindings, GuaranteeRef, Heuristic, KernelChoice, Order,
 };
 use crate::gr1::{Expr, Formula, Specification, Variable};
-use crate::mealy::Machine;
+use crate::mealy::{Machine, functions::Functions};
 use crate::symbolic::Bit;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -55,6 +56,8 @@ pub struct Entry {
     pub extracted: bool,
     /// The verified controller; `None` also when it was too large to be written down.
     pub machine: Option<Machine>,
+    /// The certified controller as functions, where it was one.
+    pub functions: Option<Box<Functions>>,
     /// The largest number of nodes.
     pub peak_nodes: u64,
     /// What it took.
@@ -110,6 +113,8 @@ pub struct Options<'a> {
     pub heuristics: &'a [Heuristic],
     /// The memory limit.
     pub memory_mib: Option<u64>,
+    /// What the controller shall be like.
+    pub wish: Wish,
 }
 
 /// The name of an entry.
@@ -436,6 +441,7 @@ mod tests {
             environment: None,
             extracted: false,
             machine: None,
+            functions: None,
             peak_nodes: 17,
             statistics: Statistics::default(),
         }

@@ -9,6 +9,7 @@ pub mod cache;
 pub mod check;
 pub mod completions;
 pub mod console;
+pub mod controller;
 pub mod din;
 pub mod environment;
 pub mod exit;

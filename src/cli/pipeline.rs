@@ -4,6 +4,7 @@
 //! solved before comes from the [cache]: results, from which the findings are made anew.
 
 use super::cache::{self, Cache, Entry, Hints, Key, Version};
+use super::controller::{Controller, Wish, controller};
 use super::environment;
 use super::interrupt::Watch;
 use super::statistics::Statistics;
@@ -16,6 +17,7 @@ use crate::game::{
 use crate::gr1::{Specification, overflow};
 use crate::interchange::Inquiry;
 use crate::mealy;
+use crate::mealy::functions::Functions;
 use crate::source::Span;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -78,6 +80,8 @@ pub struct CheckedContract {
     /// The verified controller. A realizable contract has none when nobody asked for it, or when a limit was reached after the
     /// verdict; the findings say so.
     pub machine: Option<mealy::Machine>,
+    /// The certified controller as functions, where that was asked for and a machine would be too large.
+    pub functions: Option<Functions>,
     /// Why it is realizable, where that was asked for.
     pub ranking: Option<Ranking>,
     /// Seconds of the clock for all stages.
@@ -99,6 +103,16 @@ pub struct CheckedContract {
 pub struct InternalError {
     contract: String,
     rule: String,
+}
+
+impl InternalError {
+    /// The controller of a contract breaks a rule.
+    pub fn new(specification: &Specification, rule: String) -> Self {
+        Self {
+            contract: specification.name.clone(),
+            rule,
+        }
+    }
 }
 
 /// How to solve.
@@ -159,6 +173,7 @@ pub struct Jobs {
     list: Vec<Job>,
     examine: bool,
     rank: bool,
+    wish: Wish,
 }
 
 impl Jobs {
@@ -169,6 +184,12 @@ impl Jobs {
             examine: true,
             ..Self::default()
         }
+    }
+
+    /// The same, with controllers as they are wished for.
+    #[must_use]
+    pub fn wishing(self, wish: Wish) -> Self {
+        Self { wish, ..self }
     }
 
     /// The same, and asks why each realizable contract is realizable.
@@ -247,6 +268,7 @@ impl Jobs {
                     job: job.clone(),
                     examine: self.examine,
                     rank: self.rank,
+                    wish: self.wish,
                     settings: settings.clone(),
                     solve: Arc::default(),
                 }
@@ -263,8 +285,10 @@ impl Jobs {
 
 /// Why there is no verdict, or no controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Reason {
+pub enum Reason {
+    /// A limit was reached.
     Limit(Limit),
+    /// Ctrl-C.
     Interrupt,
 }
 
@@ -301,17 +325,6 @@ impl std::fmt::Display for Reason {
     }
 }
 
-/// What becomes of the controller.
-#[derive(Debug, Clone)]
-enum Controller {
-    /// Nobody asks for it.
-    Unasked,
-    /// A limit was reached first.
-    Stopped(Reason),
-    /// It is verified.
-    Verified(mealy::Machine),
-}
-
 /// What is known of a contract, before it is put into words.
 #[derive(Debug, Clone)]
 struct Known {
@@ -332,6 +345,7 @@ struct Task {
     job: Job,
     examine: bool,
     rank: bool,
+    wish: Wish,
     settings: Settings,
     solve: Arc<Progress>,
 }
@@ -383,6 +397,7 @@ impl Task {
                 kernel: self.settings.kernel,
                 heuristics: &heuristics,
                 memory_mib: self.settings.limits.memory_mib,
+                wish: self.wish(),
             },
         );
         let found = cache.and_then(|c| c.find(&key));
@@ -419,6 +434,7 @@ impl Task {
                 },
                 examine: false,
                 rank: false,
+                wish: self.wish,
                 settings: self.settings.clone(),
                 solve: Arc::default(),
             };
@@ -433,6 +449,15 @@ impl Task {
     /// Whether a controller is asked for.
     fn extracts(&self, large: bool) -> bool {
         self.job.goal.extracts(large)
+    }
+
+    /// What it shall be like. Where only a small game has one at all, a machine may still be large; functions show as well that
+    /// there is a right controller.
+    fn wish(&self) -> Wish {
+        Wish {
+            functions: self.wish.functions || self.job.goal == Goal::Small,
+            ..self.wish
+        }
     }
 
     /// Whether the plant's side is examined.
@@ -503,7 +528,15 @@ impl Task {
             }
         }
         if self.extracts(large) {
-            known.controller = self.controller(&won, &mut known.statistics)?;
+            let statistics = &mut known.statistics;
+            known.controller = controller(
+                specification,
+                &won,
+                statistics.pairs,
+                self.wish(),
+                limits,
+                statistics.seconds.as_mut(),
+            )?;
         }
         report(known.clone());
         if self.examines(large) {
@@ -537,40 +570,6 @@ impl Task {
         game::solve_with(&self.job.specification, &options)
     }
 
-    /// Extracts the controller, and verifies it.
-    fn controller(
-        &self,
-        won: &game::Won,
-        statistics: &mut Statistics,
-    ) -> Result<Controller, InternalError> {
-        let specification = &*self.job.specification;
-        let limits = &self.settings.limits;
-        let mut note = |extract: Option<f64>, verify: Option<f64>| {
-            if let Some(seconds) = &mut statistics.seconds {
-                seconds.extract = extract.or(seconds.extract);
-                seconds.verify = verify.or(seconds.verify);
-            }
-        };
-        let clock = Instant::now();
-        let machine = mealy::extract::extract(specification, won, limits);
-        note(Some(clock.elapsed().as_secs_f64()), None);
-        let machine = match machine {
-            Ok(machine) => machine,
-            Err(limit) => return Ok(Controller::Stopped(Reason::Limit(limit))),
-        };
-        let clock = Instant::now();
-        let verified = mealy::verify::verify(specification, &machine, limits);
-        note(None, Some(clock.elapsed().as_secs_f64()));
-        match verified {
-            Ok(Ok(())) => Ok(Controller::Verified(machine)),
-            Ok(Err(violation)) => Err(InternalError {
-                contract: specification.name.clone(),
-                rule: violation.rule,
-            }),
-            Err(limit) => Ok(Controller::Stopped(Reason::Limit(limit))),
-        }
-    }
-
     /// What an entry says, cut down to what would be known without it. `None` when it does not say enough.
     fn recall(&self, entry: Entry) -> Option<Known> {
         let large = entry.statistics.large;
@@ -583,6 +582,7 @@ impl Task {
         {
             return None;
         }
+        let name = self.job.specification.name.clone();
         let mut statistics = entry.statistics;
         statistics.cached = true;
         if !extracts && let Some(seconds) = &mut statistics.seconds {
@@ -593,13 +593,13 @@ impl Task {
             core: entry.core,
             examined: examines,
             environment: entry.environment.filter(|_| examines),
-            controller: match entry.machine {
+            controller: match (entry.machine, entry.functions) {
                 _ if !extracts => Controller::Unasked,
-                None => Controller::Stopped(Reason::Limit(Limit::Size)),
-                Some(machine) => Controller::Verified(mealy::Machine {
-                    name: self.job.specification.name.clone(),
-                    ..machine
-                }),
+                (None, None) => Controller::Stopped(Reason::Limit(Limit::Size)),
+                (Some(machine), _) => Controller::Machine(mealy::Machine { name, ..machine }),
+                (None, Some(functions)) => {
+                    Controller::Functions(Box::new(Functions { name, ..*functions }))
+                }
             },
             ranking: None,
             answers: Vec::new(),
@@ -610,11 +610,12 @@ impl Task {
 
     /// What there is to remember. `None` when a limit of time or memory had a part in it.
     fn entry(&self, known: &Known) -> Option<Entry> {
-        let (extracted, machine) = match &known.controller {
-            Controller::Unasked => (false, None),
-            Controller::Stopped(Reason::Limit(Limit::Size)) => (true, None),
+        let (extracted, machine, functions) = match &known.controller {
+            Controller::Unasked => (false, None, None),
+            Controller::Stopped(Reason::Limit(Limit::Size)) => (true, None, None),
             Controller::Stopped(_) => return None,
-            Controller::Verified(machine) => (true, Some(machine.clone())),
+            Controller::Machine(machine) => (true, Some(machine.clone()), None),
+            Controller::Functions(functions) => (true, None, Some(functions.clone())),
         };
         let examines = known.realizable && self.examines(known.statistics.large);
         let explains = !known.realizable && self.job.goal > Goal::Answer;
@@ -628,6 +629,7 @@ impl Task {
             environment: known.environment.clone(),
             extracted,
             machine,
+            functions,
             peak_nodes: known.peak_nodes,
             statistics: known.statistics.clone(),
         })
@@ -665,7 +667,7 @@ impl Known {
         let specification = &*job.specification;
         let mut findings = Vec::new();
         let mut core = Vec::new();
-        let mut machine = None;
+        let (mut machine, mut functions) = (None, None);
         let mut left_out = false;
         if self.realizable {
             left_out = job.goal == Goal::Small && self.statistics.large;
@@ -674,7 +676,8 @@ impl Known {
                 Controller::Stopped(reason) => {
                     findings.push(no_machine(specification, job.span, reason));
                 }
-                Controller::Verified(verified) => machine = Some(verified),
+                Controller::Machine(verified) => machine = Some(verified),
+                Controller::Functions(certified) => functions = Some(*certified),
             }
             if let Some(found) = &self.environment {
                 findings.extend(environment::findings(specification, job.span, found));
@@ -703,6 +706,7 @@ impl Known {
             findings,
             core,
             machine,
+            functions,
             ranking: self.ranking,
             seconds: 0.0,
             peak_nodes: Some(self.peak_nodes),
@@ -728,6 +732,7 @@ fn gave_up(job: &Job, reason: Reason, solve: &Progress) -> CheckedContract {
         ],
         core: Vec::new(),
         machine: None,
+        functions: None,
         ranking: None,
         seconds: 0.0,
         peak_nodes: statistics.peak_nodes.filter(|n| *n > 0),
@@ -799,7 +804,7 @@ impl CheckedContract {
     /// The findings for a command that needs the controller: that there is none is an error then.
     pub fn findings_where_needed(&self) -> Vec<Diagnostic> {
         let mut findings = self.findings.clone();
-        if self.machine.is_none() {
+        if self.machine.is_none() && self.functions.is_none() {
             for finding in &mut findings {
                 if finding.code == codes::GAVE_UP {
                     finding.severity = crate::diagnostics::Severity::Error;
@@ -879,6 +884,7 @@ mod tests {
             )],
             core: Vec::new(),
             machine: None,
+            functions: None,
             ranking: None,
             seconds: 0.0,
             peak_nodes: None,

@@ -1,14 +1,18 @@
 //! `linewright synth`: a verified controller, written down.
 
+use super::controller::Wish;
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::output;
-use super::pipeline::{Goal, Jobs};
+use super::pipeline::{CheckedContract, Goal, Jobs};
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
-use crate::game::Limit;
+use crate::game::{Limit, Preference};
+use crate::gr1::Specification;
 use crate::interchange::{self, Target, inquiries};
 use crate::mealy;
+use crate::source::Span;
+use crate::station::emit::controller;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -20,8 +24,9 @@ use std::path::PathBuf;
     linewright synth examples/other-tools/arbiter.spc
     linewright synth contracts/handling/turn.lw --emit spc
 
-A controller is written only after it was verified against its contract. `--emit spc` and `--emit slugsin` \
-write the specification itself, for gr1c and slugs, and need no controller.")]
+A controller is written only after it was verified against its contract. One with too many states is written as functions; \
+then its forms are json and c. `--emit spc` and `--emit slugsin` write the specification itself, for gr1c and slugs, and need \
+no controller.")]
 pub struct Arguments {
     /// A file with contracts, and the name of one of them; without a name, all that the file declares. Also a specification of
     /// gr1c (.spc) or slugs (.slugsin, .structuredslugs)
@@ -30,6 +35,9 @@ pub struct Arguments {
     /// The form of the controller; can be given several times
     #[arg(long, value_enum, default_value = "json")]
     pub emit: Vec<Emit>,
+    /// What a machine shall be good at, where there is a choice; functions always take short ways
+    #[arg(long, value_enum, default_value_t)]
+    pub prefer: Prefer,
     /// The folder to write to; without it, a single result goes to standard output
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -38,11 +46,32 @@ pub struct Arguments {
     pub stats: bool,
 }
 
+/// What a machine shall be good at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Prefer {
+    /// Few steps until the next goal is reached
+    #[default]
+    Reaction,
+    /// Few states, even where that takes longer: never more than with `reaction`
+    States,
+}
+
+impl From<Prefer> for Preference {
+    fn from(prefer: Prefer) -> Self {
+        match prefer {
+            Prefer::Reaction => Self::Reaction,
+            Prefer::States => Self::States,
+        }
+    }
+}
+
 /// The forms of a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
-    /// States and guarded transitions
+    /// States and guarded transitions, or functions
     Json,
+    /// A header and a source file in C99, without dependencies
+    C,
     /// What `gr1c -t json` writes
     Gr1c,
     /// A drawing for Graphviz
@@ -56,9 +85,15 @@ pub enum Emit {
 }
 
 impl Emit {
+    /// How many files it takes.
+    fn files(self) -> usize {
+        if self == Self::C { 2 } else { 1 }
+    }
+
     fn ending(self) -> &'static str {
         match self {
             Self::Json => "json",
+            Self::C => "c",
             Self::Gr1c => "gr1c.json",
             Self::Dot => "dot",
             Self::Svg => "svg",
@@ -91,7 +126,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .pick(&loaded, "contract", &library.contracts, |c| {
             (&c.name, c.span)
         })?;
-    let results = contracts.len() * arguments.emit.len();
+    let files: usize = arguments.emit.iter().map(|e| e.files()).sum();
+    let results = contracts.len() * files;
     if results > 1 && arguments.out.is_none() {
         anyhow::bail!("there are {results} results: name a folder for them with --out DIR");
     }
@@ -111,7 +147,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             }
         }
     }
-    let mut jobs = Jobs::examining();
+    let mut jobs = Jobs::examining().wishing(Wish {
+        preference: arguments.prefer.into(),
+        // The other forms can only show a machine.
+        functions: controllers
+            .iter()
+            .all(|e| matches!(e, Emit::Json | Emit::C)),
+    });
     let mut indices: Vec<usize> = Vec::new();
     if !controllers.is_empty() {
         indices.extend(contracts.iter().map(|c| match loaded.foreign(c.span.file) {
@@ -131,17 +173,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     }
     for (contract, index) in contracts.iter().zip(indices) {
         findings.extend(checked[index].findings_where_needed());
-        let Some(machine) = &checked[index].machine else {
+        let Some(controller) = Controller::of(&checked[index]) else {
             continue;
         };
         for emit in &controllers {
-            if let Some(result) = write(*emit, machine) {
-                match result {
-                    Ok(text) => {
-                        written.push((format!("{}.{}", contract.name, emit.ending()), text));
-                    }
-                    Err(finding) => findings.push(*finding),
-                }
+            match controller.write(*emit, &contract.specification, contract.span) {
+                Ok(files) => written.extend(files),
+                Err(finding) => findings.push(*finding),
             }
         }
     }
@@ -164,9 +202,60 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// A controller in one of its written forms; nothing for the forms of a specification. A finding (LW204) where that form would be
-/// too large.
-fn write(emit: Emit, machine: &mealy::Machine) -> Option<Result<String, Box<Diagnostic>>> {
+/// A controller in either form.
+enum Controller<'a> {
+    Machine(&'a mealy::Machine),
+    Functions(&'a mealy::functions::Functions),
+}
+
+impl<'a> Controller<'a> {
+    fn of(checked: &'a CheckedContract) -> Option<Self> {
+        let machine = checked.machine.as_ref().map(Self::Machine);
+        machine.or_else(|| checked.functions.as_ref().map(Self::Functions))
+    }
+
+    /// The files of one of its written forms, by name. A finding (LW204) where that form would be too large.
+    fn write(
+        &self,
+        emit: Emit,
+        specification: &Specification,
+        span: Span,
+    ) -> Result<Vec<(String, String)>, Box<Diagnostic>> {
+        if emit == Emit::C {
+            let files = match self {
+                Self::Machine(machine) => controller::of_machine(machine),
+                Self::Functions(functions) => controller::of_functions(functions),
+            };
+            let name = &files.name;
+            return Ok(vec![
+                (format!("{name}.h"), files.header),
+                (format!("{name}.c"), files.source),
+            ]);
+        }
+        let (name, text) = match self {
+            Self::Machine(machine) => (&machine.name, write(emit, machine, specification)?),
+            Self::Functions(functions) if emit == Emit::Json => {
+                let document = functions.to_json(true);
+                (&functions.name, mealy::json::to_text(&document))
+            }
+            Self::Functions(functions) => {
+                let name = &functions.name;
+                let message =
+                    format!("the controller of `{name}` has too many states for this form");
+                let finding = Diagnostic::error(codes::GAVE_UP, span, message);
+                return Err(Box::new(finding.with_help("use --emit json or --emit c")));
+            }
+        };
+        Ok(vec![(format!("{name}.{}", emit.ending()), text)])
+    }
+}
+
+/// A controller in one of its written forms. A finding (LW204) where that form would be too large.
+fn write(
+    emit: Emit,
+    machine: &mealy::Machine,
+    specification: &Specification,
+) -> Result<String, Box<Diagnostic>> {
     let too_large = |limit: Limit| {
         Box::new(
             Diagnostic::error(
@@ -177,15 +266,13 @@ fn write(emit: Emit, machine: &mealy::Machine) -> Option<Result<String, Box<Diag
             .with_help("use --emit json, whose transitions carry guards"),
         )
     };
-    let pretty = |value: &serde_json::Value| format!("{value:#}\n");
-    Some(Ok(match emit {
-        Emit::Json => mealy::json::to_text(&mealy::json::to_json(machine, true)),
-        Emit::Gr1c => match mealy::gr1c::to_json(machine) {
-            Ok(value) => pretty(&value),
-            Err(limit) => return Some(Err(too_large(limit))),
-        },
+    Ok(match emit {
+        Emit::Gr1c => format!(
+            "{:#}\n",
+            mealy::gr1c::to_json(machine, specification).map_err(too_large)?
+        ),
         Emit::Dot => mealy::dot::to_dot(machine),
         Emit::Svg => mealy::svg::to_svg(machine),
-        Emit::Spc | Emit::Slugsin => return None,
-    }))
+        _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
+    })
 }

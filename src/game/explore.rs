@@ -253,9 +253,13 @@ impl<K: Kernel> Explorer<'_, K> {
             let mut fixed = self.assignment(&output, Time::Next);
             let mut to_goal = 0;
             if let Some(goal) = goal {
-                let reached = bits[usize::from(flag.0)];
-                fixed.push((flag, reached));
-                to_goal = if reached { (goal + 1) % goals } else { goal };
+                let mut reached = 0;
+                for bit in flag {
+                    let value = bits[bit.index()];
+                    fixed.push((bit, value));
+                    reached = 2 * reached + usize::from(value);
+                }
+                to_goal = (goal + reached) % goals;
             }
             rest = self.m.and_not(&rest, &self.cube(&fixed)?)?;
             let classes = self
@@ -269,7 +273,7 @@ impl<K: Kernel> Explorer<'_, K> {
 
     /// In step 0 there is no flag, and nothing depends on it; later it has been fixed.
     fn forget_flag(&self, inputs: &K::Function) -> Result<K::Function, Limit> {
-        self.m.exists(inputs, &BitSet::new([self.strategy.flag]))
+        self.m.exists(inputs, &BitSet::new(self.strategy.flag))
     }
 
     fn output_of(&self, bits: &[bool], time: Time) -> Vec<i64> {

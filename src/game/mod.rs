@@ -14,6 +14,7 @@ mod cover;
 mod explore;
 mod findings;
 mod fixpoint;
+mod functions;
 mod heuristics;
 mod progress;
 mod ranking;
@@ -24,15 +25,18 @@ mod strategy;
 mod structure;
 #[cfg(test)]
 mod tests;
+mod workbench;
 
 pub use self::explore::{Explicit, Row};
 pub use self::findings::{EnvironmentFindings, examine_environment};
+pub use self::functions::{Assumed, Certificate, Controls, Mode, Pursuit, Stage};
 pub use self::heuristics::{Heuristic, Heuristics};
 pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
 pub use self::solver::{
     KernelChoice, Options, Solved, Statistics, order_of_variables, solve, solve_with,
 };
+pub use self::strategy::Preference;
 pub use crate::symbolic::{Diagram, DiagramNode, Edge, Limit, Limits, Order};
 
 use crate::gr1::{Side, Specification};
@@ -115,9 +119,19 @@ impl Won {
     pub fn explore(
         &self,
         specification: &Specification,
+        preference: Preference,
         limits: &Limits,
     ) -> Result<Explicit, Limit> {
-        self.game.explore(specification, limits)
+        self.game.explore(specification, preference, limits)
+    }
+
+    /// A strategy as functions, in plain data: for machines that are too large for [`Won::explore`].
+    pub fn functions(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<Controls, Limit> {
+        self.game.functions(specification, limits)
     }
 
     /// What is odd about the assumptions; see [`examine_environment`].
@@ -128,6 +142,7 @@ impl Won {
     ) -> Result<EnvironmentFindings, Limit> {
         self.game.examine_environment(specification, limits)
     }
+
     /// Why it is won, for whoever wants to check it.
     pub fn ranking(
         &self,

@@ -95,6 +95,11 @@ impl<K: Kernel> Relation<K> {
         kernel.all(self.clusters.iter().map(|(c, _)| c))
     }
 
+    /// The clusters.
+    pub fn parts(&self) -> impl Iterator<Item = &K::Function> {
+        self.clusters.iter().map(|(c, _)| c)
+    }
+
     /// The number of clusters.
     pub fn count(&self) -> usize {
         self.clusters.len()

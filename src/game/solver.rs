@@ -9,11 +9,12 @@ use super::core;
 use super::explore::{self, Explicit};
 use super::findings::{self, EnvironmentFindings};
 use super::fixpoint::winning_region;
+use super::functions::{self, Controls};
 use super::heuristics::Heuristics;
 use super::progress::{Phase, Progress};
 use super::ranking::{self, Ranking};
 use super::set_up;
-use super::strategy;
+use super::strategy::{self, Preference};
 use super::{Lost, Outcome, Won};
 use crate::gr1::{Specification, Time, VarId};
 use crate::symbolic::{Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
@@ -110,7 +111,15 @@ pub struct Solved {
 /// What a won game can do, whatever its kernel.
 pub trait Game: Debug + Send + Sync {
     /// See [`Won::explore`].
-    fn explore(&self, specification: &Specification, limits: &Limits) -> Result<Explicit, Limit>;
+    fn explore(
+        &self,
+        specification: &Specification,
+        preference: Preference,
+        limits: &Limits,
+    ) -> Result<Explicit, Limit>;
+
+    /// See [`Won::functions`].
+    fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit>;
 
     /// See [`Won::examine_environment`].
     fn examine_environment(
@@ -135,10 +144,19 @@ struct WonGame<K: Kernel> {
 }
 
 impl<K: Kernel> Game for WonGame<K> {
-    fn explore(&self, specification: &Specification, limits: &Limits) -> Result<Explicit, Limit> {
+    fn explore(
+        &self,
+        specification: &Specification,
+        preference: Preference,
+        limits: &Limits,
+    ) -> Result<Explicit, Limit> {
         let arena = self.arena.with_limits(limits);
-        let strategy = strategy::strategy(&arena, specification, &self.region)?;
+        let strategy = strategy::strategy(&arena, specification, preference, &self.region)?;
         explore::explore(&arena, specification, &strategy, limits)
+    }
+
+    fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit> {
+        functions::functions(&self.arena.with_limits(limits), specification, &self.region)
     }
 
     fn examine_environment(

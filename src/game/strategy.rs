@@ -10,13 +10,23 @@
 //! 3. *Choice.* Outputs keep their value where they can and are as small as possible where they cannot, one after the other.
 //! 4. *Reachability*, to leave out what is never met.
 //!
-//! The goal that is pursued is not encoded in bits; there is one relation a goal. A flag bit `g` beside the next outputs says
-//! that the transition reaches the goal, whereupon the next one is pursued.
+//! The goal that is pursued is not encoded in bits; there is one relation a goal. A flag `g` beside the next outputs says how
+//! many goals the transition reaches, from the pursued one on, whereupon the next one behind these is pursued.
 
 use super::arena::Arena;
 use super::fixpoint::{Layer, layers};
 use crate::gr1::{Owner, Specification, Time, Timing, VarId};
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
+
+/// What a machine shall be good at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Preference {
+    /// Short ways to the next goal.
+    #[default]
+    Reaction,
+    /// Few states.
+    States,
+}
 
 /// A deterministic strategy.
 #[derive(Debug)]
@@ -27,14 +37,15 @@ pub struct Strategy<K: Kernel> {
     pub reachable: Vec<K::Function>,
     /// The first valuations (x, y), over current bits.
     pub initial: K::Function,
-    /// The flag g.
-    pub flag: Bit,
+    /// The flag g, as a number: how many goals a transition reaches, from the pursued one on.
+    pub flag: [Bit; 2],
 }
 
 /// Makes a strategy for the winning region.
 pub fn strategy<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
+    preference: Preference,
     region: &K::Function,
 ) -> Result<Strategy<K>, Limit> {
     let maker = Maker::new(arena, specification, region)?;
@@ -46,7 +57,10 @@ pub fn strategy<K: Kernel>(
 
     let mut wide = Vec::new();
     for j in 0..goals {
-        let targets = maker.targets(j, &layers[j], &layers[(j + 1) % goals])?;
+        let mut targets = maker.targets(j, &layers[j], &layers[(j + 1) % goals])?;
+        if preference == Preference::States {
+            targets = vec![maker.any(targets)?];
+        }
         wide.push(match arena.timing {
             Timing::Mealy => maker.first_feasible_mealy(&targets)?,
             Timing::Moore => maker.first_feasible_moore(&targets)?,
@@ -76,7 +90,7 @@ struct Maker<'a, K: Kernel> {
     environment: K::Function,
     system: K::Function,
     now: BitSet,
-    flag: Bit,
+    flag: [Bit; 2],
 }
 
 impl<'a, K: Kernel> Maker<'a, K> {
@@ -93,7 +107,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
             environment: arena.environment_moves()?,
             system: arena.system_moves()?,
             now: BitSet::new(now),
-            flag: Bit(2 * arena.encoding.pairs() as u16),
+            flag: [0, 1].map(|i| Bit(2 * arena.encoding.pairs() as u16 + i)),
         })
     }
 
@@ -145,6 +159,15 @@ impl<'a, K: Kernel> Maker<'a, K> {
         }
         targets.push(waiting);
         Ok(targets)
+    }
+
+    /// All targets as one. Whichever is chosen, the play comes nearer to the goal or waits where an assumption fails.
+    fn any(&self, targets: Vec<K::Function>) -> Result<K::Function, Limit> {
+        let mut any = self.arena.kernel.constant(false);
+        for target in targets {
+            any = self.arena.kernel.or(&any, &target)?;
+        }
+        Ok(any)
     }
 
     /// For every state of the region and every next input, the moves of the first kind that is possible.
@@ -246,13 +269,29 @@ impl<'a, K: Kernel> Maker<'a, K> {
     /// Adds the flag: whether the transition reaches goal `j`. With a single goal there is nothing to keep in mind.
     fn with_flag(&self, moves: &K::Function, j: usize) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
-        let reached = if self.arena.goals.len() == 1 {
-            m.constant(false)
-        } else {
-            self.arena.goals[j].clone()
-        };
-        let flag = m.iff(&m.literal(self.flag, true), &reached)?;
-        m.and(moves, &flag)
+        let mut moves = moves.clone();
+        for (bit, holds) in self.flag.into_iter().zip(self.reached(j)?) {
+            moves = m.and(&moves, &m.iff(&m.literal(bit, true), &holds)?)?;
+        }
+        Ok(moves)
+    }
+
+    /// How many goals a transition reaches, from `j` on and up to three, as two bits. With a single goal there is nothing to keep
+    /// in mind.
+    fn reached(&self, j: usize) -> Result<[K::Function; 2], Limit> {
+        let (m, goals) = (&self.arena.kernel, &self.arena.goals);
+        let mut all = m.constant(goals.len() > 1);
+        let mut at_least = Vec::new();
+        for k in 0..3 {
+            all = if k < goals.len() {
+                m.and(&all, &goals[(j + k) % goals.len()])?
+            } else {
+                m.constant(false)
+            };
+            at_least.push(all.clone());
+        }
+        let odd = m.or(&m.and_not(&at_least[0], &at_least[1])?, &at_least[2])?;
+        Ok([at_least.swap_remove(1), odd])
     }
 
     /// For every goal, the states in which it may be pursued.
@@ -261,7 +300,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         moves: &[K::Function],
         initial: &K::Function,
     ) -> Result<Vec<K::Function>, Limit> {
-        let (arena, m) = (self.arena, &self.arena.kernel);
+        let m = &self.arena.kernel;
         let goals = moves.len();
         let mut known = vec![m.constant(false); goals];
         let mut fresh = known.clone();
@@ -277,13 +316,19 @@ impl<'a, K: Kernel> Maker<'a, K> {
             let targets = if goals == 1 {
                 vec![(0, steps)]
             } else {
+                let [high, low] = self.reached(j)?;
+                let (many, few) = (m.and(&steps, &high)?, m.and_not(&steps, &high)?);
                 vec![
-                    ((j + 1) % goals, m.and(&steps, &arena.goals[j])?),
-                    (j, m.and_not(&steps, &arena.goals[j])?),
+                    ((j + 3) % goals, m.and(&many, &low)?),
+                    ((j + 2) % goals, m.and_not(&many, &low)?),
+                    ((j + 1) % goals, m.and(&few, &low)?),
+                    (j, m.and_not(&few, &low)?),
                 ]
             };
             let mut gone = self.now.clone();
-            gone.insert(self.flag);
+            for bit in self.flag {
+                gone.insert(bit);
+            }
             for (k, steps) in targets {
                 let successors = m.unprime(&m.exists(&steps, &gone)?)?;
                 fresh[k] = m.and_not(&m.or(&fresh[k], &successors)?, &known[k])?;

@@ -1,7 +1,7 @@
 //! From a won game to a machine.
 
 use super::{Cube, Guard, Machine, Port, Test, Transition, minimise};
-use crate::game::{Limit, Limits, Row, Won};
+use crate::game::{Limit, Limits, Preference, Row, Won};
 use crate::gr1::{Specification, VarId};
 
 /// The machine of a won game, minimised, not yet verified.
@@ -10,7 +10,41 @@ pub fn extract(
     won: &Won,
     limits: &Limits,
 ) -> Result<Machine, Limit> {
-    let explicit = won.explore(specification, limits)?;
+    extract_preferring(Preference::default(), specification, won, limits)
+}
+
+/// The same, for a machine that is good at something.
+///
+/// Where few states are asked for, freedom in what to aim at mostly leads to fewer, but not always; so both machines are made,
+/// and the one with fewer states is taken.
+pub fn extract_preferring(
+    preference: Preference,
+    specification: &Specification,
+    won: &Won,
+    limits: &Limits,
+) -> Result<Machine, Limit> {
+    let make = |preference| machine(preference, specification, won, limits);
+    let quick = make(Preference::Reaction);
+    if preference == Preference::Reaction {
+        return quick;
+    }
+    match (make(preference), quick) {
+        (Ok(free), Ok(quick)) if free.states.len() < quick.states.len() => Ok(free),
+        (Ok(_), Ok(quick)) => Ok(quick),
+        (Ok(only), Err(Limit::Size | Limit::Memory))
+        | (Err(Limit::Size | Limit::Memory), Ok(only)) => Ok(only),
+        (Err(limit), _) | (_, Err(limit)) => Err(limit),
+    }
+}
+
+/// The machine of one strategy, minimised.
+fn machine(
+    preference: Preference,
+    specification: &Specification,
+    won: &Won,
+    limits: &Limits,
+) -> Result<Machine, Limit> {
+    let explicit = won.explore(specification, preference, limits)?;
     let rows = |rows: Vec<Row>| -> Vec<Transition> { rows.into_iter().map(transition).collect() };
     let machine = Machine {
         name: specification.name.clone(),
@@ -23,7 +57,7 @@ pub fn extract(
     minimise::minimise(&machine, limits)
 }
 
-fn ports(specification: &Specification, ids: impl Iterator<Item = VarId>) -> Vec<Port> {
+pub(super) fn ports(specification: &Specification, ids: impl Iterator<Item = VarId>) -> Vec<Port> {
     let port = |id: VarId| {
         let variable = specification.variable(id);
         Port {

@@ -1,16 +1,16 @@
 //! A machine in the JSON that `gr1c -t json` writes (format version 1, see `doc/formats.md` of tulip-control/gr1c).
 //!
 //! gr1c's automaton labels *nodes* with valuations: a node is a state together with the inputs and outputs by which it was
-//! entered, and `trans` lists where the next step may lead. So every guard is written out letter by letter, and above
-//! [`MOST_NODES`] this gives up. gr1c's variables are boolean or `[0, n]`; a range that begins elsewhere is shifted to 0, and
+//! entered, and `trans` lists where the next step may lead. So every step is written out letter by letter, for those that keep
+//! the assumptions, and above [`MOST_NODES`] this gives up. gr1c's variables are boolean or `[0, n]`; a range that begins elsewhere is shifted to 0, and
 //! labels are their numbers. What the shift was, and the labels, stand in `extra`. `mode` (the goal pursued) and `rgrad` (the
 //! distance to it) are not known of a minimised machine: every node has mode 0 and gr1c's own "not available", -1. `gr1c` (the
 //! version whose format this is) and `date` are constant, so that the same machine gives the same bytes; `extra` also says who
 //! wrote it.
 
-use super::{Machine, Port, Transition};
+use super::{Machine, Port};
 use crate::game::Limit;
-use crate::gr1::Domain;
+use crate::gr1::{Domain, Expr, Specification, Time, VarId, eval};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 
@@ -42,28 +42,28 @@ impl Nodes {
     }
 }
 
-/// The document, or [`Limit::Size`] above [`MOST_NODES`].
-pub fn to_json(machine: &Machine) -> Result<Value, Limit> {
+/// The document, or [`Limit::Size`] above [`MOST_NODES`]. The machine is one of this specification.
+pub fn to_json(machine: &Machine, specification: &Specification) -> Result<Value, Limit> {
+    let promises = Promises::new(specification);
     let mut nodes = Nodes::default();
-    for node in successors(machine, &machine.initial, &mut nodes)? {
+    for node in successors(machine, &promises, None, &mut nodes)? {
         nodes.list[node].2 = true;
     }
     let mut edges: Vec<Vec<usize>> = Vec::new();
-    // All nodes of a state have the same successors.
-    let mut known: Vec<Option<Vec<usize>>> = vec![None; machine.states.len()];
     let mut room = MOST_EDGES;
-    while edges.len() < nodes.list.len() {
-        let state = nodes.list[edges.len()].0;
-        let targets = if let Some(targets) = &known[state] {
-            targets.clone()
-        } else {
-            let targets = successors(machine, &machine.states[state], &mut nodes)?;
-            known[state].insert(targets).clone()
-        };
+    while let Some((state, valuation, _)) = nodes.list.get(edges.len()).cloned() {
+        let targets = successors(machine, &promises, Some((state, &valuation)), &mut nodes)?;
         room = room.checked_sub(targets.len()).ok_or(Limit::Size)?;
         edges.push(targets);
     }
 
+    let shifted = |valuation: &[i64]| -> Vec<i64> {
+        let ports = machine.inputs.iter().chain(&machine.outputs);
+        let pairs = ports.zip(valuation);
+        pairs
+            .map(|(port, value)| value - port.domain.low())
+            .collect()
+    };
     let name = |number: usize| format!("{number:#x}");
     let mut written = Map::new();
     for (number, ((_, valuation, initial), targets)) in nodes.list.iter().zip(&edges).enumerate() {
@@ -71,7 +71,7 @@ pub fn to_json(machine: &Machine) -> Result<Value, Limit> {
         written.insert(
             name(number),
             json!({
-                "state": valuation,
+                "state": shifted(valuation),
                 "mode": 0,
                 "rgrad": -1,
                 "initial": initial,
@@ -90,43 +90,121 @@ pub fn to_json(machine: &Machine) -> Result<Value, Limit> {
     }))
 }
 
-/// The nodes that some transitions lead to, in ascending order.
+/// The nodes that a node leads to, or the initial ones, in ascending order.
 fn successors(
     machine: &Machine,
-    transitions: &[Transition],
+    promises: &Promises<'_>,
+    from: Option<(usize, &[i64])>,
     nodes: &mut Nodes,
 ) -> Result<Vec<usize>, Limit> {
     let mut found = Vec::new();
-    for transition in transitions {
-        for cube in &transition.guard.0 {
-            let mut ranges: Vec<(i64, i64)> = machine
-                .inputs
-                .iter()
-                .map(|p| (p.domain.low(), p.domain.high()))
-                .collect();
-            for test in &cube.0 {
-                ranges[test.input] = (test.low, test.high);
+    promises.letters(from.map(|(_, valuation)| valuation), &mut |letter| {
+        if let Some(step) = machine.step(from.map(|(state, _)| state), letter) {
+            let valuation = letter.iter().chain(&step.output).copied().collect();
+            found.push(nodes.number(step.to, valuation)?);
+        }
+        Ok(())
+    })?;
+    found.sort_unstable();
+    Ok(found)
+}
+
+/// What the environment promises, by the place of the last next input that each formula looks at: it can be asked as soon as
+/// that one is chosen.
+struct Promises<'a> {
+    specification: &'a Specification,
+    inputs: Vec<VarId>,
+    outputs: Vec<VarId>,
+    /// About step 0; current values are those of the letter.
+    first: Vec<Vec<&'a Expr>>,
+    /// About every step; current values are those of the letter.
+    always: Vec<Vec<&'a Expr>>,
+    /// About later steps.
+    later: Vec<Vec<&'a Expr>>,
+}
+
+impl<'a> Promises<'a> {
+    fn new(specification: &'a Specification) -> Self {
+        let inputs: Vec<VarId> = specification.inputs().collect();
+        let by_place = |formulas: &'a [crate::gr1::Formula], letter: Time| {
+            let mut places = vec![Vec::new(); inputs.len() + 1];
+            for formula in formulas {
+                let mut last = 0;
+                formula.expr.for_each_var(&mut |variable, time| {
+                    let place = inputs.iter().position(|i| *i == variable);
+                    if let (Some(place), true) = (place, time == letter) {
+                        last = last.max(place + 1);
+                    }
+                });
+                places[last].push(&formula.expr);
             }
-            let mut letter: Vec<i64> = ranges.iter().map(|r| r.0).collect();
+            places
+        };
+        let side = &specification.assumptions;
+        Self {
+            first: by_place(&side.initial, Time::Now),
+            always: by_place(&side.invariants, Time::Now),
+            later: by_place(&side.safety, Time::Next),
+            outputs: specification.outputs().collect(),
+            inputs,
+            specification,
+        }
+    }
+
+    /// All letters that keep the promises after a valuation of inputs and outputs, or in step 0, the last input fastest.
+    fn letters(
+        &self,
+        from: Option<&[i64]>,
+        visit: &mut impl FnMut(&[i64]) -> Result<(), Limit>,
+    ) -> Result<(), Limit> {
+        let mut now = vec![0; self.specification.variables.len()];
+        if let Some(valuation) = from {
+            for (variable, value) in self.inputs.iter().chain(&self.outputs).zip(valuation) {
+                now[variable.index()] = *value;
+            }
+        }
+        let mut next = vec![0; now.len()];
+        let mut letter: Vec<i64> = Vec::new();
+        loop {
+            if self.keeps(letter.len(), from.is_none(), &now, &next) {
+                if letter.len() == self.inputs.len() {
+                    visit(&letter)?;
+                } else {
+                    let low = self
+                        .specification
+                        .variable(self.inputs[letter.len()])
+                        .domain
+                        .low();
+                    letter.push(low);
+                    next[self.inputs[letter.len() - 1].index()] = low;
+                    continue;
+                }
+            }
             loop {
-                let ports = machine.inputs.iter().chain(&machine.outputs);
-                let values = letter.iter().chain(&transition.output);
-                let valuation = ports.zip(values).map(|(p, v)| v - p.domain.low()).collect();
-                found.push(nodes.number(transition.to, valuation)?);
-                // The next letter, the last input fastest.
-                let Some(i) = (0..letter.len()).rev().find(|i| letter[*i] < ranges[*i].1) else {
-                    break;
+                let Some(value) = letter.pop() else {
+                    return Ok(());
                 };
-                letter[i] += 1;
-                for k in i + 1..letter.len() {
-                    letter[k] = ranges[k].0;
+                let input = self.inputs[letter.len()];
+                if value < self.specification.variable(input).domain.high() {
+                    letter.push(value + 1);
+                    next[input.index()] = value + 1;
+                    break;
                 }
             }
         }
     }
-    found.sort_unstable();
-    found.dedup();
-    Ok(found)
+
+    /// Whether the promises are kept that can be asked once so many inputs are chosen.
+    fn keeps(&self, chosen: usize, first: bool, now: &[i64], next: &[i64]) -> bool {
+        let own = if first {
+            self.first[chosen].iter().all(|e| eval::holds(e, next, &[]))
+        } else {
+            self.later[chosen].iter().all(|e| eval::holds(e, now, next))
+        };
+        own && self.always[chosen]
+            .iter()
+            .all(|e| eval::holds(e, next, &[]))
+    }
 }
 
 fn variable(port: &Port) -> Value {

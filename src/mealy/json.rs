@@ -42,7 +42,7 @@ pub fn to_text(document: &Value) -> String {
     format!("{{\n{}\n}}\n", fields.collect::<Vec<_>>().join(",\n"))
 }
 
-fn port(port: &Port) -> Value {
+pub(super) fn port(port: &Port) -> Value {
     let domain = match &port.domain {
         Domain::Bool => json!({"type": "bool"}),
         Domain::Range { low, high } => json!({"type": "range", "low": low, "high": high}),

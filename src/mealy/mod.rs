@@ -5,9 +5,11 @@
 //! They cover at least every input that keeps the assumptions; on other inputs there may be no transition.
 //! A `Moore` machine is one in which all transitions of a state (and all initial ones) have the same output.
 
+pub mod certify;
 mod diagram;
 pub mod dot;
 pub mod extract;
+pub mod functions;
 pub mod gr1c;
 pub mod json;
 pub mod minimise;

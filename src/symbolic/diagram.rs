@@ -1,12 +1,13 @@
 //! Boolean functions as plain data: what leaves a kernel, for another kernel, for a file, or for emitted code.
 
 use super::{Bit, Kernel, Limit};
+use serde::{Deserialize, Serialize};
 
 /// An edge of a [`Diagram`]: a node or a constant, perhaps negated.
 ///
 /// `2n` is node `n - 1`, `2n + 1` its negation; node "-1" is the constant `false`, so that [`Edge::FALSE`] is 0 and
 /// [`Edge::TRUE`] is 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Edge(pub u32);
 
 impl Edge {
@@ -44,7 +45,7 @@ impl Edge {
 }
 
 /// One decision.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct DiagramNode {
     /// Which bit is asked.
     pub bit: Bit,
@@ -55,7 +56,7 @@ pub struct DiagramNode {
 }
 
 /// Functions over bits, with shared parts. Every node comes after the nodes it leads to.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Diagram {
     /// The decisions.
     pub nodes: Vec<DiagramNode>,

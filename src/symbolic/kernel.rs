@@ -7,11 +7,12 @@
 //! lie *safe points*, at which whoever drives the game lets the kernel collect what is dead and change its order.
 
 use super::{Diagram, Limit, Limits};
+use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 use std::hash::Hash;
 
 /// A boolean variable of the diagrams.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Bit(pub u16);
 
 impl Bit {
@@ -73,7 +74,7 @@ impl BitSet {
 }
 
 /// The pairs of bits from the top of a diagram to its bottom; a permutation.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Order(Vec<u16>);
 
 impl Order {

@@ -5,6 +5,7 @@
 //! machine is; nothing depends on time, place or a hash map.
 
 mod component;
+pub mod controller;
 mod describe;
 pub mod expression;
 mod text;

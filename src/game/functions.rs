@@ -1,0 +1,415 @@
+//! A strategy as functions: every next output bit as a diagram over what the machine knows, for games whose machine is too
+//! large to be written down state by state.
+//!
+//! The strategy pursues one goal after the other, as in Bloem et al. 2012, section 4: a move that reaches the goal and stays
+//! in the winning region, or else one into an earlier layer, or else one that waits where an assumption fails. The goal that
+//! is pursued is kept in memory bits; a move that reaches it passes on to the next one.
+//!
+//! No relation of all moves is ever made. For every goal, the next output bits are eliminated from the parts of the
+//! machine's safety and the strategy's target one after the other, from the bottom of the order up, each only from the parts
+//! that mention it (bucket elimination; Dechter, "Bucket elimination: a unifying framework for reasoning", Artificial
+//! Intelligence 113, 1999). What was conjoined for a bit gives its function over the bits above it: it keeps its value where
+//! it may. Whatever is possible for the bits above can be completed below, so that no function has to look back.
+//!
+//! With the functions goes what shows why they are right: the [`Certificate`] is checked by a path of its own
+//! (`mealy::certify`).
+
+use super::arena::Arena;
+use super::fixpoint::{Layer, layers};
+use super::workbench::Workbench;
+use crate::gr1::{Specification, Timing};
+use crate::symbolic::{Bit, Diagram, Edge, Kernel, Limit, Order};
+use serde::{Deserialize, Serialize};
+
+/// The bench is emptied between two goals when so many nodes lie on it.
+const CROWDED_NODES: usize = 1 << 16;
+
+/// An assumption that a step may break.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Assumed {
+    /// An initial condition, by its place.
+    Initial(usize),
+    /// An invariant.
+    Invariant(usize),
+    /// A safety formula.
+    Safety(usize),
+}
+
+/// One way of pursuing a goal.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Mode {
+    /// When it is taken, unless an earlier one is: over current bits, and for Mealy next inputs. The last mode's is `true`.
+    pub when: Edge,
+    /// The next output bits in an order in which they can be computed: each may ask for those before it.
+    pub outputs: Vec<(Bit, Edge)>,
+    /// The layer it moves into, by its place in [`Certificate::goals`]; `None` when it reaches the goal.
+    pub layer: Option<usize>,
+}
+
+/// One goal.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Pursuit {
+    /// The ways of pursuing it, the best one first.
+    pub modes: Vec<Mode>,
+    /// Whether a step has reached it, so that the next goal is pursued: over all current and next bits.
+    pub reached: Edge,
+}
+
+/// Why the functions are right: a set that is never left, and for every goal a rank that only falls.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Certificate {
+    /// The functions of states, over current bits.
+    pub diagram: Diagram,
+    /// The states that are never left.
+    pub region: Edge,
+    /// For every goal its layers, the nearest first.
+    pub goals: Vec<Vec<Stage>>,
+}
+
+/// The states of a layer of a goal: those of `reached` that were not in the layer before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stage {
+    /// All states up to this layer.
+    pub reached: Edge,
+    /// The assumption, by its place among the justice, that fails whenever the layer is not left.
+    pub assumption: usize,
+}
+
+/// A strategy in plain data.
+///
+/// Bits are laid out as by [`Encoding`](crate::symbolic::Encoding). What a step is given and gives are next bits, in step 0,
+/// too; step 0 pursues nothing yet, and the first goal is pursued after it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Controls {
+    /// The decisions that all functions share; it has no roots of its own.
+    pub diagram: Diagram,
+    /// What the assumptions say about step 0.
+    pub assumed_first: Vec<(Assumed, Edge)>,
+    /// What the assumptions say about a later step.
+    pub assumed: Vec<(Assumed, Edge)>,
+    /// The output bits of step 0, as [`Mode::outputs`].
+    pub first: Vec<(Bit, Edge)>,
+    /// The goals.
+    pub goals: Vec<Pursuit>,
+    /// An order of the pairs in which the functions are known to be small.
+    pub order: Order,
+    /// Why they are right.
+    pub certificate: Certificate,
+}
+
+/// Makes functions for the winning region.
+pub fn functions<K: Kernel>(
+    arena: &Arena<K>,
+    specification: &Specification,
+    region: &K::Function,
+) -> Result<Controls, Limit> {
+    let m = &arena.kernel;
+    // All goals are written down in one order, or they would share nothing.
+    m.set_reordering(false);
+    let order = m.order();
+    let positions = order.positions();
+    let mut outputs: Vec<Bit> = arena.outputs_next.iter().collect();
+    outputs.sort_unstable_by_key(|b| positions[usize::from(b.pair())]);
+
+    let limits = m.limits();
+    let bench = || Workbench::new(&order, &limits);
+    let mut work = Work {
+        bench: bench(),
+        kept: bench(),
+        parts: Vec::new(),
+        outputs,
+    };
+    let mut states = bench();
+    let assumed_first = assumed(arena, specification, true, &mut work.kept)?;
+    let first = initial(arena, region, &mut work)?;
+    work.parts = work.bench.add(m, &safety(arena, specification)?)?;
+    let mut care = region.clone();
+    if arena.timing == Timing::Mealy {
+        for part in arena.environment.parts() {
+            care = m.and(&care, part)?;
+        }
+    }
+    let mut goals = Vec::new();
+    let mut stages = Vec::new();
+    for j in 0..arena.goals.len() {
+        let layers = layers(arena, j, region)?;
+        let modes = modes(arena, j, region, &layers, &care, &mut work)?;
+        let reached = work.kept.add(m, [&arena.goals[j]])?[0];
+        goals.push(Pursuit { modes, reached });
+        let edges = states.add(m, layers.iter().map(|l| &l.reached))?;
+        let layers = layers.iter().zip(edges);
+        let layers = layers.map(|(layer, reached)| Stage {
+            reached,
+            assumption: layer.assumption,
+        });
+        stages.push(layers.collect());
+        m.safe_point()?;
+        work.tidy(bench)?;
+    }
+    let assumed = assumed(arena, specification, false, &mut work.kept)?;
+    let pairs = arena.encoding.pairs();
+    let pairs = order
+        .pairs()
+        .iter()
+        .copied()
+        .filter(|p| usize::from(*p) < pairs)
+        .collect();
+    let region = states.add(m, [region])?[0];
+    Ok(Controls {
+        assumed_first,
+        assumed,
+        diagram: work.kept.into_diagram(),
+        first,
+        goals,
+        order: Order::new(pairs).expect("an order of all pairs; please report this"),
+        certificate: Certificate {
+            diagram: states.into_diagram(),
+            region,
+            goals: stages,
+        },
+    })
+}
+
+/// What the assumptions say about a step.
+fn assumed<K: Kernel>(
+    arena: &Arena<K>,
+    specification: &Specification,
+    first: bool,
+    kept: &mut Workbench,
+) -> Result<Vec<(Assumed, Edge)>, Limit> {
+    let m = &arena.kernel;
+    let side = &specification.assumptions;
+    let mut found = Vec::new();
+    let mut add = |what, function: &K::Function| -> Result<(), Limit> {
+        if !m.is_true(function) {
+            found.push((what, kept.add(m, [function])?[0]));
+        }
+        Ok(())
+    };
+    if first {
+        for (i, formula) in side.initial.iter().enumerate() {
+            let function = arena.encoding.formula(m, &formula.expr)?;
+            add(Assumed::Initial(i), &m.prime(&function)?)?;
+        }
+    }
+    for (i, formula) in side.invariants.iter().enumerate() {
+        let function = arena.encoding.formula(m, &formula.expr)?;
+        add(Assumed::Invariant(i), &m.prime(&function)?)?;
+    }
+    if !first {
+        for (i, formula) in side.safety.iter().enumerate() {
+            add(
+                Assumed::Safety(i),
+                &arena.encoding.formula(m, &formula.expr)?,
+            )?;
+        }
+    }
+    Ok(found)
+}
+
+/// The outputs of step 0. There is no value to keep, so each bit is 0 where it may.
+fn initial<K: Kernel>(
+    arena: &Arena<K>,
+    region: &K::Function,
+    work: &mut Work,
+) -> Result<Vec<(Bit, Edge)>, Limit> {
+    let m = &arena.kernel;
+    let mut good = m.and(&arena.sys_initial, region)?;
+    if arena.timing == Timing::Moore {
+        good = m.implies_forall(&arena.env_initial, &good, &arena.inputs_now)?;
+    }
+    let mut rest = work.bench.add(m, [&m.prime(&good)?])?[0];
+    let mut functions = Vec::new();
+    for bit in work.outputs.iter().rev() {
+        let may_clear = work.bench.fix(rest, *bit, false)?;
+        let may_set = work.bench.fix(rest, *bit, true)?;
+        rest = work.bench.or(may_clear, may_set)?;
+        functions.push((*bit, work.bench.simplify(may_clear.negated(), rest)?));
+    }
+    functions.reverse();
+    work.keep(&functions)
+}
+
+/// The ways of pursuing goal `j`: reach it, or else move into the lowest layer that is possible.
+///
+/// In a state of layer k the machine can always reach the goal, or move below, or stay within while the layer's assumption
+/// fails. Where a move into some layer is possible, that layer alone says what to aim at, whatever layer the state is in:
+/// it is below, or it is the state's own, and then the assumption fails. Only an assumption about next values has to be
+/// aimed at, and takes a mode of its own.
+fn modes<K: Kernel>(
+    arena: &Arena<K>,
+    j: usize,
+    region: &K::Function,
+    layers: &[Layer<K>],
+    care: &K::Function,
+    work: &mut Work,
+) -> Result<Vec<Mode>, Limit> {
+    let m = &arena.kernel;
+    let reach = m.and(&arena.goals[j], &m.prime(region)?)?;
+    let yes = m.constant(true);
+    let mut aims: Vec<(K::Function, K::Function, Option<usize>)> =
+        vec![(yes.clone(), reach.clone(), None)];
+    // With Moore timing it may depend on the inputs which of several aims a move achieves.
+    let or_reach = |aim: K::Function| match arena.timing {
+        Timing::Mealy => Ok(aim),
+        Timing::Moore => m.or(&aim, &reach),
+    };
+    let mut below = m.constant(false);
+    for (k, layer) in layers.iter().enumerate() {
+        let assumption = &arena.assumptions[layer.assumption];
+        let into = m.prime(&layer.reached)?;
+        if m.support(assumption).iter().all(|b| *b != b.primed()) {
+            aims.push((yes.clone(), or_reach(into)?, Some(k)));
+        } else {
+            let nearer = m.not(&layer.reached)?;
+            aims.push((nearer, or_reach(into.clone())?, Some(k)));
+            let idle = m.and_not(&into, assumption)?;
+            let stay = m.or(&idle, &m.prime(&below)?)?;
+            aims.push((layer.reached.clone(), or_reach(stay)?, Some(k)));
+        }
+        below = layer.reached.clone();
+    }
+
+    let mut todo = care.clone();
+    let mut modes = Vec::new();
+    for (within, aim, layer) in aims {
+        let aim = match arena.timing {
+            Timing::Mealy => aim,
+            Timing::Moore => arena.for_all_inputs(&aim)?,
+        };
+        let when = m.and(&within, &arena.system.product(m, &aim)?)?;
+        let left = m.and_not(&todo, &when)?;
+        if left == todo {
+            continue;
+        }
+        let used = m.and(&todo, &when)?;
+        let asked = std::mem::replace(&mut todo, left);
+        let added = work.bench.add(m, [&aim, &used, &when, &asked])?;
+        let when = work.bench.simplify(added[2], added[3])?;
+        let mut functions = work.eliminate(added[0], added[1])?;
+        functions.push((Bit(0), when));
+        let mut outputs = work.keep(&functions)?;
+        let when = outputs.pop().map_or(Edge::TRUE, |(_, when)| when);
+        modes.push(Mode {
+            when,
+            outputs,
+            layer,
+        });
+        if m.is_false(&todo) {
+            break;
+        }
+    }
+    if let Some(last) = modes.last_mut() {
+        last.when = Edge::TRUE;
+    }
+    Ok(modes)
+}
+
+/// Where functions are made, and where they are kept.
+struct Work {
+    bench: Workbench,
+    kept: Workbench,
+    /// The machine's safety, formula by formula.
+    parts: Vec<Edge>,
+    /// The next output bits by their place in the order.
+    outputs: Vec<Bit>,
+}
+
+impl Work {
+    /// Keeps functions.
+    fn keep(&mut self, functions: &[(Bit, Edge)]) -> Result<Vec<(Bit, Edge)>, Limit> {
+        let roots: Vec<Edge> = functions.iter().map(|(_, f)| *f).collect();
+        let kept = self.kept.copy(&mut self.bench, &roots)?;
+        Ok(functions.iter().map(|(bit, _)| *bit).zip(kept).collect())
+    }
+
+    /// Empties the bench when much lies on it.
+    fn tidy(&mut self, fresh: impl FnOnce() -> Workbench) -> Result<(), Limit> {
+        if self.bench.nodes() > CROWDED_NODES {
+            let mut bench = fresh();
+            self.parts = bench.copy(&mut self.bench, &self.parts)?;
+            self.bench = bench;
+        }
+        Ok(())
+    }
+
+    /// Eliminates the outputs from the safety and an aim, always the one whose parts are smallest, and gives for each a function
+    /// over the others; those that were eliminated later come first. It matters what they are where `care` holds.
+    fn eliminate(&mut self, aim: Edge, care: Edge) -> Result<Vec<(Bit, Edge)>, Limit> {
+        let Self {
+            bench,
+            parts,
+            outputs,
+            ..
+        } = self;
+        let part = |bench: &mut Workbench, f: Edge| {
+            let (support, size) = bench.measure(f, outputs);
+            (f, support, size)
+        };
+        let mut pool = vec![part(bench, aim)];
+        // Simplified by `care`, parts and buckets would each be smaller, but share less with each other and with other goals.
+        pool.extend(parts.iter().map(|f| part(bench, *f)));
+        let mut left = outputs.clone();
+        let mut functions = Vec::new();
+        while !left.is_empty() {
+            let cost = |bit: &Bit| {
+                let bucket = pool.iter().filter(|(_, support, _)| support.contains(*bit));
+                bucket.map(|(_, _, size)| *size).sum::<usize>()
+            };
+            // The lowest of the order among equals.
+            let place = (0..left.len()).min_by_key(|i| (cost(&left[*i]), std::cmp::Reverse(*i)));
+            let bit = left.remove(place.unwrap_or(0));
+            let (mut bucket, rest): (Vec<_>, Vec<_>) = pool
+                .into_iter()
+                .partition(|(_, support, _)| support.contains(bit));
+            pool = rest;
+            bucket.sort_by_key(|(_, _, size)| *size);
+            let mut both = Edge::TRUE;
+            for (f, ..) in bucket {
+                both = bench.and(both, f)?;
+            }
+            let (may_clear, may_set) = (bench.fix(both, bit, false)?, bench.fix(both, bit, true)?);
+            let possible = bench.or(may_clear, may_set)?;
+            functions.push((bit, choose(bench, (may_clear, may_set), possible, care)?));
+            if possible != Edge::TRUE {
+                pool.push(part(bench, possible));
+            }
+        }
+        functions.reverse();
+        Ok(functions)
+    }
+}
+
+/// A function for a bit, given where it may be 0 and where it may be 1. Where either will do, it is whatever makes the function
+/// small: one that keeps the bit's value there is two to three times as large.
+fn choose(
+    bench: &mut Workbench,
+    (may_clear, may_set): (Edge, Edge),
+    possible: Edge,
+    care: Edge,
+) -> Result<Edge, Limit> {
+    let free = bench.and(may_clear, may_set)?;
+    let forced = bench.and(possible, free.negated())?;
+    let function = bench.simplify(may_set, forced)?;
+    bench.simplify(function, care)
+}
+
+/// The machine's safety, formula by formula; for Moore, freed of the next inputs.
+fn safety<K: Kernel>(
+    arena: &Arena<K>,
+    specification: &Specification,
+) -> Result<Vec<K::Function>, Limit> {
+    let m = &arena.kernel;
+    let mut parts = Vec::new();
+    for formula in &specification.guarantees.safety {
+        let function = arena.encoding.formula(m, &formula.expr)?;
+        let function = match arena.timing {
+            Timing::Mealy => function,
+            Timing::Moore => arena.for_all_inputs(&function)?,
+        };
+        if !m.is_true(&function) {
+            parts.push(function);
+        }
+    }
+    Ok(parts)
+}

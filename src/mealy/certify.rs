@@ -1,0 +1,530 @@
+//! Whether a controller that exists only as [`Functions`] keeps its contract: an inductive check of the certificate that comes
+//! with it, on a path of its own.
+//!
+//! The functions and the sets of the [`Certificate`](crate::game::Certificate) are built from plain data in a fresh kernel, the
+//! specification is encoded anew, and every obligation is one implication between functions. Nothing here knows how the game
+//! was solved or the functions were chosen; a wrong certificate can only make the check fail.
+//!
+//! - Step 0: for inputs that keep the assumptions, the outputs keep the initial conditions and lie in the region.
+//! - The region lies within the machine's invariants and domains.
+//! - Every step from the region, on inputs that keep the assumptions, keeps the machine's safety and lies in the region.
+//! - While a goal is pursued, every step reaches it, or leads to a lower layer, or stays in its layer while the layer's
+//!   assumption fails. So a play that never reaches it stays in some layer for ever, and breaks that layer's assumption.
+//!   A step that reaches the goal, and no other, passes on to the next goal.
+//! - A step is refused exactly when it breaks an assumption; for Moore, no output looks at the step's inputs.
+//!
+//! The steps of a mode become one relation: where it is taken, conjoined with what each output is. It is small, since it
+//! begins with the states and inputs that matter.
+
+use super::functions::Functions;
+use crate::game::{Assumed, Limit, Limits};
+use crate::gr1::{Expr, Owner, Specification, Time, Timing, VarId};
+use crate::symbolic::{Biodivine, Bit, BitSet, Diagram, Edge, Encoding, Kernel, OxiDd};
+
+/// Functions of more nodes than this are checked on the kernel for large games.
+const SMALL_NODES: usize = 2_000;
+
+/// The rule that functions break, or that their certificate does not show.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// The rule's name, or what is wrong with the functions.
+    pub rule: String,
+}
+
+/// Checks functions against their specification.
+pub fn certify(
+    specification: &Specification,
+    functions: &Functions,
+    limits: &Limits,
+) -> Result<Result<(), Fault>, Limit> {
+    if functions.controls.diagram.nodes.len() <= SMALL_NODES {
+        certify_on::<Biodivine>(specification, functions, limits)
+    } else {
+        certify_on::<OxiDd>(specification, functions, limits)
+    }
+}
+
+/// Checks functions on a kernel.
+pub fn certify_on<K: Kernel>(
+    specification: &Specification,
+    functions: &Functions,
+    limits: &Limits,
+) -> Result<Result<(), Fault>, Limit> {
+    if let Err(fault) = well_formed(specification, functions) {
+        return Ok(Err(fault));
+    }
+    let mut check = Check::<K>::new(specification, functions, limits)?;
+    for stage in [Check::region, Check::assumptions, Check::first] {
+        if let Err(fault) = stage(&mut check)? {
+            return Ok(Err(fault));
+        }
+    }
+    for goal in 0..functions.controls.goals.len() {
+        if let Err(fault) = check.goal(goal)? {
+            return Ok(Err(fault));
+        }
+    }
+    Ok(Ok(()))
+}
+
+fn fault<T>(rule: impl Into<String>) -> Result<T, Fault> {
+    Err(Fault { rule: rule.into() })
+}
+
+/// Whether everything refers to what exists, and asks only for what is known by then.
+fn well_formed(specification: &Specification, functions: &Functions) -> Result<(), Fault> {
+    let encoding = Encoding::new(specification);
+    let bits = |v: VarId| -> Vec<Bit> { encoding.bits(v, Time::Now).collect() };
+    let controls = &functions.controls;
+    let pairs = encoding.pairs();
+    let goals = specification.guarantees.justice.len().max(1);
+    if !specification
+        .inputs()
+        .map(bits)
+        .eq(functions.input_bits.iter().cloned())
+        || !specification
+            .outputs()
+            .map(bits)
+            .eq(functions.output_bits.iter().cloned())
+        || functions.timing != specification.timing
+        || controls.order.pairs().len() != pairs
+        || controls.goals.len() != goals
+        || controls.certificate.goals.len() != goals
+    {
+        return fault("the functions are not those of this contract");
+    }
+    let assumed = controls.assumed_first.iter().chain(&controls.assumed);
+    let modes = || controls.goals.iter().flat_map(|g| &g.modes);
+    let outputs = modes().flat_map(|m| &m.outputs).chain(&controls.first);
+    let edges = assumed
+        .map(|(_, e)| *e)
+        .chain(outputs.map(|(_, e)| *e))
+        .chain(modes().map(|m| m.when))
+        .chain(controls.goals.iter().map(|g| g.reached));
+    let sound = |diagram: &Diagram, mut edges: Box<dyn Iterator<Item = Edge> + '_>| {
+        diagram.is_sound(2 * pairs)
+            && edges.all(|e| e.node().is_none_or(|n| n < diagram.nodes.len()))
+    };
+    let ranks = controls
+        .certificate
+        .goals
+        .iter()
+        .flatten()
+        .map(|r| r.reached);
+    let ranks = ranks.chain([controls.certificate.region]);
+    if !sound(&controls.diagram, Box::new(edges))
+        || !sound(&controls.certificate.diagram, Box::new(ranks))
+    {
+        return fault("a diagram refers to what does not exist");
+    }
+    if let Some(rank) = controls
+        .certificate
+        .goals
+        .iter()
+        .flatten()
+        .find(|r| r.assumption >= specification.assumptions.justice.len().max(1))
+    {
+        return fault(format!("there is no assumption {}", rank.assumption));
+    }
+
+    let supports = Supports::new(&controls.diagram, 2 * pairs);
+    let set = |owner: Owner, time: Time| {
+        let variables = specification.variables.iter().enumerate();
+        let owned = variables.filter(|(_, v)| v.owner == owner);
+        encoding.bit_set(owned.map(|(i, _)| VarId(i as u32)), time)
+    };
+    let next_inputs = set(Owner::Environment, Time::Next);
+    let next_outputs = set(Owner::System, Time::Next);
+    let current: Vec<Bit> = (0..pairs).map(|p| Bit(2 * p as u16)).collect();
+    let known = |first: bool| {
+        let mut known = BitSet::default();
+        if !first {
+            for bit in &current {
+                known.insert(*bit);
+            }
+        }
+        if specification.timing == Timing::Mealy {
+            for bit in next_inputs.iter() {
+                known.insert(bit);
+            }
+        }
+        known
+    };
+    let computed = |outputs: &[(Bit, Edge)], mut known: BitSet| {
+        let mut count = 0;
+        for (bit, edge) in outputs {
+            if !supports.of(*edge).all(|b| known.contains(b)) {
+                return fault("an output asks for what is not known yet");
+            }
+            if !next_outputs.contains(*bit) || known.contains(*bit) {
+                return fault("an output is computed twice");
+            }
+            known.insert(*bit);
+            count += 1;
+        }
+        if count == next_outputs.iter().count() {
+            Ok(())
+        } else {
+            fault("an output is not computed")
+        }
+    };
+    computed(&controls.first, known(true))?;
+    for (goal, ranks) in controls.goals.iter().zip(&controls.certificate.goals) {
+        for mode in &goal.modes {
+            if !supports.of(mode.when).all(|b| known(false).contains(b)) {
+                return fault("a mode asks for what is not known yet");
+            }
+            if mode.layer.is_some_and(|k| k >= ranks.len()) {
+                return fault("a mode leads to a layer that does not exist");
+            }
+            computed(&mode.outputs, known(false))?;
+        }
+        if goal.modes.last().is_none_or(|m| m.when != Edge::TRUE) {
+            return fault("a goal has no mode for all states");
+        }
+    }
+    let inputs_only = |first: bool, list: &[(Assumed, Edge)]| {
+        list.iter().all(|(_, edge)| {
+            let mut signals = supports.of(*edge);
+            signals.all(|b| next_inputs.contains(b) || (!first && b != b.primed()))
+        })
+    };
+    if !inputs_only(true, &controls.assumed_first) || !inputs_only(false, &controls.assumed) {
+        return fault("an assumption asks for what is not known yet");
+    }
+    Ok(())
+}
+
+/// Which bits each node of a diagram depends on.
+struct Supports {
+    words: usize,
+    masks: Vec<u64>,
+}
+
+impl Supports {
+    fn new(diagram: &Diagram, bits: usize) -> Self {
+        let words = bits.div_ceil(64);
+        let mut masks: Vec<u64> = Vec::with_capacity(words * diagram.nodes.len());
+        for (i, node) in diagram.nodes.iter().enumerate() {
+            masks.resize(words * (i + 1), 0);
+            for child in [node.high, node.low].into_iter().filter_map(Edge::node) {
+                for w in 0..words {
+                    masks[words * i + w] |= masks[words * child + w];
+                }
+            }
+            masks[words * i + node.bit.index() / 64] |= 1 << (node.bit.index() % 64);
+        }
+        Self { words, masks }
+    }
+
+    fn of(&self, edge: Edge) -> impl Iterator<Item = Bit> {
+        let range = edge
+            .node()
+            .map_or(0..0, |n| n * self.words..(n + 1) * self.words);
+        let words = self.masks[range].iter().enumerate();
+        words.flat_map(|(w, mask)| {
+            let bits = (0..64).filter(move |b| mask >> b & 1 == 1);
+            bits.map(move |b| Bit((64 * w + b) as u16))
+        })
+    }
+}
+
+/// Formulas of the machine's safety are put together until they have this many nodes.
+const CLUSTER_NODES: usize = 1_000;
+
+/// Outputs are put together until they have more nodes than this.
+const OUTPUT_NODES: usize = 500;
+
+struct Check<'a, K: Kernel> {
+    specification: &'a Specification,
+    functions: &'a Functions,
+    encoding: Encoding,
+    kernel: K,
+    /// The functions by node of the diagram.
+    nodes: Vec<K::Function>,
+    region: K::Function,
+    /// For every goal its layers.
+    layers: Vec<Vec<K::Function>>,
+    /// What the environment may do in step 0, over next bits.
+    may_begin: Vec<K::Function>,
+    /// What it may do in a later step.
+    may_do: Vec<K::Function>,
+    /// The machine's safety: formulas by their place, and a conjunction of several with the place behind the last.
+    safety: Vec<K::Function>,
+    clusters: Vec<(K::Function, usize)>,
+    assumptions: Vec<K::Function>,
+    goals: Vec<K::Function>,
+}
+
+/// A stage's result.
+type Checked = Result<Result<(), Fault>, Limit>;
+
+impl<'a, K: Kernel> Check<'a, K> {
+    fn new(
+        specification: &'a Specification,
+        functions: &'a Functions,
+        limits: &Limits,
+    ) -> Result<Self, Limit> {
+        let controls = &functions.controls;
+        let encoding = Encoding::new(specification);
+        let m = K::new(&controls.order, limits)?;
+        // The order that comes with the functions is a good one.
+        m.set_reordering(false);
+        let mut all = controls.diagram.clone();
+        all.roots = (0..all.nodes.len()).map(Edge::to).collect();
+        let nodes = m.import(&all)?;
+        drop(all);
+
+        let mut sets = controls.certificate.diagram.clone();
+        let ranks = controls.certificate.goals.iter();
+        let ranks = ranks.flat_map(|list| list.iter().map(|r| r.reached));
+        sets.roots = ranks.chain([controls.certificate.region]).collect();
+        let mut sets = m.import(&sets)?.into_iter();
+        let layers = controls.certificate.goals.iter();
+        let layers = layers
+            .map(|list| sets.by_ref().take(list.len()).collect())
+            .collect();
+        let region = sets.next().unwrap_or_else(|| m.constant(false));
+
+        let side = &specification.assumptions;
+        let mut legal = Vec::new();
+        for input in specification.inputs() {
+            legal.push(encoding.in_domain(&m, input, Time::Next)?);
+        }
+        for formula in &side.invariants {
+            legal.push(m.prime(&encoding.formula(&m, &formula.expr)?)?);
+        }
+        let mut may_begin = legal.clone();
+        for formula in &side.initial {
+            may_begin.push(m.prime(&encoding.formula(&m, &formula.expr)?)?);
+        }
+        let mut may_do = legal;
+        for formula in &side.safety {
+            may_do.push(encoding.formula(&m, &formula.expr)?);
+        }
+        for list in [&mut may_begin, &mut may_do] {
+            list.retain(|f| !m.is_true(f));
+        }
+        let mut safety = Vec::new();
+        let mut clusters: Vec<(K::Function, usize)> = Vec::new();
+        for (i, formula) in specification.guarantees.safety.iter().enumerate() {
+            let function = encoding.formula(&m, &formula.expr)?;
+            if let Some((last, end)) = clusters.last_mut()
+                && m.size(last) + m.size(&function) <= CLUSTER_NODES
+            {
+                (*last, *end) = (m.and(last, &function)?, i + 1);
+            } else {
+                clusters.push((function.clone(), i + 1));
+            }
+            safety.push(function);
+        }
+        let justice = |formulas: &[crate::gr1::Formula]| -> Result<Vec<K::Function>, Limit> {
+            if formulas.is_empty() {
+                return Ok(vec![encoding.formula(&m, &Expr::TRUE)?]);
+            }
+            formulas
+                .iter()
+                .map(|f| encoding.formula(&m, &f.expr))
+                .collect()
+        };
+        Ok(Self {
+            assumptions: justice(&side.justice)?,
+            goals: justice(&specification.guarantees.justice)?,
+            specification,
+            functions,
+            encoding,
+            nodes,
+            region,
+            layers,
+            may_begin,
+            may_do,
+            safety,
+            clusters,
+            kernel: m,
+        })
+    }
+
+    fn at(&self, edge: Edge) -> Result<K::Function, Limit> {
+        match edge.node() {
+            None => Ok(self.kernel.constant(edge.is_negated())),
+            Some(n) if edge.is_negated() => self.kernel.not(&self.nodes[n]),
+            Some(n) => Ok(self.nodes[n].clone()),
+        }
+    }
+
+    /// Whether something can happen while the environment keeps its promises.
+    fn possible(&self, what: K::Function, promises: &[K::Function]) -> Result<bool, Limit> {
+        let mut left = what;
+        for promise in promises {
+            if self.kernel.is_false(&left) {
+                return Ok(false);
+            }
+            left = self.kernel.and(&left, promise)?;
+        }
+        Ok(!self.kernel.is_false(&left))
+    }
+
+    /// The steps that begin here, as a relation. Several small outputs are put together before they meet the many states, so
+    /// that the large relation is made anew only a few times.
+    fn steps(&self, from: K::Function, outputs: &[(Bit, Edge)]) -> Result<K::Function, Limit> {
+        let m = &self.kernel;
+        let mut steps = from;
+        let mut several = m.constant(true);
+        for (bit, edge) in outputs {
+            let same = m.iff(&m.literal(*bit, true), &self.at(*edge)?)?;
+            several = m.and(&several, &same)?;
+            if m.size(&several) > OUTPUT_NODES {
+                steps = m.and(&steps, &several)?;
+                several = m.constant(true);
+            }
+        }
+        m.and(&steps, &several)
+    }
+
+    /// The formula of the machine's safety that a step breaks.
+    fn broken(&self, steps: &K::Function) -> Result<Option<usize>, Limit> {
+        let m = &self.kernel;
+        let mut begin = 0;
+        for (cluster, end) in &self.clusters {
+            if !m.is_false(&m.and_not(steps, cluster)?) {
+                for i in begin..*end {
+                    if !m.is_false(&m.and_not(steps, &self.safety[i])?) {
+                        return Ok(Some(i));
+                    }
+                }
+            }
+            begin = *end;
+        }
+        Ok(None)
+    }
+
+    /// The region lies within the machine's invariants and domains, and layers lie within each other and the region.
+    fn region(&mut self) -> Checked {
+        let m = &self.kernel;
+        let within = |set: &K::Function, bound: &K::Function| -> Result<bool, Limit> {
+            Ok(m.is_false(&m.and_not(set, bound)?))
+        };
+        for output in self.specification.outputs() {
+            let domain = self.encoding.in_domain(m, output, Time::Now)?;
+            if !within(&self.region, &domain)? {
+                let name = &self.specification.variable(output).name;
+                return Ok(fault(format!("`{name}` can leave its domain")));
+            }
+        }
+        for formula in &self.specification.guarantees.invariants {
+            if !within(&self.region, &self.encoding.formula(m, &formula.expr)?)? {
+                return Ok(fault(formula.name.clone()));
+            }
+        }
+        for layers in &self.layers {
+            let bounds = layers.iter().skip(1).chain([&self.region]);
+            for (layer, bound) in layers.iter().zip(bounds) {
+                if !within(layer, bound)? {
+                    return Ok(fault("the layers do not lie within each other"));
+                }
+            }
+        }
+        Ok(Ok(()))
+    }
+
+    /// A step is refused exactly when it breaks an assumption.
+    fn assumptions(&mut self) -> Checked {
+        let m = &self.kernel;
+        let controls = &self.functions.controls;
+        let stages = [
+            (&controls.assumed_first, &self.may_begin, m.constant(true)),
+            (&controls.assumed, &self.may_do, self.region.clone()),
+        ];
+        for (assumed, promises, at) in stages {
+            let mut asked = Vec::new();
+            for (_, edge) in assumed {
+                asked.push(self.at(*edge)?);
+            }
+            for function in asked.iter().filter(|f| !promises.contains(f)) {
+                if self.possible(m.and_not(&at, function)?, promises)? {
+                    return Ok(fault("inputs that keep the assumptions are refused"));
+                }
+            }
+            // What a driver gives lies in its domain, which it is asked for before.
+            for input in self.specification.inputs() {
+                asked.push(self.encoding.in_domain(m, input, Time::Next)?);
+            }
+            for promise in promises.iter().filter(|p| !asked.contains(p)) {
+                if self.possible(m.and_not(&at, promise)?, &asked)? {
+                    return Ok(fault("inputs that break an assumption are not refused"));
+                }
+            }
+        }
+        Ok(Ok(()))
+    }
+
+    /// Step 0 keeps the initial conditions and lies in the region.
+    fn first(&mut self) -> Checked {
+        let m = &self.kernel;
+        let steps = self.steps(m.all(&self.may_begin)?, &self.functions.controls.first)?;
+        for formula in &self.specification.guarantees.initial {
+            let function = m.prime(&self.encoding.formula(m, &formula.expr)?)?;
+            if !m.is_false(&m.and_not(&steps, &function)?) {
+                return Ok(fault(formula.name.clone()));
+            }
+        }
+        if !m.is_false(&m.and_not(&steps, &m.prime(&self.region)?)?) {
+            return Ok(fault("step 0 leads to a state of which nothing is known"));
+        }
+        Ok(Ok(()))
+    }
+
+    /// All steps in pursuit of a goal.
+    fn goal(&mut self, goal: usize) -> Checked {
+        let m = &self.kernel;
+        let pursuit = &self.functions.controls.goals[goal];
+        let justice = &self.specification.guarantees.justice;
+        let name = justice.get(goal).map_or("true", |f| f.name.as_str());
+        let wrong = m.xor(&self.at(pursuit.reached)?, &self.goals[goal])?;
+        let reach = m.and(&self.goals[goal], &m.prime(&self.region)?)?;
+        let mut rest = m.and(&self.region, &m.all(&self.may_do)?)?;
+        for mode in &pursuit.modes {
+            let when = self.at(mode.when)?;
+            let steps = self.steps(m.and(&rest, &when)?, &mode.outputs)?;
+            rest = m.and_not(&rest, &when)?;
+            if let Some(i) = self.broken(&steps)? {
+                return Ok(fault(self.specification.guarantees.safety[i].name.clone()));
+            }
+            if !m.is_false(&m.and(&steps, &wrong)?) {
+                return Ok(fault(name));
+            }
+            let missed = m.and_not(&steps, &reach)?;
+            let late = match mode.layer {
+                None => missed,
+                Some(layer) => self.late(goal, layer, &missed)?,
+            };
+            if !m.is_false(&late) {
+                return Ok(fault(name));
+            }
+            m.safe_point()?;
+        }
+        Ok(Ok(()))
+    }
+
+    /// Those of the steps that neither come nearer to the goal nor wait where they may; those that leave the region are among
+    /// them.
+    fn late(&self, goal: usize, layer: usize, steps: &K::Function) -> Result<K::Function, Limit> {
+        let m = &self.kernel;
+        let layers = &self.layers[goal];
+        let reached = &layers[layer];
+        let below = match layer.checked_sub(1) {
+            Some(below) => layers[below].clone(),
+            None => m.constant(false),
+        };
+        let assumption = self.functions.controls.certificate.goals[goal][layer].assumption;
+        // From above, all moves into the layer are right; from within, all moves below it and those that wait.
+        let into = m.prime(reached)?;
+        let lower = m.prime(&below)?;
+        let elsewhere = m.and_not(steps, &into)?;
+        let inside = m.and(&m.and(steps, &into)?, reached)?;
+        let back = m.and(&inside, &below)?;
+        let stays = m.and_not(&m.and_not(&inside, &below)?, &lower)?;
+        let stays = m.and(&stays, &self.assumptions[assumption])?;
+        m.or(&m.or(&elsewhere, &back)?, &stays)
+    }
+}

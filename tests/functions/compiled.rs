@@ -1,0 +1,276 @@
+//! The C of a controller against its interpreter: 100,000 random steps, refused ones among them.
+
+use super::random::{self, Random};
+use super::{benchmark, fixtures, functions, support};
+use linewright::game::{KernelChoice, Limits, Outcome, solve};
+use linewright::gr1::{Domain, Specification};
+use linewright::mealy::extract::extract;
+use linewright::mealy::functions::{Functions, Refusal};
+use linewright::mealy::{Machine, Port};
+use linewright::station::emit::controller::{Files, of_functions, of_machine};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+const STEPS: usize = 100_000;
+
+/// A controller that can be played step by step: the outputs, or the code of the refusal.
+trait Player {
+    fn inputs(&self) -> &[Port];
+    fn step(&mut self, inputs: &[i64]) -> Result<Vec<i64>, i32>;
+}
+
+struct Played<'a> {
+    functions: &'a Functions,
+    state: linewright::mealy::functions::State,
+}
+
+impl Player for Played<'_> {
+    fn inputs(&self) -> &[Port] {
+        &self.functions.inputs
+    }
+
+    fn step(&mut self, inputs: &[i64]) -> Result<Vec<i64>, i32> {
+        let answer = self.functions.step(&mut self.state, inputs);
+        answer.map_err(|refusal| match refusal {
+            Refusal::Assumption(_) => -1,
+            Refusal::Domain(_) => -2,
+        })
+    }
+}
+
+struct Explicit<'a> {
+    machine: &'a Machine,
+    state: Option<usize>,
+}
+
+impl Player for Explicit<'_> {
+    fn inputs(&self) -> &[Port] {
+        &self.machine.inputs
+    }
+
+    fn step(&mut self, inputs: &[i64]) -> Result<Vec<i64>, i32> {
+        let ports = self.machine.inputs.iter().zip(inputs);
+        if ports.into_iter().any(|(p, v)| !p.domain.contains(*v)) {
+            return Err(-2);
+        }
+        let taken = self.machine.step(self.state, inputs).ok_or(-1)?;
+        self.state = Some(taken.to);
+        Ok(taken.output.clone())
+    }
+}
+
+/// Plays at random: what was given, and what came of it. Inputs stay near the last ones that were not refused, so that most
+/// keep the assumptions.
+fn play(player: &mut dyn Player, random: &mut Random, steps: usize) -> (String, String) {
+    let (mut given, mut wanted) = (String::new(), String::new());
+    let domains: Vec<_> = player.inputs().iter().map(|p| p.domain.clone()).collect();
+    let mut last: Vec<i64> = domains.iter().map(Domain::low).collect();
+    for _ in 0..steps {
+        let mut inputs = last.clone();
+        let all = random.chance(20);
+        for (value, domain) in inputs.iter_mut().zip(&domains) {
+            if all || random.below(domains.len() as u64) == 0 {
+                *value = domain.low() + random.below(domain.size()) as i64;
+            }
+        }
+        if !inputs.is_empty() && random.chance(1) {
+            let place = random.below(inputs.len() as u64) as usize;
+            inputs[place] = domains[place].high() + 1;
+        }
+        let values: Vec<String> = inputs.iter().map(i64::to_string).collect();
+        let _ = writeln!(given, "{}", values.join(" "));
+        match player.step(&inputs) {
+            Ok(outputs) => {
+                last = inputs;
+                let values: Vec<String> = outputs.iter().map(i64::to_string).collect();
+                let _ = writeln!(wanted, "0 {}", values.join(" "));
+            }
+            Err(code) => {
+                let _ = writeln!(wanted, "{code}");
+            }
+        }
+    }
+    (given, wanted)
+}
+
+/// The fields of a structure of the header, in order.
+fn fields(files: &Files, structure: &str) -> Vec<String> {
+    let begin = format!("typedef struct {}_{structure} {{", files.name);
+    let lines = files.header.lines().skip_while(|l| *l != begin).skip(1);
+    let lines = lines.take_while(|l| !l.starts_with('}'));
+    let fields = lines.filter_map(|l| l.split(';').next()?.split_whitespace().nth(1));
+    fields.filter(|f| *f != "none").map(str::to_owned).collect()
+}
+
+/// A program that reads inputs and prints what `NAME_step` answers.
+fn driver(files: &Files) -> String {
+    let name = &files.name;
+    let mut reads = String::new();
+    for field in fields(files, "inputs") {
+        let _ = writeln!(
+            reads,
+            "        if (scanf(\"%lld\", &value) != 1) return 0;\n        inputs.{field} = value;"
+        );
+    }
+    let mut prints = String::new();
+    for field in fields(files, "outputs") {
+        let _ = writeln!(
+            prints,
+            "            printf(\" %lld\", (long long)outputs.{field});"
+        );
+    }
+    format!(
+        "#include \"{name}.h\"\n#include <stdio.h>\n#include <string.h>\n\
+         int main(int argc, char **argv)\n{{\n    {name}_state state, before;\n    {name}_inputs inputs;\n    {name}_outputs outputs;\n    long long value = 0, step, steps = 0;\n    int code;\n\
+         memset(&state, 0, sizeof state);\n    memset(&inputs, 0, sizeof inputs);\n    if (argc < 2 || sscanf(argv[1], \"%lld\", &steps) != 1) return 2;\n    (void)value;\n    {name}_reset(&state);\n    for (step = 0; step < steps; step++) {{\n{reads}\
+         memcpy(&before, &state, sizeof state);\n        code = {name}_step(&state, &inputs, &outputs);\n        printf(\"%d\", code);\n        if (code == 0) {{\n{prints}        }} else if (memcmp(&before, &state, sizeof state) != 0) {{\n            printf(\" changed\");\n        }}\n        printf(\"\\n\");\n    }}\n    return 0;\n}}\n"
+    )
+}
+
+fn compiler() -> bool {
+    let found = Command::new("cc")
+        .arg("--version")
+        .stdout(Stdio::null())
+        .status();
+    let found = found.is_ok_and(|s| s.success());
+    if !found {
+        support::skip("cc", "there is no C compiler");
+    }
+    found
+}
+
+fn compile(folder: &Path, arguments: &[&str]) {
+    let output = Command::new("cc")
+        .args(arguments)
+        .current_dir(folder)
+        .output();
+    let output = output.expect("the compiler starts");
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && text.is_empty(), "{text}");
+}
+
+/// Compiles without a warning, runs, and compares.
+fn compare(files: &Files, player: &mut dyn Player, steps: usize) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("a file can be written");
+    };
+    let source = format!("{}.c", files.name);
+    write(&format!("{}.h", files.name), &files.header);
+    write(&source, &files.source);
+    write("driver.c", &driver(files));
+    let strict = "-std=c99 -pedantic -Wall -Wextra -Wconversion -Werror -O1 -c";
+    let strict: Vec<&str> = strict
+        .split(' ')
+        .chain([source.as_str(), "-o", "controller.o"])
+        .collect();
+    compile(folder.path(), &strict);
+    compile(
+        folder.path(),
+        &["-w", "driver.c", "controller.o", "-o", "driver"],
+    );
+
+    let (given, wanted) = play(player, &mut Random::new(7), steps);
+    let mut child = Command::new(folder.path().join("driver"))
+        .arg(steps.to_string())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the driver starts");
+    let mut stdin = child.stdin.take().expect("a pipe");
+    let writer = std::thread::spawn(move || stdin.write_all(given.as_bytes()));
+    let output = child.wait_with_output().expect("the driver ends");
+    let _ = writer.join();
+    let printed = String::from_utf8_lossy(&output.stdout);
+    let pairs = printed
+        .lines()
+        .map(str::trim_end)
+        .zip(wanted.lines().map(str::trim_end));
+    for (i, (printed, wanted)) in pairs.enumerate() {
+        assert_eq!(printed, wanted, "{}: step {i}", files.name);
+    }
+    assert_eq!(printed.lines().count(), steps, "{}", files.name);
+    let accepted = wanted.lines().filter(|l| l.starts_with('0')).count();
+    println!("{}: {accepted} of {steps} steps accepted", files.name);
+}
+
+fn compare_functions(specification: &Specification, steps: usize) -> bool {
+    let Some(functions) = functions(specification, KernelChoice::Automatic) else {
+        return false;
+    };
+    let mut player = Played {
+        state: functions.start(),
+        functions: &functions,
+    };
+    compare(&of_functions(&functions), &mut player, steps);
+    true
+}
+
+fn compare_machine(specification: &Specification, steps: usize) {
+    let limits = Limits::default();
+    if let Outcome::Realizable(won) = solve(specification, &limits) {
+        let machine = extract(specification, &won, &limits).expect("no limit");
+        let mut player = Explicit {
+            machine: &machine,
+            state: None,
+        };
+        compare(&of_machine(&machine), &mut player, steps);
+    }
+}
+
+#[test]
+fn c_of_the_fixtures_does_what_the_interpreter_does() {
+    if !compiler() {
+        return;
+    }
+    for specification in fixtures::contracts() {
+        assert!(compare_functions(&specification, STEPS));
+        compare_machine(&specification, STEPS);
+    }
+}
+
+#[test]
+fn c_of_random_controllers_does_what_the_interpreter_does() {
+    if !compiler() {
+        return;
+    }
+    let mut compared = 0;
+    for seed in 0.. {
+        let specification = random::specification(&mut Random::new(seed));
+        if compare_functions(&specification, 5_000) {
+            compare_machine(&specification, 5_000);
+            compared += 1;
+        }
+        if compared == 15 {
+            break;
+        }
+    }
+}
+
+#[test]
+fn c_of_benchmarks_does_what_the_interpreter_does() {
+    if !compiler() {
+        return;
+    }
+    for name in ["genbuf5.slugsin", "genbuf10.slugsin", "amba2.slugsin"] {
+        if let Some(specification) = benchmark(name) {
+            assert!(compare_functions(&specification, STEPS));
+        }
+    }
+}
+
+/// `cargo test --release --test functions -- --ignored`: minutes without optimization.
+#[test]
+#[ignore = "for release builds"]
+fn c_of_large_benchmarks_does_what_the_interpreter_does() {
+    if !compiler() {
+        return;
+    }
+    for name in ["genbuf40.slugsin", "amba5.slugsin"] {
+        if let Some(specification) = benchmark(name) {
+            assert!(compare_functions(&specification, STEPS));
+        }
+    }
+}
