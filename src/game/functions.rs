@@ -394,15 +394,16 @@ fn choose(
     bench.simplify(function, care)
 }
 
-/// The machine's safety, formula by formula; for Moore, freed of the next inputs.
+/// The machine's safety, conjunct by conjunct; for Moore, freed of the next inputs.
 fn safety<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
 ) -> Result<Vec<K::Function>, Limit> {
     let m = &arena.kernel;
     let mut parts = Vec::new();
-    for formula in &specification.guarantees.safety {
-        let function = arena.encoding.formula(m, &formula.expr)?;
+    let formulas = specification.guarantees.safety.iter();
+    for part in formulas.flat_map(|f| f.expr.conjuncts()) {
+        let function = arena.encoding.formula(m, part)?;
         let function = match arena.timing {
             Timing::Mealy => function,
             Timing::Moore => arena.for_all_inputs(&function)?,
