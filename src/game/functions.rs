@@ -299,8 +299,14 @@ fn modes<K: Kernel>(
             break;
         }
     }
-    if let Some(last) = modes.last_mut() {
-        last.when = Edge::TRUE;
+    match modes.last_mut() {
+        Some(last) => last.when = Edge::TRUE,
+        // No step can be asked for at all.
+        None => modes.push(Mode {
+            when: Edge::TRUE,
+            outputs: work.outputs.iter().map(|b| (*b, Edge::FALSE)).collect(),
+            layer: None,
+        }),
     }
     Ok(modes)
 }

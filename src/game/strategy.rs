@@ -18,6 +18,9 @@ use super::fixpoint::{Layer, layers};
 use crate::gr1::{Owner, Specification, Time, Timing, VarId};
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 
+/// With more valuations than this, by goal, successors are gathered.
+const MANY_VALUATIONS: f64 = 5_000.0;
+
 /// What a machine shall be good at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Preference {
@@ -67,7 +70,13 @@ pub fn strategy<K: Kernel>(
         });
     }
     // What could be reached at all bounds what has to be right.
-    let possible = maker.reachable(&wide, &initial)?;
+    let mut possible = maker.reachable(&wide, &initial)?;
+    if arena.timing == Timing::Mealy && maker.count(&possible) > MANY_VALUATIONS {
+        possible = maker.gather(&wide, &initial)?;
+        for (j, moves) in wide.iter_mut().enumerate() {
+            *moves = maker.into_met(moves, j, &possible)?;
+        }
+    }
     let mut moves = Vec::new();
     for j in 0..goals {
         let chosen = maker.choose(&maker.forget(&wide[j], &possible[j])?)?;
@@ -294,6 +303,90 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok([at_least.swap_remove(1), odd])
     }
 
+    /// Steps in pursuit of goal `j`, by the goal that is pursued after them.
+    fn by_goal(&self, steps: K::Function, j: usize) -> Result<Vec<(usize, K::Function)>, Limit> {
+        let m = &self.arena.kernel;
+        let goals = self.arena.goals.len();
+        if goals == 1 {
+            return Ok(vec![(0, steps)]);
+        }
+        let [high, low] = self.reached(j)?;
+        let (many, few) = (m.and(&steps, &high)?, m.and_not(&steps, &high)?);
+        Ok(vec![
+            ((j + 3) % goals, m.and(&many, &low)?),
+            ((j + 2) % goals, m.and_not(&many, &low)?),
+            ((j + 1) % goals, m.and(&few, &low)?),
+            (j, m.and_not(&few, &low)?),
+        ])
+    }
+
+    /// Those of the moves in pursuit of goal `j` that lead to states met.
+    fn into_met(
+        &self,
+        moves: &K::Function,
+        j: usize,
+        met: &[K::Function],
+    ) -> Result<K::Function, Limit> {
+        let m = &self.arena.kernel;
+        let mut into = m.constant(false);
+        for (k, steps) in self.by_goal(moves.clone(), j)? {
+            into = m.or(&into, &m.and(&steps, &m.prime(&met[k])?)?)?;
+        }
+        Ok(into)
+    }
+
+    /// For every goal a set of states, together few, that can be kept to: each answer to each input leads to one that was met
+    /// before, or else where most likely other answers can lead to as well.
+    fn gather(
+        &self,
+        moves: &[K::Function],
+        initial: &K::Function,
+    ) -> Result<Vec<K::Function>, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
+        let goals = moves.len();
+        let mut met = vec![m.constant(false); goals];
+        let mut fresh = met.clone();
+        fresh[0] = initial.clone();
+        met[0] = initial.clone();
+        while let Some(j) = (0..goals).find(|j| !m.is_false(&fresh[*j])) {
+            let from = std::mem::replace(&mut fresh[j], m.constant(false));
+            let mut todo = m.and(&m.and(&moves[j], &from)?, &self.environment)?;
+            loop {
+                m.safe_point()?;
+                let served = self.into_met(&todo, j, &met)?;
+                todo = m.and_not(&todo, &m.exists(&served, &arena.outputs_next)?)?;
+                if m.is_false(&todo) {
+                    break;
+                }
+                // One more valuation for every next input that is left, for whichever states can answer with it.
+                for (k, steps) in self.by_goal(todo.clone(), j)? {
+                    let mut offers = m.exists(&steps, &self.now)?;
+                    for output in self.outputs() {
+                        for bit in arena.encoding.bits(output, Time::Next) {
+                            offers =
+                                self.prefer(&offers, &m.literal(bit, false), &arena.outputs_next)?;
+                        }
+                    }
+                    let offers = m.unprime(&offers)?;
+                    let more = m.and_not(&offers, &met[k])?;
+                    fresh[k] = m.or(&fresh[k], &more)?;
+                    met[k] = m.or(&met[k], &more)?;
+                    if !m.is_false(&more) {
+                        break;
+                    }
+                }
+            }
+        }
+        Ok(met)
+    }
+
+    /// The number of valuations, over all goals.
+    fn count(&self, states: &[K::Function]) -> f64 {
+        let states: Vec<&K::Function> = states.iter().collect();
+        let shares = self.arena.kernel.export(&states).shares();
+        shares.iter().sum::<f64>() * (self.now.iter().count() as f64).exp2()
+    }
+
     /// For every goal, the states in which it may be pursued.
     fn reachable(
         &self,
@@ -313,23 +406,11 @@ impl<'a, K: Kernel> Maker<'a, K> {
             let from = std::mem::replace(&mut fresh[j], m.constant(false));
             known[j] = m.or(&known[j], &from)?;
             let steps = m.and(&relations[j], &from)?;
-            let targets = if goals == 1 {
-                vec![(0, steps)]
-            } else {
-                let [high, low] = self.reached(j)?;
-                let (many, few) = (m.and(&steps, &high)?, m.and_not(&steps, &high)?);
-                vec![
-                    ((j + 3) % goals, m.and(&many, &low)?),
-                    ((j + 2) % goals, m.and_not(&many, &low)?),
-                    ((j + 1) % goals, m.and(&few, &low)?),
-                    (j, m.and_not(&few, &low)?),
-                ]
-            };
             let mut gone = self.now.clone();
             for bit in self.flag {
                 gone.insert(bit);
             }
-            for (k, steps) in targets {
+            for (k, steps) in self.by_goal(steps, j)? {
                 let successors = m.unprime(&m.exists(&steps, &gone)?)?;
                 fresh[k] = m.and_not(&m.or(&fresh[k], &successors)?, &known[k])?;
             }

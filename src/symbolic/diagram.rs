@@ -83,6 +83,24 @@ impl Diagram {
         }
     }
 
+    /// For every root the share of all valuations in which it holds.
+    pub fn shares(&self) -> Vec<f64> {
+        let share = |known: &[f64], edge: Edge| {
+            let share = edge.node().map_or(0.0, |n| known[n]);
+            if edge.is_negated() {
+                1.0 - share
+            } else {
+                share
+            }
+        };
+        let mut known: Vec<f64> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            let both = share(&known, node.high) + share(&known, node.low);
+            known.push(both / 2.0);
+        }
+        self.roots.iter().map(|r| share(&known, *r)).collect()
+    }
+
     /// Whether every edge leads to an earlier node and every bit is below `bits`: what [`Diagram::build`] needs.
     pub fn is_sound(&self, bits: usize) -> bool {
         let below = |edge: Edge, limit: usize| edge.node().is_none_or(|n| n < limit);
