@@ -230,7 +230,7 @@ impl Supports {
 }
 
 /// Formulas of the machine's safety are put together until they have this many nodes.
-const CLUSTER_NODES: usize = 1_000;
+const CLUSTER_NODES: usize = 3_000;
 
 /// Outputs are put together until they have more nodes than this.
 const OUTPUT_NODES: usize = 500;
