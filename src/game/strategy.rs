@@ -4,6 +4,8 @@
 //!
 //! 1. *Preference.* Of the winning moves, the best kind that is possible (Bloem et al. 2012, section 4): reach the goal, and as
 //!    near to the next goal as can be; else get as near to this goal as can be; else wait for an assumption.
+//!    Where many valuations could be met, or few states are asked for, only those moves are kept that lead into a small set
+//!    of states which can be kept to.
 //! 2. *Forgetting.* A move should depend on as few inputs as possible: current ones the machine would have to remember, next
 //!    ones make its guards longer. Input by input, moves that are right whatever that input is are preferred, where every
 //!    combination that cannot occur in play counts as right.
@@ -71,7 +73,8 @@ pub fn strategy<K: Kernel>(
     }
     // What could be reached at all bounds what has to be right.
     let mut possible = maker.reachable(&wide, &initial)?;
-    if arena.timing == Timing::Mealy && maker.count(&possible) > MANY_VALUATIONS {
+    let gather = preference == Preference::States || maker.count(&possible) > MANY_VALUATIONS;
+    if gather && arena.timing == Timing::Mealy {
         possible = maker.gather(&wide, &initial)?;
         for (j, moves) in wide.iter_mut().enumerate() {
             *moves = maker.into_met(moves, j, &possible)?;

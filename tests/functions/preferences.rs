@@ -1,9 +1,10 @@
 //! What a machine shall be good at: whatever is preferred it is right, and preferring few states never gives more.
 
-use super::{fixtures, random};
+use super::{benchmark, fixtures, random};
 use linewright::game::{Limits, Outcome, Preference, solve};
 use linewright::gr1::Specification;
-use linewright::mealy::extract::extract_preferring;
+use linewright::mealy::extract::{extract, extract_preferring};
+use linewright::mealy::gr1c;
 use linewright::mealy::verify::verify;
 
 /// The number of states of the verified machine for each preference: short reactions, few states.
@@ -45,4 +46,22 @@ fn few_states_are_never_more() {
         sum(1)
     );
     assert!(found.len() > 150 && fewer > 0);
+}
+
+/// gr1c's own automaton for this specification has 14,070 nodes.
+#[test]
+fn a_large_machine_has_fewer_nodes_than_that_of_gr1c() {
+    let Some(specification) = benchmark("genbuf5.slugsin") else {
+        return;
+    };
+    let limits = Limits::default();
+    let Outcome::Realizable(won) = solve(&specification, &limits) else {
+        panic!("genbuf5 is realizable");
+    };
+    let machine = extract(&specification, &won, &limits).expect("no limit");
+    assert_eq!(verify(&specification, &machine, &limits), Ok(Ok(())));
+    let automaton = gr1c::to_json(&machine, &specification).expect("no limit");
+    let nodes = automaton["nodes"].as_object().expect("nodes").len();
+    println!("{} states, {nodes} nodes", machine.states.len());
+    assert!(nodes < 14_070);
 }
