@@ -19,6 +19,13 @@ const NODE_BYTES: u64 = 48;
 /// Results that are remembered; a power of two.
 const REMEMBERED: usize = 1 << 18;
 
+/// A simplification is given up after so many conjunctions of decisions, and [`EFFORT_PER_NODE`] more for each node of the
+/// function: what it costs to bring `care` to the bits that the function depends on has no other bound.
+const LEAST_EFFORT: usize = 1_000;
+
+/// See [`LEAST_EFFORT`].
+const EFFORT_PER_NODE: usize = 2;
+
 /// The least room for nodes; a power of two.
 const FEWEST_SLOTS: usize = 1 << 12;
 
@@ -66,6 +73,10 @@ pub struct Workbench {
     mark: u32,
     limits: Limits,
     most_nodes: usize,
+    /// How many conjunctions of two decisions were made.
+    effort: usize,
+    /// At what effort a simplification is given up.
+    patience: usize,
 }
 
 /// The level of constants, below all others.
@@ -87,6 +98,8 @@ impl Workbench {
             mark: 0,
             limits: *limits,
             most_nodes: bounds.fold(MOST_NODES, u64::min) as usize,
+            effort: 0,
+            patience: usize::MAX,
         }
     }
 
@@ -196,6 +209,10 @@ impl Workbench {
         if let Some(known) = self.recall(key) {
             return Ok(known);
         }
+        self.effort += 1;
+        if self.effort > self.patience {
+            return Err(Limit::Size);
+        }
         let level = self.level(a).min(self.level(b));
         let ((a1, a0), (b1, b0)) = (self.branches(a, level), self.branches(b, level));
         let high = self.and(a1, b1)?;
@@ -254,11 +271,16 @@ impl Workbench {
         if let Some(known) = self.recall(key) {
             return Ok(known.flipped(f.is_negated()));
         }
+        if self.effort > self.patience {
+            return Ok(f);
+        }
         let (level, care_level) = (self.level(f), self.level(care));
         let result = if care_level < level {
             let (high, low) = self.branches(care, care_level);
-            let either = self.or(high, low)?;
-            self.restrict(f, either)?
+            match self.or(high, low) {
+                Err(Limit::Size) => return Ok(f),
+                either => self.restrict(f, either?)?,
+            }
         } else {
             let ((f1, f0), (c1, c0)) = (self.branches(f, level), self.branches(care, level));
             if c1 == Edge::FALSE {
@@ -275,10 +297,17 @@ impl Workbench {
         Ok(result)
     }
 
-    /// The smaller one of `f` and a function that agrees with it where `care` holds.
+    /// The smaller one of `f` and a function that agrees with it where `care` holds, as far as that is found soon.
     pub fn simplify(&mut self, f: Edge, care: Edge) -> Result<Edge, Limit> {
-        let smaller = self.restrict(f, care)?;
-        let shrinks = smaller != f && self.size(smaller) < self.size(f);
+        if care == Edge::TRUE || f.node().is_none() {
+            return Ok(f);
+        }
+        let size = self.size(f);
+        self.patience = self.effort + LEAST_EFFORT + EFFORT_PER_NODE * size;
+        let smaller = self.restrict(f, care);
+        self.patience = usize::MAX;
+        let smaller = smaller?;
+        let shrinks = smaller != f && self.size(smaller) < size;
         Ok(if shrinks { smaller } else { f })
     }
 
