@@ -376,7 +376,7 @@ impl Work {
             }
             let (may_clear, may_set) = (bench.fix(both, bit, false)?, bench.fix(both, bit, true)?);
             let possible = bench.or(may_clear, may_set)?;
-            functions.push((bit, choose(bench, (may_clear, may_set), possible, care)?));
+            functions.push((bit, choose(bench, (may_clear, may_set), care)?));
             if possible != Edge::TRUE {
                 pool.push(part(bench, possible));
             }
@@ -391,11 +391,9 @@ impl Work {
 fn choose(
     bench: &mut Workbench,
     (may_clear, may_set): (Edge, Edge),
-    possible: Edge,
     care: Edge,
 ) -> Result<Edge, Limit> {
-    let free = bench.and(may_clear, may_set)?;
-    let forced = bench.and(possible, free.negated())?;
+    let forced = bench.xor(may_clear, may_set)?;
     let function = bench.simplify(may_set, forced)?;
     bench.simplify(function, care)
 }

@@ -50,6 +50,7 @@ enum Operation {
     #[default]
     Nothing,
     And,
+    Xor,
     Restrict,
     High,
     Low,
@@ -225,6 +226,31 @@ impl Workbench {
     /// `a ∨ b`
     pub fn or(&mut self, a: Edge, b: Edge) -> Result<Edge, Limit> {
         Ok(self.and(a.negated(), b.negated())?.negated())
+    }
+
+    /// `a ⊕ b`
+    pub fn xor(&mut self, a: Edge, b: Edge) -> Result<Edge, Limit> {
+        // Negations pass through.
+        let negate = a.is_negated() != b.is_negated();
+        let (a, b) = (a.flipped(a.is_negated()), b.flipped(b.is_negated()));
+        let (a, b) = (a.min(b), a.max(b));
+        if a == b {
+            return Ok(Edge::FALSE.flipped(negate));
+        }
+        if a == Edge::FALSE {
+            return Ok(b.flipped(negate));
+        }
+        let key = (Operation::Xor, a.0, b.0);
+        if let Some(known) = self.recall(key) {
+            return Ok(known.flipped(negate));
+        }
+        let level = self.level(a).min(self.level(b));
+        let ((a1, a0), (b1, b0)) = (self.branches(a, level), self.branches(b, level));
+        let high = self.xor(a1, b1)?;
+        let low = self.xor(a0, b0)?;
+        let result = self.decision(level, high, low)?;
+        self.remember(key, result);
+        Ok(result.flipped(negate))
     }
 
     /// The function with a bit fixed.
