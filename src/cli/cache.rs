@@ -366,12 +366,12 @@ impl Cache {
         format!("version-{}", feed.finish())
     }
 
-    /// A file's content, if it is whole: its first line is the checksum of the rest.
+    /// A file's content, if it is whole and its own: its first line is the checksum of its name and the rest.
     fn read<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
         let bytes = std::fs::read(self.folder.join(name)).ok()?;
         let end = bytes.iter().position(|b| *b == b'\n')?;
         let (sum, rest) = (&bytes[..end], &bytes[end + 1..]);
-        if sum != hex(&Sha256::digest(rest)).as_bytes() {
+        if sum != checksum(name, rest).as_bytes() {
             return None;
         }
         serde_json::from_slice(rest).ok()
@@ -392,11 +392,18 @@ impl Cache {
         let mut file = tempfile::Builder::new()
             .prefix(".new-")
             .tempfile_in(&self.folder)?;
-        writeln!(file, "{}", hex(&Sha256::digest(&rest)))?;
+        writeln!(file, "{}", checksum(name, &rest))?;
         file.write_all(&rest)?;
         file.persist(self.folder.join(name))?;
         Ok(())
     }
+}
+
+/// Also of the name, so that a file that was copied over another one is not taken for it.
+fn checksum(name: &str, content: &[u8]) -> String {
+    let mut hash = Sha256::new_with_prefix(name);
+    hash.update(content);
+    hex(&hash.finalize())
 }
 
 /// Deletes the oldest files when there is too much; also what killed runs have left.
@@ -481,6 +488,9 @@ mod tests {
         }
         cache.keep(&key, &entry());
         assert!(cache.find(&key).is_some());
+        // Whole, but another contract's.
+        std::fs::copy(&path, folder.path().join("entry-2")).unwrap();
+        assert!(cache.find(&Key("2".to_owned())).is_none());
     }
 
     #[test]

@@ -196,7 +196,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 .contains(&library.sources.file(c.span.file).name)
         });
         let own: Vec<_> = own.map(|(c, job)| (*c, &checked[*job])).collect();
-        let found = write_proof(path, &own)?;
+        // Where there is no contract because of mistakes, these are what there is to say.
+        let found = if own.is_empty() && has_errors(&findings) {
+            Vec::new()
+        } else {
+            write_proof(path, &own)?
+        };
         document
             .findings
             .extend(json::findings(&library.sources, &found));

@@ -15,7 +15,7 @@ use std::path::PathBuf;
     linewright import examples/other-tools/arbiter.spc
     linewright import examples/other-tools/arbiter.slugsin --out arbiter.lw
 
-The contract says the same as the file, so checking either gives the same verdict. Names that the \\
+The contract says the same as the file, so checking either gives the same verdict. Names that the \
 language does not take are replaced, and listed in comments.")]
 pub struct Arguments {
     /// A specification of gr1c (.spc) or slugs (.slugsin, .structuredslugs)

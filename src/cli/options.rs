@@ -122,6 +122,7 @@ impl GlobalOptions {
     pub fn limits(&self) -> Limits {
         Limits {
             most_nodes: None,
+            most_made: None,
             // A time too far away for the clock is no limit.
             deadline: self.timeout.and_then(|t| Instant::now().checked_add(t)),
             memory_mib: Some(self.memory),

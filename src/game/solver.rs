@@ -1,7 +1,7 @@
 //! From a specification to a verdict: which kernel, which order, and what it took.
 //!
-//! Small games are played on biodivine's kernel, which starts at once; a game that outgrows [`SMALL_NODES`] there, or has more
-//! than [`SMALL_PAIRS`] pairs of bits, is played on `OxiDD`'s. The choice depends on the specification only, so that the same
+//! Small games are played on biodivine's kernel, which starts at once; a game that outgrows [`SMALL_NODES`] there, or takes more
+//! than [`SMALL_MADE`], or has more than [`SMALL_PAIRS`] pairs of bits, is played on `OxiDD`'s. The choice depends on the specification only, so that the same
 //! input always gives the same machine.
 
 use super::arena::{Arena, first_order};
@@ -27,6 +27,9 @@ const SMALL_PAIRS: usize = 48;
 
 /// A game that needs more nodes than this at once is not small.
 const SMALL_NODES: u64 = 13_000;
+
+/// A game is not small, either, when so many nodes were made in all: a few hundredths of a second.
+const SMALL_MADE: u64 = 100_000;
 
 /// A game that needs more nodes than this at once is large.
 const LARGE_NODES: u64 = 100_000;
@@ -238,6 +241,7 @@ fn small(order: &Order, options: &Options) -> Option<Limits> {
         KernelChoice::Automatic if order.pairs().len() > SMALL_PAIRS => None,
         KernelChoice::Automatic => Some(Limits {
             most_nodes: Some(SMALL_NODES),
+            most_made: Some(SMALL_MADE),
             ..options.limits
         }),
     }

@@ -77,7 +77,7 @@ pub fn strategy<K: Kernel>(
     if gather && arena.timing == Timing::Mealy {
         possible = maker.gather(&wide, &initial)?;
         for (j, moves) in wide.iter_mut().enumerate() {
-            *moves = maker.into_met(moves, j, &possible)?;
+            *moves = maker.moves_to_met(moves, j, &possible)?;
         }
     }
     let mut moves = Vec::new();
@@ -324,7 +324,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
     }
 
     /// Those of the moves in pursuit of goal `j` that lead to states met.
-    fn into_met(
+    fn moves_to_met(
         &self,
         moves: &K::Function,
         j: usize,
@@ -356,7 +356,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
             let mut todo = m.and(&m.and(&moves[j], &from)?, &self.environment)?;
             loop {
                 m.safe_point()?;
-                let served = self.into_met(&todo, j, &met)?;
+                let served = self.moves_to_met(&todo, j, &met)?;
                 todo = m.and_not(&todo, &m.exists(&served, &arena.outputs_next)?)?;
                 if m.is_false(&todo) {
                     break;

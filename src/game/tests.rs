@@ -162,6 +162,7 @@ const SMALL: Limits = Limits {
     deadline: None,
     memory_mib: None,
     most_nodes: Some(1 << 16),
+    most_made: None,
 };
 
 fn board<K: Kernel>(specification: &Specification, order: &Order, with: Heuristics) -> Arena<K> {

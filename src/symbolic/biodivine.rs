@@ -19,6 +19,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 struct Meter {
     live: AtomicUsize,
     peak: AtomicUsize,
+    /// Nodes made in all.
+    made: AtomicUsize,
 }
 
 /// The nodes of one function; gives them back to the meter when dropped.
@@ -141,6 +143,10 @@ impl Biodivine {
 
     /// How many nodes may still be made.
     fn room(&self) -> Result<usize, Limit> {
+        let made = self.meter.made.load(Ordering::Relaxed);
+        if self.limits.most_made.is_some_and(|most| made as u64 > most) {
+            return Err(Limit::Memory);
+        }
         let live = self.meter.live.load(Ordering::Relaxed);
         match self.most_nodes.checked_sub(live) {
             Some(room) if room > 2 => Ok(room),
@@ -159,6 +165,7 @@ impl Biodivine {
         let size = bdd.size();
         let live = self.meter.live.fetch_add(size, Ordering::Relaxed) + size;
         self.meter.peak.fetch_max(live, Ordering::Relaxed);
+        self.meter.made.fetch_add(size, Ordering::Relaxed);
         Function(Arc::new(Owned {
             bdd,
             meter: Arc::clone(&self.meter),

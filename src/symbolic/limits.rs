@@ -11,6 +11,9 @@ pub struct Limits {
     pub memory_mib: Option<u64>,
     /// Not with more than this many nodes.
     pub most_nodes: Option<u64>,
+    /// Not after so many nodes were made in all, where functions own their nodes: a measure of work that is no clock. Running out of
+    /// it is [`Limit::Memory`].
+    pub most_made: Option<u64>,
 }
 
 /// Why a stage gave up.

@@ -42,7 +42,7 @@ const LARGE_CACHE: usize = 1 << 18;
 const SMALL_CACHE: usize = 1 << 16;
 
 /// See [`SMALL_CACHE`].
-const FEW_PAIRS: usize = 24;
+const FEW_PAIRS: usize = 48;
 
 /// Below this, nothing is collected.
 const COLLECT_NODES: u64 = 1 << 19;

@@ -271,6 +271,30 @@ fn c_of_the_fixtures_does_what_the_interpreter_does() {
 }
 
 #[test]
+fn names_that_headers_and_compilers_use_are_replaced() {
+    if !compiler() {
+        return;
+    }
+    let mut specification = fixtures::contracts().swap_remove(0);
+    specification.name = "stdint".to_owned();
+    let names = [
+        "NULL",
+        "INT32_MAX",
+        "linux",
+        "static_assert",
+        "int32_t",
+        "LINEWRIGHT_stdint_H",
+        "class",
+        "for",
+    ];
+    for (variable, name) in specification.variables.iter_mut().zip(names) {
+        name.clone_into(&mut variable.name);
+    }
+    assert!(compare_functions(&specification, 5_000).is_some());
+    compare_machine(&specification, 5_000);
+}
+
+#[test]
 fn c_of_random_controllers_does_what_the_interpreter_does() {
     if !compiler() {
         return;

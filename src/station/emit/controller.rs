@@ -148,12 +148,51 @@ fn integer(domain: &Domain) -> &'static str {
     }
 }
 
+/// Whether the headers that are included may have given the name away, or a compiler with extensions has.
+fn is_macro(word: &str) -> bool {
+    const OTHERS: [&str; 8] = [
+        "NULL",
+        "alignas",
+        "alignof",
+        "linux",
+        "static_assert",
+        "thread_local",
+        "typeof",
+        "unix",
+    ];
+    const LIMITS: [&str; 8] = [
+        "INT",
+        "UINT",
+        "PTRDIFF",
+        "SIG_ATOMIC",
+        "SIZE",
+        "WCHAR",
+        "WINT",
+        "LINEWRIGHT",
+    ];
+    let ends = |endings: &[&str]| endings.iter().any(|e| word.ends_with(e));
+    OTHERS.contains(&word)
+        || ends(&["_t"])
+        || LIMITS.iter().any(|l| word.starts_with(l))
+            && ends(&["_MAX", "_MIN", "_WIDTH", "_C", "_H"])
+}
+
+/// Whether a header of that name stands in the compiler's folders, which the controller's own must not hide.
+fn is_header(name: &str) -> bool {
+    const HEADERS: [&str; 24] = [
+        "assert", "complex", "ctype", "errno", "fenv", "float", "inttypes", "iso646", "limits",
+        "locale", "math", "setjmp", "signal", "stdarg", "stdbool", "stddef", "stdint", "stdio",
+        "stdlib", "string", "tgmath", "time", "wchar", "wctype",
+    ];
+    HEADERS.contains(&name.to_ascii_lowercase().as_str())
+}
+
 /// A name that C takes.
 fn word(name: &str) -> String {
     let word = identifier(name);
     if !word.starts_with(|c: char| c.is_ascii_alphabetic()) {
         format!("v_{word}")
-    } else if RESERVED.contains(&word.as_str()) {
+    } else if RESERVED.contains(&word.as_str()) || is_macro(&word) {
         format!("{word}_")
     } else {
         word
@@ -167,10 +206,14 @@ impl<'a> Text<'a> {
             let named = ports.iter().map(|p| (names.unique(&word(&p.name)), p));
             named.collect::<Vec<_>>()
         };
+        let mut name = word(contract);
+        if is_header(&name) {
+            name.push('_');
+        }
         Self {
             contract,
             timing,
-            name: word(contract),
+            name,
             inputs: fields(inputs),
             outputs: fields(outputs),
         }
@@ -178,7 +221,7 @@ impl<'a> Text<'a> {
 
     fn header(&self, state: &str) -> String {
         let name = &self.name;
-        let guard = format!("{}_H", name.to_ascii_uppercase());
+        let guard = format!("LINEWRIGHT_{name}_H");
         let structure = |what: &str, ports: &[(String, &Port)]| {
             let mut fields = String::new();
             for (field, port) in ports {
