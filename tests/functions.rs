@@ -41,9 +41,11 @@ fn functions(specification: &Specification, kernel: KernelChoice) -> Option<Func
 
 /// A benchmark specification, if it is there.
 fn benchmark(name: &str) -> Option<Specification> {
-    let path = support::root()
-        .join("../shared/bench/specs/anzu")
-        .join(name);
+    let folder = std::env::var_os("LINEWRIGHT_SPECS").map_or_else(
+        || support::root().join("../shared/bench/specs"),
+        std::path::PathBuf::from,
+    );
+    let path = folder.join("anzu").join(name);
     let Ok(text) = std::fs::read_to_string(&path) else {
         support::skip("specs", &format!("there is no {name}"));
         return None;
