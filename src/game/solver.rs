@@ -28,8 +28,8 @@ const SMALL_PAIRS: usize = 48;
 /// A game that needs more nodes than this at once is not small.
 const SMALL_NODES: u64 = 13_000;
 
-/// A game is not small, either, when so many nodes were made in all: a few hundredths of a second.
-const SMALL_MADE: u64 = 100_000;
+/// A game is not small, either, when so many nodes were made in all: about a hundredth of a second.
+const SMALL_MADE: u64 = 50_000;
 
 /// A game that needs more nodes than this at once is large.
 const LARGE_NODES: u64 = 100_000;

@@ -39,7 +39,7 @@ const FEWEST_NODES: u64 = 1 << 16;
 const LARGE_CACHE: usize = 1 << 18;
 
 /// Entries of the cache for up to [`FEW_PAIRS`].
-const SMALL_CACHE: usize = 1 << 16;
+const SMALL_CACHE: usize = 1 << 17;
 
 /// See [`SMALL_CACHE`].
 const FEW_PAIRS: usize = 48;
