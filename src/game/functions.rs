@@ -22,7 +22,7 @@ use crate::symbolic::{Bit, Diagram, Edge, Kernel, Limit, Order};
 use serde::{Deserialize, Serialize};
 
 /// The bench is emptied between two goals when so many nodes lie on it.
-const CROWDED_NODES: usize = 1 << 16;
+const CROWDED_NODES: usize = 1 << 15;
 
 /// An assumption that a step may break.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

@@ -61,11 +61,14 @@ fn in_order<K: Kernel>(
     encode: impl Fn() -> Result<Formulas<K>, Limit>,
 ) -> Result<(Formulas<K>, Arena<K>), Limit> {
     formulas.kernel().sift()?;
+    let count = |arena: &Arena<K>| arena.environment.count() + arena.system.count();
     let (arena, pieces) = sifted(&formulas, FIRST_BOUND)?;
+    if count(&arena) <= FEW_CLUSTERS {
+        return Ok((formulas, arena));
+    }
     drop(arena);
     let (mut arena, whole) = sifted(&formulas, WHOLE_BOUND)?;
     if whole * 100 <= pieces * WHOLE_PERCENT {
-        let count = |arena: &Arena<K>| arena.environment.count() + arena.system.count();
         for _ in 0..MORE_ROUNDS {
             if count(&arena) <= FEW_CLUSTERS {
                 break;
