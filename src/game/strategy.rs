@@ -130,13 +130,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         if arena.timing == Timing::Moore {
             good = m.implies_forall(&arena.env_initial, &good, &arena.inputs_now)?;
         }
-        let outputs: Vec<Bit> = self
-            .outputs()
-            .flat_map(|v| arena.encoding.bits(v, Time::Now))
-            .collect();
-        for bit in outputs {
-            good = self.prefer(&good, &m.literal(bit, false), &arena.outputs_now)?;
-        }
+        let good = self.smallest(good, Time::Now)?;
         m.and(&good, &arena.env_initial)
     }
 
@@ -265,6 +259,21 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(moves)
     }
 
+    /// The relation, with only the smallest outputs of this time, one output after the other.
+    fn smallest(&self, mut relation: K::Function, time: Time) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
+        let answers = match time {
+            Time::Now => &arena.outputs_now,
+            Time::Next => &arena.outputs_next,
+        };
+        for output in self.outputs() {
+            for bit in arena.encoding.bits(output, time) {
+                relation = self.prefer(&relation, &m.literal(bit, false), answers)?;
+            }
+        }
+        Ok(relation)
+    }
+
     /// The relation, with only the answers that satisfy `wish` wherever there is one.
     fn prefer(
         &self,
@@ -363,13 +372,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
                 }
                 // One more valuation for every next input that is left, for whichever states can answer with it.
                 for (k, steps) in self.by_goal(todo.clone(), j)? {
-                    let mut offers = m.exists(&steps, &self.now)?;
-                    for output in self.outputs() {
-                        for bit in arena.encoding.bits(output, Time::Next) {
-                            offers =
-                                self.prefer(&offers, &m.literal(bit, false), &arena.outputs_next)?;
-                        }
-                    }
+                    let offers = self.smallest(m.exists(&steps, &self.now)?, Time::Next)?;
                     let offers = m.unprime(&offers)?;
                     let more = m.and_not(&offers, &met[k])?;
                     fresh[k] = m.or(&fresh[k], &more)?;

@@ -317,21 +317,13 @@ fn c_of_benchmarks_does_what_the_interpreter_does() {
     if !compiler() {
         return;
     }
-    for name in ["genbuf5.slugsin", "genbuf10.slugsin", "amba2.slugsin"] {
-        if let Some(specification) = benchmark(name) {
-            assert!(compare_functions(&specification, STEPS) > Some(STEPS / 20));
-        }
-    }
-}
-
-/// `cargo test --release --test functions -- --ignored`: minutes without optimization.
-#[test]
-#[ignore = "for release builds"]
-fn c_of_large_benchmarks_does_what_the_interpreter_does() {
-    if !compiler() {
-        return;
-    }
-    for name in ["genbuf40.slugsin", "amba5.slugsin"] {
+    for name in [
+        "genbuf5.slugsin",
+        "genbuf10.slugsin",
+        "genbuf40.slugsin",
+        "amba2.slugsin",
+        "amba5.slugsin",
+    ] {
         if let Some(specification) = benchmark(name) {
             assert!(compare_functions(&specification, STEPS) > Some(STEPS / 20));
         }
