@@ -53,16 +53,21 @@ struct Node {
 }
 
 /// Diagrams whose order can be changed.
+///
+/// While two levels are swapped, only nodes of the upper one are made, and only nodes of the lower one die: all that lies
+/// below stays needed. So a level is a plain list, and a table of nodes by their edges is needed for one level at a time.
 #[derive(Debug)]
 pub struct Sifter {
     nodes: Vec<Node>,
     free: Vec<u32>,
+    /// For every bit its nodes.
+    levels: Vec<Vec<u32>>,
+    /// Scratch: the nodes of the upper bit of a swap.
+    table: Table,
     /// Scratch: the nodes of a bit that depend on the one below.
     moving: Vec<u32>,
-    /// Scratch: edges to let go.
-    dead: Vec<u32>,
-    /// For every bit its nodes, by their edges.
-    tables: Vec<FxHashMap<(u32, u32), u32>>,
+    /// Scratch: those that do not.
+    staying: Vec<u32>,
     /// The pairs from the top to the bottom, and the reverse.
     order: Vec<u16>,
     positions: Vec<u16>,
@@ -70,6 +75,62 @@ pub struct Sifter {
     size: usize,
     /// How many nodes may still be touched.
     work: usize,
+}
+
+/// Nodes by their edges: open addressing, emptied by counting on.
+#[derive(Debug, Default)]
+struct Table {
+    slots: Vec<Slot>,
+    /// The number of the current use; slots of others are empty.
+    stamp: u32,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Slot {
+    stamp: u32,
+    high: u32,
+    low: u32,
+    node: u32,
+}
+
+impl Table {
+    /// Empties the table and makes room for so many nodes.
+    fn begin(&mut self, nodes: usize) {
+        let wanted = (2 * nodes).next_power_of_two();
+        if self.slots.len() < wanted || self.stamp == u32::MAX {
+            self.slots = vec![Slot::default(); wanted.max(self.slots.len())];
+            self.stamp = 0;
+        }
+        self.stamp += 1;
+    }
+
+    /// The node of these edges, or else the slot where it belongs.
+    fn find(&self, high: u32, low: u32) -> Result<u32, usize> {
+        let mask = self.slots.len() - 1;
+        let key = u64::from(high) << 32 | u64::from(low);
+        // Fibonacci hashing: the upper half of the product depends on all of the key.
+        let mut place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize & mask;
+        loop {
+            let slot = &self.slots[place];
+            if slot.stamp != self.stamp {
+                return Err(place);
+            }
+            if slot.high == high && slot.low == low {
+                return Ok(slot.node);
+            }
+            place = (place + 1) & mask;
+        }
+    }
+
+    /// Puts a node into a slot that [`Self::find`] gave.
+    fn fill(&mut self, place: usize, high: u32, low: u32, node: u32) {
+        self.slots[place] = Slot {
+            stamp: self.stamp,
+            high,
+            low,
+            node,
+        };
+    }
 }
 
 /// An order in which the diagrams are smaller, with the number of nodes before and after; `None` if none was found.
@@ -102,9 +163,10 @@ impl Sifter {
                 low: 0,
             }],
             free: Vec::new(),
+            levels: vec![Vec::new(); 2 * pairs],
+            table: Table::default(),
             moving: Vec::new(),
-            dead: Vec::new(),
-            tables: vec![FxHashMap::default(); 2 * pairs],
+            staying: Vec::new(),
             order: order.pairs().to_vec(),
             positions: order.positions(),
             size: 0,
@@ -116,69 +178,71 @@ impl Sifter {
             None => u32::from(!e.is_negated()),
             Some(n) => edges[n] ^ u32::from(e.is_negated()),
         };
+        let mut known: FxHashMap<(Bit, u32, u32), u32> = FxHashMap::default();
         for node in &diagram.nodes {
             let (high, low) = (edge(&edges, node.high), edge(&edges, node.low));
-            edges.push(sifter.make(node.bit, high, low));
+            let negated = high & 1;
+            let (high, low) = (high ^ negated, low ^ negated);
+            let made = if high == low {
+                high
+            } else {
+                *known
+                    .entry((node.bit, high, low))
+                    .or_insert_with(|| sifter.add(node.bit, high, low))
+            };
+            edges.push(made ^ negated);
         }
         for root in &diagram.roots {
             sifter.keep(edge(&edges, *root));
         }
-        // What was made for the diagram's own sake is dropped: only roots and what they need stays.
-        for edge in edges {
-            sifter.release(edge);
+        for pair in order.pairs() {
+            sifter.drop_dead(Bit(2 * pair));
+            sifter.drop_dead(Bit(2 * pair).primed());
         }
         sifter.work =
             LEAST_WORK + WORK_PER_NODE * sifter.size + MORE_WORK * sifter.size.min(MANY_NODES);
         sifter
     }
 
+    /// Lets go of the nodes of a bit that have no reference.
+    fn drop_dead(&mut self, bit: Bit) {
+        let mut level = std::mem::take(&mut self.levels[bit.index()]);
+        level.retain(|number| {
+            let Node {
+                references,
+                high,
+                low,
+                ..
+            } = self.nodes[*number as usize];
+            if references == 0 {
+                self.release(high);
+                self.release(low);
+                self.free.push(*number);
+                self.size -= 1;
+            }
+            references > 0
+        });
+        self.levels[bit.index()] = level;
+    }
+
+    fn release(&mut self, edge: u32) {
+        self.nodes[(edge >> 1) as usize].references -= 1;
+    }
+
     fn keep(&mut self, edge: u32) {
         self.nodes[(edge >> 1) as usize].references += 1;
     }
 
-    fn release(&mut self, edge: u32) {
-        let node = &mut self.nodes[(edge >> 1) as usize];
-        if node.references > 1 {
-            node.references -= 1;
-            return;
-        }
-        let mut dead = std::mem::take(&mut self.dead);
-        dead.push(edge);
-        while let Some(edge) = dead.pop() {
-            let number = edge >> 1;
-            let node = &mut self.nodes[number as usize];
-            node.references -= 1;
-            if node.references == 0 {
-                let Node { bit, high, low, .. } = *node;
-                self.tables[usize::from(bit)].remove(&(high, low));
-                self.free.push(number);
-                self.size -= 1;
-                dead.extend([high, low]);
-            }
-        }
-        self.dead = dead;
-    }
-
-    /// The node of these edges, with one more reference.
-    fn make(&mut self, bit: Bit, high: u32, low: u32) -> u32 {
-        if high == low {
-            self.keep(high);
-            return high;
-        }
-        let negated = high & 1;
-        let key = (high ^ negated, low ^ negated);
-        if let Some(number) = self.tables[bit.index()].get(&key) {
-            let edge = number << 1;
-            self.keep(edge);
-            return edge ^ negated;
-        }
-        self.keep(key.0);
-        self.keep(key.1);
+    /// A new node without a reference. The high edge must not be negated.
+    fn add(&mut self, bit: Bit, high: u32, low: u32) -> u32 {
+        debug_assert_eq!(high & 1, 0, "a high edge is negated");
+        self.keep(high);
+        self.keep(low);
         let node = Node {
             bit: bit.0,
-            references: 1,
-            high: key.0,
-            low: key.1,
+            references: 0,
+            high,
+            low,
         };
         let number = if let Some(number) = self.free.pop() {
             self.nodes[number as usize] = node;
@@ -187,9 +251,29 @@ impl Sifter {
             self.nodes.push(node);
             self.nodes.len() as u32 - 1
         };
-        self.tables[bit.index()].insert(key, number);
+        self.levels[bit.index()].push(number);
         self.size += 1;
-        number << 1 ^ negated
+        number << 1
+    }
+
+    /// The node of these edges at the level that the table holds, with one more reference.
+    fn make(&mut self, bit: Bit, high: u32, low: u32) -> u32 {
+        if high == low {
+            self.keep(high);
+            return high;
+        }
+        let negated = high & 1;
+        let (high, low) = (high ^ negated, low ^ negated);
+        let edge = match self.table.find(high, low) {
+            Ok(number) => number << 1,
+            Err(place) => {
+                let edge = self.add(bit, high, low);
+                self.table.fill(place, high, low, edge >> 1);
+                edge
+            }
+        };
+        self.keep(edge);
+        edge ^ negated
     }
 
     /// The edges of an edge for both values of a bit that is not below its own.
@@ -204,36 +288,56 @@ impl Sifter {
 
     /// Swaps two bits of which the first lies directly above the second.
     fn swap_bits(&mut self, upper: Bit, lower: Bit) {
-        let asks_lower =
-            |sifter: &Self, edge: u32| sifter.nodes[(edge >> 1) as usize].bit == lower.0;
         let mut moving = std::mem::take(&mut self.moving);
+        let mut staying = std::mem::take(&mut self.staying);
         moving.clear();
-        for ((high, low), number) in &self.tables[upper.index()] {
-            if asks_lower(self, *high) || asks_lower(self, *low) {
+        staying.clear();
+        let asks_lower = |edge: u32| self.nodes[(edge >> 1) as usize].bit == lower.0;
+        for number in &self.levels[upper.index()] {
+            let Node { high, low, .. } = self.nodes[*number as usize];
+            if asks_lower(high) || asks_lower(low) {
                 moving.push(*number);
+            } else {
+                staying.push(*number);
             }
         }
-        self.work = self
-            .work
-            .saturating_sub(self.tables[upper.index()].len() + 4 * moving.len() + 1);
-        for number in &moving {
-            let number = *number;
-            let Node { high, low, .. } = self.nodes[number as usize];
-            self.tables[upper.index()].remove(&(high, low));
+        let touched = staying.len() + 5 * moving.len() + 1;
+        self.work = self.work.saturating_sub(touched);
+        if !moving.is_empty() {
+            std::mem::swap(&mut self.levels[upper.index()], &mut staying);
+            self.exchange(upper, lower, &moving);
+        }
+        self.moving = moving;
+        self.staying = staying;
+    }
+
+    /// Gives these nodes of the upper bit to the lower one. The upper level must hold the others only.
+    fn exchange(&mut self, upper: Bit, lower: Bit, moving: &[u32]) {
+        let staying = &self.levels[upper.index()];
+        self.table.begin(staying.len() + 2 * moving.len());
+        for number in staying {
+            let Node { high, low, .. } = self.nodes[*number as usize];
+            if let Err(place) = self.table.find(high, low) {
+                self.table.fill(place, high, low, *number);
+            }
+        }
+        for number in moving {
+            let number = *number as usize;
+            let Node { high, low, .. } = self.nodes[number];
             let (high_high, high_low) = self.cofactors(high, lower.0);
             let (low_high, low_low) = self.cofactors(low, lower.0);
             let new_high = self.make(upper, high_high, low_high);
             let new_low = self.make(upper, high_low, low_low);
-            debug_assert_eq!(new_high & 1, 0, "a high edge is negated");
-            let node = &mut self.nodes[number as usize];
+            let node = &mut self.nodes[number];
             node.bit = lower.0;
             node.high = new_high;
             node.low = new_low;
-            self.tables[lower.index()].insert((new_high, new_low), number);
             self.release(high);
             self.release(low);
         }
-        self.moving = moving;
+        // What the dead nodes led to is kept by the new ones.
+        self.drop_dead(lower);
+        self.levels[lower.index()].extend_from_slice(moving);
     }
 
     /// Swaps the pair at a position with the one below it.
@@ -252,7 +356,7 @@ impl Sifter {
 
     fn nodes_of(&self, pair: u16) -> usize {
         let bit = usize::from(2 * pair);
-        self.tables[bit].len() + self.tables[bit + 1].len()
+        self.levels[bit].len() + self.levels[bit + 1].len()
     }
 
     /// Sifts until it is no longer worthwhile; gives the number of nodes.
@@ -335,12 +439,12 @@ impl Sifter {
                 if least >= best_size {
                     break;
                 }
+                if !upwards {
+                    below -= self.nodes_of(self.order[here + length]);
+                }
                 here = self.step(here, length, upwards);
                 if upwards {
                     below += self.nodes_of(self.order[here + length]);
-                } else {
-                    let rest = &self.order[here + length..];
-                    below = rest.iter().map(|p| self.nodes_of(*p)).sum();
                 }
                 if self.size < best_size {
                     (best, best_size) = (here, self.size);
