@@ -16,7 +16,7 @@
 
 use super::arena::Arena;
 use super::fixpoint::{Layer, layers};
-use super::workbench::Workbench;
+use super::workbench::{Choices, Workbench};
 use crate::gr1::{Specification, Timing};
 use crate::symbolic::{Bit, Diagram, Edge, Kernel, Limit, Order};
 use serde::{Deserialize, Serialize};
@@ -221,10 +221,10 @@ fn initial<K: Kernel>(
     let mut rest = work.bench.add(m, [&m.prime(&good)?])?[0];
     let mut functions = Vec::new();
     for bit in work.outputs.iter().rev() {
-        let may_clear = work.bench.fix(rest, *bit, false)?;
-        let may_set = work.bench.fix(rest, *bit, true)?;
-        rest = work.bench.or(may_clear, may_set)?;
-        functions.push((*bit, work.bench.simplify(may_clear.negated(), rest)?));
+        let choices = work.bench.choices(rest, *bit)?;
+        rest = choices.possible;
+        let must = work.bench.and(choices.may_set, choices.forced)?;
+        functions.push((*bit, work.bench.simplify(must, rest)?));
     }
     functions.reverse();
     work.keep(&functions)
@@ -374,9 +374,15 @@ impl Work {
             for (f, ..) in bucket {
                 both = bench.and(both, f)?;
             }
-            let (may_clear, may_set) = (bench.fix(both, bit, false)?, bench.fix(both, bit, true)?);
-            let possible = bench.or(may_clear, may_set)?;
-            functions.push((bit, choose(bench, (may_clear, may_set), care)?));
+            let Choices {
+                may_set,
+                possible,
+                forced,
+            } = bench.choices(both, bit)?;
+            // Where either value will do, it is whatever makes the function small: one that keeps the bit's value there is two
+            // to three times as large.
+            let function = bench.simplify(may_set, forced)?;
+            functions.push((bit, bench.simplify(function, care)?));
             if possible != Edge::TRUE {
                 pool.push(part(bench, possible));
             }
@@ -384,18 +390,6 @@ impl Work {
         functions.reverse();
         Ok(functions)
     }
-}
-
-/// A function for a bit, given where it may be 0 and where it may be 1. Where either will do, it is whatever makes the function
-/// small: one that keeps the bit's value there is two to three times as large.
-fn choose(
-    bench: &mut Workbench,
-    (may_clear, may_set): (Edge, Edge),
-    care: Edge,
-) -> Result<Edge, Limit> {
-    let forced = bench.xor(may_clear, may_set)?;
-    let function = bench.simplify(may_set, forced)?;
-    bench.simplify(function, care)
 }
 
 /// The machine's safety, conjunct by conjunct; for Moore, freed of the next inputs.

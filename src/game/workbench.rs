@@ -17,7 +17,10 @@ const MOST_NODES: u64 = 1 << 25;
 const NODE_BYTES: u64 = 48;
 
 /// Results that are remembered; a power of two.
-const REMEMBERED: usize = 1 << 18;
+const REMEMBERED: usize = 1 << 17;
+
+/// The same for [`Choices`].
+const CHOICES: usize = 1 << 15;
 
 /// A simplification is given up after so many conjunctions of decisions, and [`EFFORT_PER_NODE`] more for each node of the
 /// function: what it costs to bring `care` to the bits that the function depends on has no other bound.
@@ -52,12 +55,21 @@ enum Operation {
     And,
     Xor,
     Restrict,
-    High,
-    Low,
 }
 
 /// An operation, its operands, and its result.
 type Remembered = ((Operation, u32, u32), Edge);
+
+/// What a condition says about one of its bits: functions of the others.
+#[derive(Debug, Clone, Copy)]
+pub struct Choices {
+    /// Where it holds with the bit 1.
+    pub may_set: Edge,
+    /// Where it holds with some value.
+    pub possible: Edge,
+    /// Where it holds with one value only.
+    pub forced: Edge,
+}
 
 /// Functions under work.
 #[derive(Debug)]
@@ -67,6 +79,7 @@ pub struct Workbench {
     /// processor. A power of two, at least twice the number of nodes.
     slots: Vec<u32>,
     remembered: Vec<Remembered>,
+    choices: Vec<(Edge, u32, Choices)>,
     /// For every pair its place in the order.
     positions: Vec<u16>,
     /// For every node when it was last visited.
@@ -94,6 +107,7 @@ impl Workbench {
             nodes: Vec::new(),
             slots: vec![0; FEWEST_SLOTS],
             remembered: Vec::new(),
+            choices: Vec::new(),
             positions: order.positions(),
             marks: Vec::new(),
             mark: 0,
@@ -253,38 +267,46 @@ impl Workbench {
         Ok(result.flipped(negate))
     }
 
-    /// The function with a bit fixed.
-    pub fn fix(&mut self, f: Edge, bit: Bit, value: bool) -> Result<Edge, Limit> {
-        let operation = if value {
-            Operation::High
-        } else {
-            Operation::Low
-        };
-        self.fix_level(f, self.level_of(bit), operation)
+    /// What a condition says about one of its bits.
+    pub fn choices(&mut self, f: Edge, bit: Bit) -> Result<Choices, Limit> {
+        self.choices_at(f, self.level_of(bit))
     }
 
-    fn fix_level(&mut self, f: Edge, level: u32, operation: Operation) -> Result<Edge, Limit> {
+    fn choices_at(&mut self, f: Edge, level: u32) -> Result<Choices, Limit> {
         let top = self.level(f);
         if top > level {
-            return Ok(f);
+            return Ok(Choices {
+                may_set: f,
+                possible: f,
+                forced: Edge::FALSE,
+            });
         }
         let (high, low) = self.branches(f, top);
         if top == level {
-            return Ok(if operation == Operation::High {
-                high
-            } else {
-                low
+            return Ok(Choices {
+                may_set: high,
+                possible: self.or(high, low)?,
+                forced: self.xor(high, low)?,
             });
         }
-        let key = (operation, f.0 & !1, level);
-        if let Some(known) = self.recall(key) {
-            return Ok(known.flipped(f.is_negated()));
+        let place = spread(level, f.0, 0) as usize & (CHOICES - 1);
+        if let Some((known, of, choices)) = self.choices.get(place)
+            && (*known, *of) == (f, level)
+        {
+            return Ok(*choices);
         }
-        let high = self.fix_level(high, level, operation)?;
-        let low = self.fix_level(low, level, operation)?;
-        let result = self.decision(top, high, low)?;
-        self.remember(key, result.flipped(f.is_negated()));
-        Ok(result)
+        let high = self.choices_at(high, level)?;
+        let low = self.choices_at(low, level)?;
+        let choices = Choices {
+            may_set: self.decision(top, high.may_set, low.may_set)?,
+            possible: self.decision(top, high.possible, low.possible)?,
+            forced: self.decision(top, high.forced, low.forced)?,
+        };
+        if self.choices.is_empty() {
+            self.choices = vec![(Edge::FALSE, 0, choices); CHOICES];
+        }
+        self.choices[place] = (f, level, choices);
+        Ok(choices)
     }
 
     /// A function that agrees with `f` where `care` holds, and is likely to be smaller: decisions of which only one side

@@ -517,14 +517,12 @@ impl<'a, K: Kernel> Check<'a, K> {
             None => m.constant(false),
         };
         let assumption = self.functions.controls.certificate.goals[goal][layer].assumption;
-        // From above, all moves into the layer are right; from within, all moves below it and those that wait.
-        let into = m.prime(reached)?;
-        let lower = m.prime(&below)?;
-        let elsewhere = m.and_not(steps, &into)?;
-        let inside = m.and(&m.and(steps, &into)?, reached)?;
-        let back = m.and(&inside, &below)?;
-        let stays = m.and_not(&m.and_not(&inside, &below)?, &lower)?;
-        let stays = m.and(&stays, &self.assumptions[assumption])?;
+        // From above, all moves into the layer are right; from within, all moves below it and those that wait. What is right is
+        // never written down: sets of states are put together first, and of the steps only what is wrong is left.
+        let wakes = m.and(&m.and_not(reached, &below)?, &self.assumptions[assumption])?;
+        let stays = m.and_not(&m.and(steps, &wakes)?, &m.prime(&below)?)?;
+        let back = m.and(steps, &below)?;
+        let elsewhere = m.and_not(steps, &m.prime(reached)?)?;
         m.or(&m.or(&elsewhere, &back)?, &stays)
     }
 }
