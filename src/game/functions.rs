@@ -129,13 +129,13 @@ pub fn functions<K: Kernel>(
             care = m.and(&care, part)?;
         }
     }
-    let mut goals = Vec::new();
+    // The kernel's work for all goals comes first, so that both sides find their own nodes near the processor.
+    let mut plans = bench();
+    let mut ways = Vec::new();
     let mut stages = Vec::new();
     for j in 0..arena.goals.len() {
         let layers = layers(arena, j, region)?;
-        let modes = modes(arena, j, region, &layers, &care, &mut work)?;
-        let reached = work.kept.add(m, [&arena.goals[j]])?[0];
-        goals.push(Pursuit { modes, reached });
+        ways.push(self::ways(arena, j, region, &layers, &care, &mut plans)?);
         let edges = states.add(m, layers.iter().map(|l| &l.reached))?;
         let layers = layers.iter().zip(edges);
         let layers = layers.map(|(layer, reached)| Stage {
@@ -144,6 +144,12 @@ pub fn functions<K: Kernel>(
         });
         stages.push(layers.collect());
         m.safe_point()?;
+    }
+    let mut goals = Vec::new();
+    for (goal, ways) in arena.goals.iter().zip(ways) {
+        let modes = work.modes(&mut plans, ways)?;
+        let reached = work.kept.add(m, [goal])?[0];
+        goals.push(Pursuit { modes, reached });
         work.tidy(bench)?;
     }
     let assumed = assumed(arena, specification, false, &mut work.kept)?;
@@ -230,20 +236,34 @@ fn initial<K: Kernel>(
     work.keep(&functions)
 }
 
+/// A way of pursuing a goal that no function is written down for yet.
+struct Way {
+    /// What a step is to do: over all current and next bits.
+    aim: Edge,
+    /// Where it is taken, since it can be and none before it could.
+    used: Edge,
+    /// Where it can be taken.
+    when: Edge,
+    /// Where none before it could be taken.
+    asked: Edge,
+    /// See [`Mode::layer`].
+    layer: Option<usize>,
+}
+
 /// The ways of pursuing goal `j`: reach it, or else move into the lowest layer that is possible.
 ///
 /// In a state of layer k the machine can always reach the goal, or move below, or stay within while the layer's assumption
 /// fails. Where a move into some layer is possible, that layer alone says what to aim at, whatever layer the state is in:
 /// it is below, or it is the state's own, and then the assumption fails. Only an assumption about next values has to be
 /// aimed at, and takes a mode of its own.
-fn modes<K: Kernel>(
+fn ways<K: Kernel>(
     arena: &Arena<K>,
     j: usize,
     region: &K::Function,
     layers: &[Layer<K>],
     care: &K::Function,
-    work: &mut Work,
-) -> Result<Vec<Mode>, Limit> {
+    plans: &mut Workbench,
+) -> Result<Vec<Way>, Limit> {
     let m = &arena.kernel;
     let reach = m.and(&arena.goals[j], &m.prime(region)?)?;
     let yes = m.constant(true);
@@ -271,7 +291,7 @@ fn modes<K: Kernel>(
     }
 
     let mut todo = care.clone();
-    let mut modes = Vec::new();
+    let mut ways = Vec::new();
     for (within, aim, layer) in aims {
         let aim = match arena.timing {
             Timing::Mealy => aim,
@@ -284,31 +304,19 @@ fn modes<K: Kernel>(
         }
         let used = m.and(&todo, &when)?;
         let asked = std::mem::replace(&mut todo, left);
-        let added = work.bench.add(m, [&aim, &used, &when, &asked])?;
-        let when = work.bench.simplify(added[2], added[3])?;
-        let mut functions = work.eliminate(added[0], added[1])?;
-        functions.push((Bit(0), when));
-        let mut outputs = work.keep(&functions)?;
-        let when = outputs.pop().map_or(Edge::TRUE, |(_, when)| when);
-        modes.push(Mode {
-            when,
-            outputs,
+        let added = plans.add(m, [&aim, &used, &when, &asked])?;
+        ways.push(Way {
+            aim: added[0],
+            used: added[1],
+            when: added[2],
+            asked: added[3],
             layer,
         });
         if m.is_false(&todo) {
             break;
         }
     }
-    match modes.last_mut() {
-        Some(last) => last.when = Edge::TRUE,
-        // No step can be asked for at all.
-        None => modes.push(Mode {
-            when: Edge::TRUE,
-            outputs: work.outputs.iter().map(|b| (*b, Edge::FALSE)).collect(),
-            layer: None,
-        }),
-    }
-    Ok(modes)
+    Ok(ways)
 }
 
 /// Where functions are made, and where they are kept.
@@ -327,6 +335,35 @@ impl Work {
         let roots: Vec<Edge> = functions.iter().map(|(_, f)| *f).collect();
         let kept = self.kept.copy(&mut self.bench, &roots)?;
         Ok(functions.iter().map(|(bit, _)| *bit).zip(kept).collect())
+    }
+
+    /// Writes down the functions of a goal.
+    fn modes(&mut self, plans: &mut Workbench, ways: Vec<Way>) -> Result<Vec<Mode>, Limit> {
+        let mut modes = Vec::new();
+        for way in ways {
+            let edges = [way.aim, way.used, way.when, way.asked];
+            let edges = self.bench.copy(plans, &edges)?;
+            let mut functions = self.eliminate(edges[0], edges[1])?;
+            let when = self.bench.simplify(edges[2], edges[3])?;
+            functions.push((Bit(0), when));
+            let mut outputs = self.keep(&functions)?;
+            let when = outputs.pop().map_or(Edge::TRUE, |(_, when)| when);
+            modes.push(Mode {
+                when,
+                outputs,
+                layer: way.layer,
+            });
+        }
+        match modes.last_mut() {
+            Some(last) => last.when = Edge::TRUE,
+            // No step can be asked for at all.
+            None => modes.push(Mode {
+                when: Edge::TRUE,
+                outputs: self.outputs.iter().map(|b| (*b, Edge::FALSE)).collect(),
+                layer: None,
+            }),
+        }
+        Ok(modes)
     }
 
     /// Empties the bench when much lies on it.
