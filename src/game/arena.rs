@@ -3,6 +3,7 @@
 //! Formulas are encoded once ([`Formulas`]); an [`Arena`] conjoins a selection of the guarantees, so that looking for a core
 //! does not encode again. The order of the variables is settled before: see [`super::structure`], and the kernel's sifting.
 
+use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
 use super::relation::Relation;
 use super::structure;
@@ -143,8 +144,12 @@ impl<K: Kernel> Formulas<K> {
         self.kernel.peak_nodes()
     }
 
-    /// The game with the selected guarantees, its relations in clusters of at most `bound` nodes.
-    pub fn arena(&self, selection: &Selection<'_>, bound: usize) -> Result<Arena<K>, Limit> {
+    /// The game with the selected guarantees, its relations in clusters.
+    pub fn arena(
+        &self,
+        selection: &Selection<'_>,
+        clustering: Clustering,
+    ) -> Result<Arena<K>, Limit> {
         let m = &self.kernel;
         let chosen = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
             let list = list.iter().enumerate();
@@ -179,14 +184,14 @@ impl<K: Kernel> Formulas<K> {
         let bits = |vars: &[VarId], time| self.encoding.bit_set(vars.iter().copied(), time);
         let inputs_next = bits(&self.inputs, Time::Next);
         let outputs_next = bits(&self.outputs, Time::Next);
-        let environment = Relation::new(m, &env_parts, &inputs_next, bound, self.heuristics)?;
+        let environment = Relation::new(m, &env_parts, &inputs_next, clustering, self.heuristics)?;
         if self.timing == Timing::Moore {
             // ∀x'. ρe → (a ∧ b) is (∀x'. ρe → a) ∧ (∀x'. ρe → b): the machine's safety can be freed of x' once and for all.
             for part in &mut sys_parts {
                 *part = m.not(&environment.product(m, &m.not(part)?)?)?;
             }
         }
-        let system = Relation::new(m, &sys_parts, &outputs_next, bound, self.heuristics)?;
+        let system = Relation::new(m, &sys_parts, &outputs_next, clustering, self.heuristics)?;
         Ok(Arena {
             kernel: m.clone(),
             heuristics: self.heuristics,

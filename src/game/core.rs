@@ -6,7 +6,7 @@
 use super::GuaranteeRef;
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};
-use super::set_up::SPLIT_BOUND;
+use super::set_up::SPLIT;
 use crate::symbolic::{Kernel, Limit};
 
 /// A minimal unrealizable set of guarantees of an unrealizable specification.
@@ -47,6 +47,6 @@ fn unrealizable<K: Kernel>(
     formulas: &Formulas<K>,
     guarantees: &[GuaranteeRef],
 ) -> Result<bool, Limit> {
-    let arena = formulas.arena(&Selection::Only(guarantees), SPLIT_BOUND)?;
+    let arena = formulas.arena(&Selection::Only(guarantees), SPLIT)?;
     Ok(winning_region(&arena, None, &Iterations::default())?.is_none())
 }

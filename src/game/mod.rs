@@ -9,6 +9,7 @@
 //! Journal of Computer and System Sciences 78(3), 2012; safety first, strictly. No BDD type is public here.
 
 mod arena;
+mod clusters;
 mod core;
 mod cover;
 mod explore;

@@ -1,10 +1,10 @@
 //! A transition relation as clusters, and its product with a set: conjoin and quantify, cluster by cluster.
 //!
-//! Conjuncts are put together up to a number of nodes, which lies between one large relation (good for some specifications,
-//! bad for others) and one relation a formula (the reverse). A product goes through the clusters in an order in which bits
+//! A product goes through the clusters in an order in which bits
 //! can be quantified early (after Ranjan, Aziz, Brayton, Plessier and Pixley, "Efficient BDD algorithms for FSM synthesis and
 //! verification", IWLS 1995): a bit is quantified together with the last cluster that mentions it.
 
+use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 use std::collections::HashMap;
@@ -20,23 +20,23 @@ pub struct Relation<K: Kernel> {
 }
 
 impl<K: Kernel> Relation<K> {
-    /// The conjunction of `parts`, put together up to `bound` nodes; `gone` will be quantified.
+    /// The conjunction of `parts`, put together by `clustering`; `gone` will be quantified.
     pub fn new(
         kernel: &K,
         parts: &[K::Function],
         gone: &BitSet,
-        bound: usize,
+        clustering: Clustering,
         heuristics: Heuristics,
     ) -> Result<Self, Limit> {
         let clusters = if heuristics.has(Heuristic::Clusters) {
             // Conjuncts that say nothing of the bits to quantify stay apart, and come last.
-            let mentions = |part: &&K::Function| {
+            let mentions = |part: &K::Function| {
                 let support = kernel.support(part);
                 support.into_iter().any(|bit| gone.contains(bit))
             };
-            let (with, without): (Vec<_>, Vec<_>) = parts.iter().partition(mentions);
-            let mut clusters = clustered(kernel, &with, bound)?;
-            clusters.extend(clustered(kernel, &without, bound)?);
+            let (with, without): (Vec<_>, Vec<_>) = parts.iter().cloned().partition(mentions);
+            let mut clusters = clustering.cluster(kernel, with, gone)?;
+            clusters.extend(clustering.cluster(kernel, without, gone)?);
             clusters
         } else {
             let parts = parts.iter().filter(|p| !kernel.is_true(p));
@@ -109,30 +109,6 @@ impl<K: Kernel> Relation<K> {
     pub fn size(&self, kernel: &K) -> usize {
         self.clusters.iter().map(|(c, _)| kernel.size(c)).sum()
     }
-}
-
-/// Puts conjuncts together, in order, until a cluster is large.
-fn clustered<K: Kernel>(
-    kernel: &K,
-    parts: &[&K::Function],
-    bound: usize,
-) -> Result<Vec<K::Function>, Limit> {
-    let mut result: Vec<(K::Function, usize)> = Vec::new();
-    for part in parts.iter().filter(|p| !kernel.is_true(p)) {
-        let size = kernel.size(part);
-        if let Some((last, last_size)) = result.last_mut()
-            && *last_size + size <= bound
-        {
-            let both = kernel.and(last, part)?;
-            let both_size = kernel.size(&both);
-            if both_size <= bound {
-                (*last, *last_size) = (both, both_size);
-                continue;
-            }
-        }
-        result.push(((*part).clone(), size));
-    }
-    Ok(result.into_iter().map(|(f, _)| f).collect())
 }
 
 /// The order in which a product goes through clusters of these supports: next comes the one that lets most bits go for the

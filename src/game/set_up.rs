@@ -5,6 +5,7 @@
 //! is set up once more, with clusters that are sifted but not put together further.
 
 use super::arena::{Arena, Formulas, Selection};
+use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
 use super::progress::{Phase, Progress};
 use crate::gr1::Specification;
@@ -13,13 +14,16 @@ use std::time::Instant;
 
 /// Bounds of the clusters, in nodes. Some relations want to be in one piece (generators of buffers, three to four times
 /// faster), others in a few (AMBA's arbiter, the reverse).
-const FIRST_BOUND: usize = 1_000;
+const FIRST: Clustering = Clustering::InOrder(1_000);
 
-/// The bound for relations that may be in one piece.
-const WHOLE_BOUND: usize = 5_000;
+/// For relations that may be in one piece.
+const WHOLE: Clustering = Clustering::InOrder(5_000);
 
-/// The bound for relations that had better stay in pieces.
-pub const SPLIT_BOUND: usize = 3_000;
+/// For those that took well to it, when they are built anew.
+const WHOLE_AGAIN: Clustering = Clustering::ByBits(5_000);
+
+/// For relations that had better stay in pieces.
+pub const SPLIT: Clustering = Clustering::InOrder(3_000);
 
 /// So few clusters need not become fewer.
 const FEW_CLUSTERS: usize = 3;
@@ -49,7 +53,7 @@ pub fn set_up<K: Kernel>(
     let found = if heuristics.has(Heuristic::Sifting) && K::REORDERS {
         in_order(formulas, encode)
     } else {
-        let arena = formulas.arena(&Selection::All, SPLIT_BOUND);
+        let arena = formulas.arena(&Selection::All, SPLIT);
         arena.map(|arena| (formulas, arena))
     };
     progress.note(|s| s.order_seconds = clock.elapsed().as_secs_f64());
@@ -62,18 +66,18 @@ fn in_order<K: Kernel>(
 ) -> Result<(Formulas<K>, Arena<K>), Limit> {
     formulas.kernel().sift()?;
     let count = |arena: &Arena<K>| arena.environment.count() + arena.system.count();
-    let (arena, pieces) = sifted(&formulas, FIRST_BOUND)?;
+    let (arena, pieces) = sifted(&formulas, FIRST)?;
     if count(&arena) <= FEW_CLUSTERS {
         return Ok((formulas, arena));
     }
     drop(arena);
-    let (mut arena, whole) = sifted(&formulas, WHOLE_BOUND)?;
+    let (mut arena, whole) = sifted(&formulas, WHOLE)?;
     if whole * 100 <= pieces * WHOLE_PERCENT {
         for _ in 0..MORE_ROUNDS {
             if count(&arena) <= FEW_CLUSTERS {
                 break;
             }
-            let next = formulas.arena(&Selection::All, WHOLE_BOUND)?;
+            let next = formulas.arena(&Selection::All, WHOLE_AGAIN)?;
             if count(&next) >= count(&arena) {
                 break;
             }
@@ -85,13 +89,16 @@ fn in_order<K: Kernel>(
     drop((arena, formulas));
     let formulas = encode()?;
     formulas.kernel().sift()?;
-    let (arena, _) = sifted(&formulas, SPLIT_BOUND)?;
+    let (arena, _) = sifted(&formulas, SPLIT)?;
     Ok((formulas, arena))
 }
 
-/// The game in clusters of at most `bound` nodes, then sifted, and the number of nodes of its relations.
-fn sifted<K: Kernel>(formulas: &Formulas<K>, bound: usize) -> Result<(Arena<K>, usize), Limit> {
-    let arena = formulas.arena(&Selection::All, bound)?;
+/// The game in clusters, then sifted, and the number of nodes of its relations.
+fn sifted<K: Kernel>(
+    formulas: &Formulas<K>,
+    clustering: Clustering,
+) -> Result<(Arena<K>, usize), Limit> {
+    let arena = formulas.arena(&Selection::All, clustering)?;
     formulas.kernel().sift()?;
     let size = arena.environment.size(&arena.kernel) + arena.system.size(&arena.kernel);
     Ok((arena, size))

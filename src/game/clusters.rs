@@ -1,0 +1,111 @@
+//! Conjuncts put together into clusters, up to a number of nodes: between one large relation (good for some specifications, bad
+//! for others) and one relation a formula (the reverse).
+
+use crate::symbolic::{BitSet, Kernel, Limit};
+
+/// How conjuncts are put together.
+#[derive(Debug, Clone, Copy)]
+pub enum Clustering {
+    /// In the order of the file, each cluster of at most so many nodes.
+    InOrder(usize),
+    /// The same, but first those neighbours that alone mention a bit. With the cluster that they become, the bit can be
+    /// quantified before any other cluster is looked at; cut in the middle, two clusters would mention nearly the same bits,
+    /// and what lies between them would be larger than what comes out.
+    ByBits(usize),
+}
+
+/// Pieces of at most so many nodes are put together before bits are looked at.
+const PIECE_NODES: usize = 1_000;
+
+impl Clustering {
+    /// The clusters of `parts`, of which `gone` will be quantified.
+    pub fn cluster<K: Kernel>(
+        self,
+        kernel: &K,
+        parts: Vec<K::Function>,
+        gone: &BitSet,
+    ) -> Result<Vec<K::Function>, Limit> {
+        match self {
+            Self::InOrder(bound) => in_order(kernel, parts, bound),
+            Self::ByBits(bound) => {
+                let mut pieces = in_order(kernel, parts, PIECE_NODES.min(bound))?;
+                while join_neighbours(kernel, &mut pieces, gone, bound)? {}
+                in_order(kernel, pieces, bound)
+            }
+        }
+    }
+}
+
+/// Puts conjuncts together, one after the other, until a cluster is large.
+fn in_order<K: Kernel>(
+    kernel: &K,
+    parts: Vec<K::Function>,
+    bound: usize,
+) -> Result<Vec<K::Function>, Limit> {
+    let mut result: Vec<(K::Function, usize)> = Vec::new();
+    for part in parts.into_iter().filter(|p| !kernel.is_true(p)) {
+        let size = kernel.size(&part);
+        if let Some((last, last_size)) = result.last_mut()
+            && *last_size + size <= bound
+        {
+            let both = kernel.and(last, &part)?;
+            let both_size = kernel.size(&both);
+            if both_size <= bound {
+                (*last, *last_size) = (both, both_size);
+                continue;
+            }
+        }
+        result.push((part, size));
+    }
+    Ok(result.into_iter().map(|(f, _)| f).collect())
+}
+
+/// Joins the fewest neighbours that alone mention one of the bits and have at most `bound` nodes together, if there are any.
+fn join_neighbours<K: Kernel>(
+    kernel: &K,
+    pieces: &mut Vec<K::Function>,
+    gone: &BitSet,
+    bound: usize,
+) -> Result<bool, Limit> {
+    let supports: Vec<BitSet> = pieces
+        .iter()
+        .map(|piece| BitSet::new(kernel.support(piece)))
+        .collect();
+    let mut ranges: Vec<(usize, usize)> = Vec::new();
+    for bit in gone.iter() {
+        let mention: Vec<usize> = (0..pieces.len())
+            .filter(|piece| supports[*piece].contains(bit))
+            .collect();
+        if let [first, .., last] = mention[..]
+            && last - first + 1 == mention.len()
+        {
+            ranges.push((mention.len(), first));
+        }
+    }
+    ranges.sort_unstable();
+    ranges.dedup();
+    for (length, first) in ranges {
+        let range = first..first + length;
+        if let Some(joined) = conjunction(kernel, &pieces[range.clone()], bound)? {
+            pieces.splice(range, [joined]);
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// The conjunction, unless it or one of those on the way to it has more than `bound` nodes.
+fn conjunction<K: Kernel>(
+    kernel: &K,
+    pieces: &[K::Function],
+    bound: usize,
+) -> Result<Option<K::Function>, Limit> {
+    let mut all = kernel.constant(true);
+    for piece in pieces {
+        all = kernel.and(&all, piece)?;
+        if kernel.size(&all) > bound {
+            return Ok(None);
+        }
+    }
+    Ok(Some(all))
+}
