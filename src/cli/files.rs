@@ -313,7 +313,7 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
         None,
         format!("{name} cannot be read: {why}"),
     )
-    .with_help("give the path of a .lw file, or of a folder that holds some")
+    .with_help("give the path of a .lw file (`check` and `synth` take .spc, .slugsin and .structuredslugs, too), or of a folder that holds .lw files")
 }
 
 /// A path without `.` and, as far as possible, `..`, with slashes.

@@ -73,10 +73,16 @@ pub struct GlobalOptions {
     #[arg(long, global = true)]
     pub no_timing: bool,
     /// Give up after so many seconds, all contracts together [default: never]
-    #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub timeout: Option<Duration>,
     /// Give up on a contract that needs more memory for its formulas
-    #[arg(long, global = true, value_name = "MIB", default_value_t = 4096)]
+    #[arg(
+        long,
+        global = true,
+        value_name = "MIB",
+        default_value_t = 4096,
+        allow_negative_numbers = true
+    )]
     pub memory: u64,
     /// Which BDD package solves; none changes a verdict
     #[arg(long, global = true, value_enum, default_value = "auto")]

@@ -126,6 +126,7 @@ fn section_of(names: &mut Names<'_>, text: &str, line: Range<usize>) -> Head {
     let known = SECTIONS.iter().map(|s| s.name).chain(["INPUT", "OUTPUT"]);
     let help = match nearest(&name, known) {
         Some(near) => format!("did you mean `[{near}]`?"),
+        None if !exact => "a line that begins with `[` names a section and nothing else; a formula needs no `[]`, its section says when it holds".to_owned(),
         None => "sections are [INPUT], [OUTPUT], and [ENV_INIT], [ENV_TRANS], [ENV_LIVENESS] with their SYS counterparts".to_owned(),
     };
     names.syntax(line, format!("there is no section `{text}`"), help);

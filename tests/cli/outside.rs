@@ -92,6 +92,7 @@ fn what_cannot_run_says_so_on_standard_error() {
         (&["explain", "LW999"], "LW999"),
         (&["din", "show", "vdi:Dreehn"], "vdi:Drehen"),
         (&["run", "a.lw", "--until", "soon"], "90m"),
+        (&["check", "a.lw", "--timeout", "-1"], "a number of seconds"),
     ] {
         let (code, out, err) = run(folder.path(), arguments);
         assert_eq!(code, 2, "{arguments:?}: {err}");
