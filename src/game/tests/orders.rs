@@ -1,21 +1,16 @@
 //! Orders that change in the middle of a fixpoint. Games small enough for thousands of tests never reach the size at which a
 //! kernel looks for a better order by itself, so these are played on one that does so at every safe point.
 
-use super::arena::{Arena, first_order};
-use super::fixpoint::{Iterations, layers, winning_region};
-use super::heuristics::{Heuristic, Heuristics};
-use super::progress::Progress;
-use super::set_up::set_up;
+use super::super::arena::{Arena, first_order};
+use super::super::fixpoint::{Iterations, layers, winning_region};
+use super::super::heuristics::{Heuristic, Heuristics};
+use super::super::progress::Progress;
+use super::super::set_up::set_up;
+use super::{Random, specification, specification_with_goals};
 use crate::gr1::Specification;
 use crate::symbolic::{Biodivine, Bit, BitSet, Diagram, Kernel, Limit, Limits, Order, OxiDd};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-#[allow(dead_code, reason = "only specifications are needed")]
-#[path = "../../tests/oracle/random.rs"]
-mod random;
-
-use random::{Random, specification, specification_with_goals};
 
 type Function = <OxiDd as Kernel>::Function;
 
