@@ -1,0 +1,348 @@
+//! From a specification to a verified controller: solve → extract → verify, many at once.
+//!
+//! A controller that the verifier refuses is a fault of this program; it ends the command and is never written out. What was
+//! solved before comes from the [cache](super::cache): results, from which the findings are made anew. A task finds out what
+//! is to be known of a contract, and that is then put into words.
+
+mod known;
+mod task;
+
+pub use known::Reason;
+
+use super::cache::Cache;
+use super::controller::Wish;
+use super::interrupt::Watch;
+use super::statistics::Statistics;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::game::{Heuristics, KernelChoice, Limits, Ranking};
+use crate::gr1::Specification;
+use crate::interchange::Inquiry;
+use crate::mealy;
+use crate::mealy::functions::Functions;
+use crate::source::Span;
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use std::sync::Arc;
+use task::Task;
+
+/// What is known of a contract.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// There is a controller.
+    Realizable,
+    /// There is none.
+    Unrealizable,
+    /// A limit was reached.
+    GaveUp,
+    /// It could not be understood.
+    Invalid,
+}
+
+impl Verdict {
+    /// The word in a JSON document.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Realizable => "realizable",
+            Self::Unrealizable => "unrealizable",
+            Self::GaveUp => "gave_up",
+            Self::Invalid => "invalid",
+        }
+    }
+
+    /// The verdict on two things together: the worse one.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let rank = |verdict: Self| match verdict {
+            Self::Realizable => 0,
+            Self::GaveUp => 1,
+            Self::Unrealizable => 2,
+            Self::Invalid => 3,
+        };
+        if rank(other) > rank(self) {
+            other
+        } else {
+            self
+        }
+    }
+}
+
+/// A contract after the pipeline.
+#[derive(Debug, Clone)]
+pub struct CheckedContract {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// What was found on the way.
+    pub findings: Vec<Diagnostic>,
+    /// Names of guarantees and assumptions that clash, for an unrealizable one.
+    pub core: Vec<String>,
+    /// The verified controller. A realizable contract has none when nobody asked for it, or when a limit was reached after the
+    /// verdict; the findings say so.
+    pub machine: Option<mealy::Machine>,
+    /// The certified controller as functions, where that was asked for and a machine would be too large.
+    pub functions: Option<Functions>,
+    /// Why it is realizable, where that was asked for.
+    pub ranking: Option<Ranking>,
+    /// Seconds of the clock for all stages.
+    pub seconds: f64,
+    /// The largest number of BDD nodes, where the solver counts them.
+    pub peak_nodes: Option<u64>,
+    /// What it took, by phase.
+    pub statistics: Statistics,
+    /// Whether its controller and its plant were left unexamined because the game is too large for that.
+    pub left_out: bool,
+}
+
+/// A fault of this program.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "internal error: the controller synthesized for `{contract}` was refused by the verifier ({rule}). \
+     Nothing was written. This is a fault of linewright: please report it together with the contract"
+)]
+pub struct InternalError {
+    contract: String,
+    rule: String,
+}
+
+impl InternalError {
+    /// The controller of a contract breaks a rule.
+    pub fn new(specification: &Specification, rule: String) -> Self {
+        Self {
+            contract: specification.name.clone(),
+            rule,
+        }
+    }
+}
+
+/// How to solve.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// When to give up.
+    pub limits: Limits,
+    /// Which BDD package.
+    pub kernel: KernelChoice,
+    /// Which heuristics are on.
+    pub heuristics: Heuristics,
+    /// What is known of contracts that were solved before.
+    pub cache: Option<Cache>,
+}
+
+/// One specification to be solved, and where its findings point.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// What to solve.
+    pub specification: Arc<Specification>,
+    /// The contract's name, or the component that gives it other arguments.
+    pub span: Span,
+    /// How far to go.
+    pub goal: Goal,
+    /// For a specification of another tool: what to find out beside, to say what that tool answers.
+    pub inquiries: Vec<Inquiry>,
+}
+
+/// How far a job goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Goal {
+    /// Only whether there is a controller.
+    Answer,
+    /// The same; and if there is none, which guarantees clash. Nothing is extracted, verified or examined: for specifications
+    /// whose controller nobody asked for, and which may be far larger than a contract.
+    Verdict,
+    /// The same; and if the game is small, a verified controller. What is small is the solver's business; the clock has no
+    /// part in it.
+    Small,
+    /// A verified controller, whatever it costs.
+    Controller,
+}
+
+impl Goal {
+    /// Whether a controller is asked for.
+    fn extracts(self, large: bool) -> bool {
+        match self {
+            Self::Answer | Self::Verdict => false,
+            Self::Small => !large,
+            Self::Controller => true,
+        }
+    }
+}
+
+/// Jobs without repetition: equal contracts are synthesized once, however many machines use them.
+#[derive(Debug, Default)]
+pub struct Jobs {
+    list: Vec<Job>,
+    examine: bool,
+    rank: bool,
+    wish: Wish,
+}
+
+impl Jobs {
+    /// No jobs yet; those that come also look for what makes a realizable contract mean less than it seems to (LW205,
+    /// LW206, LW208). `build` and `run` do without: it changes no controller.
+    pub fn examining() -> Self {
+        Self {
+            examine: true,
+            ..Self::default()
+        }
+    }
+
+    /// The same, with controllers as they are wished for.
+    #[must_use]
+    pub fn wishing(self, wish: Wish) -> Self {
+        Self { wish, ..self }
+    }
+
+    /// The same, and asks why each realizable contract is realizable.
+    #[must_use]
+    pub fn ranking(self, rank: bool) -> Self {
+        Self { rank, ..self }
+    }
+
+    /// Adds a job whose controller is needed, or finds an equal one, and gives its index.
+    pub fn add(&mut self, specification: &Arc<Specification>, span: Span) -> usize {
+        self.add_for(Goal::Controller, specification, span)
+    }
+
+    /// Adds a job, or finds an equal one, and gives its index.
+    pub fn add_for(&mut self, goal: Goal, specification: &Arc<Specification>, span: Span) -> usize {
+        let equal = |job: &Job| {
+            job.goal >= Goal::Small
+                && job.inquiries.is_empty()
+                && (Arc::ptr_eq(&job.specification, specification)
+                    || job.specification == *specification)
+        };
+        let found = self.list.iter().position(equal);
+        if let Some(index) = found {
+            let job = &mut self.list[index];
+            job.goal = job.goal.max(goal);
+            return index;
+        }
+        self.add_foreign(specification, span, goal, Vec::new())
+    }
+
+    /// Adds a specification of another tool.
+    pub fn add_foreign(
+        &mut self,
+        specification: &Arc<Specification>,
+        span: Span,
+        goal: Goal,
+        inquiries: Vec<Inquiry>,
+    ) -> usize {
+        self.list.push(Job {
+            specification: Arc::clone(specification),
+            span,
+            goal,
+            inquiries,
+        });
+        self.list.len() - 1
+    }
+
+    /// The job of an index.
+    pub fn get(&self, index: usize) -> &Job {
+        &self.list[index]
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Does them all, in parallel; the results are in the order of the jobs. It ends shortly after the time limit, and after
+    /// Ctrl-C, whatever is being done then.
+    pub fn run(
+        &self,
+        settings: &Settings,
+        progress: &ProgressBar,
+    ) -> Result<Vec<CheckedContract>, InternalError> {
+        let _watch = Watch::new();
+        let results = self
+            .list
+            .par_iter()
+            .map(|job| {
+                let result = Task {
+                    job: job.clone(),
+                    examine: self.examine,
+                    rank: self.rank,
+                    wish: self.wish,
+                    settings: settings.clone(),
+                    solve: Arc::default(),
+                }
+                .in_time();
+                progress.set_message(job.specification.name.clone());
+                progress.inc(1);
+                result
+            })
+            .collect::<Vec<_>>();
+        progress.finish_and_clear();
+        results.into_iter().collect()
+    }
+}
+
+impl CheckedContract {
+    /// The findings for a command that needs the controller: that there is none is an error then.
+    pub fn findings_where_needed(&self) -> Vec<Diagnostic> {
+        let mut findings = self.findings.clone();
+        if self.machine.is_none() && self.functions.is_none() {
+            for finding in &mut findings {
+                if finding.code == codes::GAVE_UP {
+                    finding.severity = crate::diagnostics::Severity::Error;
+                }
+            }
+        }
+        findings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gr1::{Expr, Formula, Side, Timing};
+
+    fn specification(name: &str) -> Arc<Specification> {
+        let formula = |name: &str, start| Formula {
+            name: name.to_owned(),
+            requirement: None,
+            expr: Expr::FALSE,
+            span: Span::new(crate::source::FileId(0), start, start + 1),
+            text: "false".to_owned(),
+        };
+        Arc::new(Specification {
+            name: name.to_owned(),
+            timing: Timing::Mealy,
+            variables: Vec::new(),
+            assumptions: Side::default(),
+            guarantees: Side {
+                initial: vec![formula("start", 5), formula("other", 9)],
+                ..Side::default()
+            },
+        })
+    }
+
+    #[test]
+    fn equal_contracts_are_one_job() {
+        let mut jobs = Jobs::default();
+        let span = Span::default();
+        assert_eq!(jobs.add(&specification("A"), span), 0);
+        assert_eq!(jobs.add(&specification("B"), span), 1);
+        assert_eq!(jobs.add(&specification("A"), span), 0);
+        assert_eq!(jobs.len(), 2);
+    }
+
+    #[test]
+    fn the_worse_verdict_wins() {
+        let order = [
+            Verdict::Realizable,
+            Verdict::GaveUp,
+            Verdict::Unrealizable,
+            Verdict::Invalid,
+        ];
+        for (i, a) in order.into_iter().enumerate() {
+            for (j, b) in order.into_iter().enumerate() {
+                assert_eq!(a.and(b), order[i.max(j)]);
+            }
+        }
+    }
+}
