@@ -16,7 +16,8 @@ const MACHINE_PEAK_NODES: u64 = 50_000;
 /// A machine is only tried for games of at most so many pairs of bits.
 const MACHINE_PAIRS: usize = 48;
 
-/// Where functions will do, a machine is given up that needs more nodes than this at once.
+/// Where functions will do, a machine is given up that needs more nodes than this at once, or more pairs of a state and inputs
+/// to be verified.
 const MACHINE_NODES: u64 = 4_000_000;
 
 /// What a controller shall be like.

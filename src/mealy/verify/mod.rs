@@ -36,7 +36,8 @@ pub struct Violation {
     pub repeats_from: Option<usize>,
 }
 
-/// Checks a machine. `Ok(Ok(()))` is: it keeps its contract. Beyond [`MOST_PAIRS`] it gives up with [`Limit::Size`].
+/// Checks a machine. `Ok(Ok(()))` is: it keeps its contract. Beyond [`MOST_PAIRS`], or as many pairs as there may be nodes
+/// ([`Limits::most_nodes`]), it gives up with [`Limit::Size`].
 pub fn verify(
     specification: &Specification,
     machine: &Machine,
@@ -360,7 +361,12 @@ impl<'a> Check<'a> {
         }
         let Some(input) = self.inputs.get(depth).copied() else {
             self.pairs += 1;
-            if self.pairs > MOST_PAIRS {
+            if self.pairs
+                > self
+                    .limits
+                    .most_nodes
+                    .map_or(MOST_PAIRS, |n| n.min(MOST_PAIRS))
+            {
                 return Err(Limit::Size);
             }
             if self.pairs.is_multiple_of(1 << 16) {
