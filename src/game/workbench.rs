@@ -228,6 +228,9 @@ impl Workbench {
         if self.effort > self.patience {
             return Err(Limit::Size);
         }
+        if self.effort.is_multiple_of(1 << 16) {
+            self.limits.check_time()?;
+        }
         let level = self.level(a).min(self.level(b));
         let ((a1, a0), (b1, b0)) = (self.branches(a, level), self.branches(b, level));
         let high = self.and(a1, b1)?;

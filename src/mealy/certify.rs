@@ -117,6 +117,17 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
     {
         return fault("a diagram refers to what does not exist");
     }
+    let states = Supports::new(&controls.certificate.diagram, 2 * pairs);
+    let mut sets = controls
+        .certificate
+        .goals
+        .iter()
+        .flatten()
+        .map(|r| r.reached)
+        .chain([controls.certificate.region]);
+    if !sets.all(|set| states.of(set).all(|b| b != b.primed())) {
+        return fault("a set of states speaks of next values");
+    }
     if let Some(rank) = controls
         .certificate
         .goals

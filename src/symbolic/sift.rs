@@ -40,6 +40,9 @@ const MANY_NODES: usize = 20_000;
 /// See [`LEAST_WORK`].
 const WORK_PER_NODE: usize = 300;
 
+/// So many nodes are touched between two looks at the clock: some thousandths of a second.
+const LOOK: usize = 200_000;
+
 /// What is not a bit: the level of the constant.
 const CONSTANT: u16 = u16::MAX;
 
@@ -73,8 +76,11 @@ pub struct Sifter {
     positions: Vec<u16>,
     /// How many nodes are referenced, the constant aside.
     size: usize,
-    /// How many nodes may still be touched.
+    /// How many nodes may still be touched; none once the time has run out.
     work: usize,
+    limits: Limits,
+    /// After how many touched nodes the clock is looked at.
+    look: usize,
 }
 
 /// Nodes by their edges: open addressing, emptied by counting on.
@@ -142,10 +148,10 @@ pub fn sift(
     most_work: usize,
     limits: &Limits,
 ) -> Option<(Order, usize, usize)> {
-    let mut sifter = Sifter::new(diagram, order);
+    let mut sifter = Sifter::new(diagram, order, limits);
     sifter.work = sifter.work.min(most_work);
     let before = sifter.size;
-    let after = sifter.sift(limits);
+    let after = sifter.sift();
     (after < before).then(|| {
         let order = Order::new(sifter.order).expect("sifting lost a pair; please report this");
         (order, before, after)
@@ -153,7 +159,7 @@ pub fn sift(
 }
 
 impl Sifter {
-    fn new(diagram: &Diagram, order: &Order) -> Self {
+    fn new(diagram: &Diagram, order: &Order, limits: &Limits) -> Self {
         let pairs = order.pairs().len();
         let mut sifter = Self {
             nodes: vec![Node {
@@ -171,6 +177,8 @@ impl Sifter {
             positions: order.positions(),
             size: 0,
             work: 0,
+            limits: *limits,
+            look: LOOK,
         };
         // A diagram's constant is `false`, this one's is `true`.
         let mut edges: Vec<u32> = Vec::with_capacity(diagram.nodes.len());
@@ -303,6 +311,14 @@ impl Sifter {
         }
         let touched = staying.len() + 5 * moving.len() + 1;
         self.work = self.work.saturating_sub(touched);
+        if touched < self.look {
+            self.look -= touched;
+        } else {
+            self.look = LOOK;
+            if self.limits.check_time().is_err() {
+                self.work = 0;
+            }
+        }
         if !moving.is_empty() {
             std::mem::swap(&mut self.levels[upper.index()], &mut staying);
             self.exchange(upper, lower, &moving);
@@ -360,14 +376,14 @@ impl Sifter {
     }
 
     /// Sifts until it is no longer worthwhile; gives the number of nodes.
-    fn sift(&mut self, limits: &Limits) -> usize {
+    fn sift(&mut self) -> usize {
         let all = self.work;
         for pass in 0..MOST_PASSES {
             let before = self.size;
             let mut pairs = self.order.clone();
             pairs.sort_by_key(|p| std::cmp::Reverse(self.nodes_of(*p)));
             for pair in pairs {
-                if self.work == 0 || limits.check_time().is_err() {
+                if self.work == 0 {
                     return self.size;
                 }
                 if self.nodes_of(pair) > 0 {
@@ -381,7 +397,7 @@ impl Sifter {
                 }
             }
             for (upper, lower) in self.couples() {
-                if self.work == 0 || limits.check_time().is_err() {
+                if self.work == 0 {
                     return self.size;
                 }
                 let below = self.positions[usize::from(upper)] + 1;
@@ -400,6 +416,9 @@ impl Sifter {
     fn couples(&mut self) -> Vec<(u16, u16)> {
         let mut found = Vec::new();
         for position in 0..self.order.len().saturating_sub(1) {
+            if self.work == 0 {
+                break;
+            }
             let (upper, lower) = (self.order[position], self.order[position + 1]);
             let before = self.size;
             self.swap(position);

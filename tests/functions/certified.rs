@@ -7,7 +7,7 @@ use linewright::gr1::Specification;
 use linewright::mealy::certify::{certify, certify_on};
 use linewright::mealy::functions::Functions;
 use linewright::mealy::verify::verify;
-use linewright::symbolic::{Biodivine, Edge, OxiDd};
+use linewright::symbolic::{Biodivine, Bit, DiagramNode, Edge, OxiDd};
 
 const KERNELS: [KernelChoice; 2] = [KernelChoice::Biodivine, KernelChoice::OxiDd];
 
@@ -120,6 +120,136 @@ fn mutate(random: &mut Random, functions: &Functions) -> Option<Functions> {
         }
     }
     (mutant != *functions).then_some(mutant)
+}
+
+/// Changes a certificate.
+fn mutate_certificate(random: &mut Random, specification: &Specification, mutant: &mut Functions) {
+    let controls = &mut mutant.controls;
+    let certificate = &mut controls.certificate;
+    let nodes = certificate.diagram.nodes.len() as u64;
+    let goal = random.below(controls.goals.len() as u64) as usize;
+    let modes = &mut controls.goals[goal].modes;
+    let layers = &mut certificate.goals[goal];
+    let layer = random.below(layers.len().max(1) as u64) as usize;
+    match random.below(8) {
+        0 | 1 if nodes > 0 => {
+            let node = &mut certificate.diagram.nodes[random.below(nodes) as usize];
+            let edge = if random.chance(50) {
+                &mut node.high
+            } else {
+                &mut node.low
+            };
+            *edge = match random.below(3) {
+                // The edge for 1 may be negated here: whoever reads a diagram has to cope.
+                0 => edge.negated(),
+                1 => Edge::TRUE,
+                _ => Edge::FALSE,
+            };
+        }
+        2 if !layers.is_empty() => {
+            let assumptions = specification.assumptions.justice.len().max(1) as u64;
+            layers[layer].assumption = random.below(assumptions) as usize;
+        }
+        3 if !layers.is_empty() => {
+            layers.remove(layer);
+            for of in modes.iter_mut().filter_map(|m| m.layer.as_mut()) {
+                *of -= usize::from(*of > layer);
+            }
+        }
+        4 if !layers.is_empty() => {
+            layers.insert(layer, layers[layer]);
+            for of in modes.iter_mut().filter_map(|m| m.layer.as_mut()) {
+                *of += usize::from(*of > layer);
+            }
+        }
+        5 if !layers.is_empty() => {
+            let mode = random.below(modes.len() as u64) as usize;
+            modes[mode].layer = random.chance(90).then_some(layer);
+        }
+        6 if !layers.is_empty() => layers[layer].reached = certificate.region,
+        _ => {
+            let count = modes.len() as u64;
+            modes.swap(random.below(count) as usize, random.below(count) as usize);
+            if let Some(last) = modes.last_mut() {
+                last.when = Edge::TRUE;
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_controllers_do_not_pass_with_another_certificate_either() {
+    let (mut refused, mut passed, mut changed, mut moore) = (0, 0, 0, 0);
+    for seed in 0..500 {
+        let mut random = Random::new(seed);
+        let specification = random::specification(&mut random);
+        let Some(right) = functions(&specification, KERNELS[seed as usize % 2]) else {
+            continue;
+        };
+        for round in 0..6 {
+            let mut mutant = right.clone();
+            if round % 2 == 0
+                && let Some(other) = mutate(&mut random, &right)
+            {
+                mutant = other;
+            }
+            for _ in 0..=random.below(3) {
+                mutate_certificate(&mut random, &specification, &mut mutant);
+            }
+            if certified(&specification, &mutant).is_err() {
+                refused += 1;
+                continue;
+            }
+            passed += 1;
+            changed += i32::from(mutant.controls.goals != right.controls.goals);
+            moore += i32::from(right.timing == linewright::gr1::Timing::Moore);
+            assert_eq!(
+                verified(&specification, &mutant),
+                Ok(()),
+                "seed {seed}, round {round}"
+            );
+        }
+    }
+    println!("{passed} passed ({changed} with other modes, {moore} Moore), {refused} refused");
+    assert!(passed > 200 && changed > 50 && moore > 50 && refused > 400);
+}
+
+/// Where the twin of every bit equals the bit: as a "set of states" it would make every state one that is never left.
+#[test]
+fn sets_of_states_do_not_speak_of_next_values() {
+    let mut tried = 0;
+    for seed in 0..100 {
+        let mut random = Random::new(seed);
+        let specification = random::specification(&mut random);
+        let Some(mut functions) = functions(&specification, KERNELS[seed as usize % 2]) else {
+            continue;
+        };
+        let controls = &mut functions.controls;
+        let nodes = &mut controls.certificate.diagram.nodes;
+        let mut same = Edge::TRUE;
+        for pair in controls.order.pairs().iter().rev() {
+            let now = Bit(2 * pair);
+            let mut node = |bit, high, low| {
+                nodes.push(DiagramNode { bit, high, low });
+                Edge::to(nodes.len() - 1)
+            };
+            let one = node(now.primed(), same, Edge::FALSE);
+            let zero = node(now.primed(), Edge::FALSE, same);
+            same = node(now, one, zero);
+        }
+        controls.certificate.region = same;
+        for layer in controls.certificate.goals.iter_mut().flatten() {
+            layer.reached = Edge::FALSE;
+        }
+        let verdict = certified(&specification, &functions);
+        assert_eq!(
+            verdict,
+            Err("a set of states speaks of next values".to_owned()),
+            "seed {seed}"
+        );
+        tried += 1;
+    }
+    assert!(tried > 30);
 }
 
 #[test]

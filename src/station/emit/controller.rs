@@ -103,7 +103,11 @@ pub fn of_machine(machine: &Machine) -> Files {
         &machine.inputs,
         &machine.outputs,
     );
-    let header = text.header("    /* -1 before step 0. */\n    int32_t state;\n");
+    let header = text.header(
+        "    /* -1 before step 0. */\n    int32_t state;\n",
+        "Of the inputs that break an assumption, those are refused for which the machine has no step; others may be accepted,\n\
+         \x20* and then nothing is promised.",
+    );
     Files {
         source: text.machine(machine),
         name: text.name,
@@ -119,10 +123,14 @@ pub fn of_functions(functions: &Functions) -> Files {
         &functions.inputs,
         &functions.outputs,
     );
-    let header = text.header(&format!(
+    let state = format!(
         "    /* The goal that is pursued; -1 before step 0. */\n    int32_t goal;\n    /* The bits of the last step's values. */\n    uint8_t current[{}];\n",
         functions.pairs().max(1)
-    ));
+    );
+    let header = text.header(
+        &state,
+        "Exactly the inputs that break an assumption are refused as such.",
+    );
     Files {
         source: text.functions(functions),
         name: text.name,
@@ -219,7 +227,8 @@ impl<'a> Text<'a> {
         }
     }
 
-    fn header(&self, state: &str) -> String {
+    /// The header, with what is kept between two steps and what is said of broken assumptions.
+    fn header(&self, state: &str, refused: &str) -> String {
         let name = &self.name;
         let guard = format!("LINEWRIGHT_{name}_H");
         let structure = |what: &str, ports: &[(String, &Port)]| {
@@ -258,7 +267,7 @@ impl<'a> Text<'a> {
              #ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n\n\
              #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n\
              {}\n{}\n/* Where the controller is between two steps. */\ntypedef struct {name}_state {{\n{state}}} {name}_state;\n\n\
-             /* What {name}_step returns. */\nenum {{\n    {name}_OK = 0,\n    {name}_ASSUMPTION_BROKEN = -1,\n    {name}_OUTSIDE_DOMAIN = -2\n}};\n\n\
+             /* What {name}_step returns. {refused} */\nenum {{\n    {name}_OK = 0,\n    {name}_ASSUMPTION_BROKEN = -1,\n    {name}_OUTSIDE_DOMAIN = -2\n}};\n\n\
              /* Before step 0. */\nvoid {name}_reset({name}_state *state);\n\n\
              /* One step. A negative result says why it was refused; then state and outputs are as before. */\n\
              int {name}_step({name}_state *state, const {name}_inputs *inputs, {name}_outputs *outputs);\n\n\
