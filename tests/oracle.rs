@@ -2,6 +2,8 @@
 
 #[path = "oracle/check.rs"]
 mod check;
+#[path = "oracle/enumerated.rs"]
+mod enumerated;
 #[path = "oracle/exhaustive.rs"]
 mod exhaustive;
 #[path = "oracle/game.rs"]

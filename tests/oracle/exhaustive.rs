@@ -63,7 +63,7 @@ fn of_states(set: u32) -> Expr {
     formula
 }
 
-fn listed(expr: Option<Expr>) -> Vec<Formula> {
+pub fn listed(expr: Option<Expr>) -> Vec<Formula> {
     let formula = expr.map(|expr| Formula {
         name: "a formula".to_owned(),
         requirement: None,
@@ -74,7 +74,7 @@ fn listed(expr: Option<Expr>) -> Vec<Formula> {
     formula.into_iter().collect()
 }
 
-fn variable(name: &str, owner: Owner) -> Variable {
+pub fn variable(name: &str, owner: Owner) -> Variable {
     Variable {
         name: name.to_owned(),
         owner,
