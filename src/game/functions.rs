@@ -343,14 +343,11 @@ impl Work {
         for way in ways {
             let edges = [way.aim, way.used, way.when, way.asked];
             let edges = self.bench.copy(plans, &edges)?;
-            let mut functions = self.eliminate(edges[0], edges[1])?;
+            let functions = self.eliminate(edges[0], edges[1])?;
             let when = self.bench.simplify(edges[2], edges[3])?;
-            functions.push((Bit(0), when));
-            let mut outputs = self.keep(&functions)?;
-            let when = outputs.pop().map_or(Edge::TRUE, |(_, when)| when);
             modes.push(Mode {
-                when,
-                outputs,
+                when: self.kept.copy(&mut self.bench, &[when])?[0],
+                outputs: self.keep(&functions)?,
                 layer: way.layer,
             });
         }

@@ -1,8 +1,8 @@
 //! A transition relation as clusters, and its product with a set: conjoin and quantify, cluster by cluster.
 //!
-//! A product goes through the clusters in an order in which bits
-//! can be quantified early (after Ranjan, Aziz, Brayton, Plessier and Pixley, "Efficient BDD algorithms for FSM synthesis and
-//! verification", IWLS 1995): a bit is quantified together with the last cluster that mentions it.
+//! A product goes through the clusters in an order in which bits can be quantified early (after Ranjan, Aziz, Brayton,
+//! Plessier and Pixley, "Efficient BDD algorithms for FSM synthesis and verification", IWLS 1995): a bit is quantified
+//! together with the last cluster that mentions it.
 
 use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};

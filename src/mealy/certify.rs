@@ -111,21 +111,17 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         .iter()
         .flatten()
         .map(|r| r.reached);
-    let ranks = ranks.chain([controls.certificate.region]);
+    let sets = ranks.chain([controls.certificate.region]);
     if !sound(&controls.diagram, Box::new(edges))
-        || !sound(&controls.certificate.diagram, Box::new(ranks))
+        || !sound(&controls.certificate.diagram, Box::new(sets.clone()))
     {
         return fault("a diagram refers to what does not exist");
     }
     let states = Supports::new(&controls.certificate.diagram, 2 * pairs);
-    let mut sets = controls
-        .certificate
-        .goals
-        .iter()
-        .flatten()
-        .map(|r| r.reached)
-        .chain([controls.certificate.region]);
-    if !sets.all(|set| states.of(set).all(|b| b != b.primed())) {
+    if !sets
+        .clone()
+        .all(|set| states.of(set).all(|b| b != b.primed()))
+    {
         return fault("a set of states speaks of next values");
     }
     if let Some(rank) = controls

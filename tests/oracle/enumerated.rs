@@ -7,11 +7,11 @@
 //! operators as it can be.
 
 use super::exhaustive::{listed, variable};
-use super::game::{Board, Subset};
 use super::random::Random;
-use super::ways::{Extent, Tried, agree, complete};
+use super::ways::play;
 use linewright::gr1::{Expr, Owner, Side, Specification, Timing, VarId};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::HashSet;
 
 /// The values of a function for every valuation of the atoms: bit `i` of a valuation's number is atom `i`.
@@ -231,7 +231,7 @@ impl Roles {
 const ROUNDS: usize = 3;
 
 /// Plays every `stride`-th game; gives how many there were.
-fn play(stride: usize) -> usize {
+fn play_every(stride: usize) -> usize {
     let roles = Roles::new();
     let formulas = roles.steps.up_to_renaming();
     println!(
@@ -242,23 +242,12 @@ fn play(stride: usize) -> usize {
     let rounds = formulas.iter().flat_map(|f| [*f; ROUNDS]);
     let games: Vec<(usize, usize)> = rounds.enumerate().step_by(stride).collect();
     let played = games.par_iter().map(|(number, safety)| {
-        let specification = roles.game(*number, *safety);
-        let board = Board::new(&specification);
-        let expected = board.realizable(&Subset::All);
-        let seed = *number as u64;
-        let tried = agree(&specification, &board, expected, seed, Extent::Three);
-        (u64::from(expected), tried)
+        let game = roles.game(*number, *safety);
+        (*number, Cow::Owned(game))
     });
-    let (realizable, tried) = played.reduce(Default::default, |mut a: (u64, Tried), b| {
-        a.0 += b.0;
-        a.1 += b.1;
-        a
-    });
+    let realizable = play(played);
     let count = games.len() as u64;
-    println!("{count} games, {realizable} realizable; {tried}");
     assert!(realizable * 5 > count && (count - realizable) * 5 > count);
-    assert_eq!(tried.verdicts, Extent::Three.verdicts() * count);
-    complete(&tried);
     games.len()
 }
 
@@ -278,11 +267,11 @@ fn every_function_is_there_and_renaming_loses_none() {
 
 #[test]
 fn games_of_four_bits_by_the_formula() {
-    assert!(play(5) >= 20_000);
+    assert!(play_every(5) >= 20_000);
 }
 
 #[test]
 #[ignore = "takes minutes: cargo test --test oracle -- --ignored"]
 fn all_games_of_four_bits_by_the_formula() {
-    assert!(play(1) >= 100_000);
+    assert!(play_every(1) >= 100_000);
 }

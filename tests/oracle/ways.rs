@@ -1,7 +1,7 @@
 //! Every way of solving: both kernels, the heuristics switched, and orders of all kinds.
 
 use super::check::accepts;
-use super::game::Board;
+use super::game::{Board, Subset};
 use super::random::Random;
 use linewright::game::{
     GuaranteeRef, Heuristic, Heuristics, KernelChoice, Limits, Options, Order, Outcome, Solved,
@@ -9,6 +9,8 @@ use linewright::game::{
 };
 use linewright::gr1::Specification;
 use linewright::mealy::{extract::extract, verify::verify};
+use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::AddAssign;
@@ -190,6 +192,28 @@ pub fn agree(
         tried.cores += 1;
     }
     tried
+}
+
+/// Plays numbered games in three ways on each kernel, all against the oracle; gives how many are realizable.
+pub fn play<'a>(games: impl ParallelIterator<Item = (usize, Cow<'a, Specification>)>) -> u64 {
+    let played = games.map(|(number, specification)| {
+        let board = Board::new(&specification);
+        let expected = board.realizable(&Subset::All);
+        let seed = number as u64;
+        let tried = agree(&specification, &board, expected, seed, Extent::Three);
+        (1, u64::from(expected), tried)
+    });
+    let (count, realizable, tried) = played.reduce(
+        || (0, 0, Tried::default()),
+        |mut a, b| {
+            a.2 += b.2;
+            (a.0 + b.0, a.1 + b.1, a.2)
+        },
+    );
+    println!("{count} games, {realizable} realizable; {tried}");
+    assert_eq!(tried.verdicts, Extent::Three.verdicts() * count);
+    complete(&tried);
+    realizable
 }
 
 /// That nothing was left out over many games: every heuristic alone and left out, machines, cores.

@@ -68,9 +68,8 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// An unrealizable contract without a core.
-    pub(super) fn lost(solve: &Progress, specification: &Specification) -> Self {
-        let statistics = Statistics::of_solver(&solve.statistics(), specification);
+    /// Nothing yet but what it took: an unrealizable contract without a core.
+    pub(super) fn new(statistics: Statistics) -> Self {
         Self {
             realizable: false,
             core: None,
@@ -82,6 +81,11 @@ impl Known {
             peak_nodes: statistics.peak_nodes.unwrap_or(0),
             statistics,
         }
+    }
+
+    /// What is known while the guarantees that clash are looked for.
+    pub(super) fn lost(solve: &Progress, specification: &Specification) -> Self {
+        Self::new(Statistics::of_solver(&solve.statistics(), specification))
     }
 
     /// The same, when what was still to be done is not waited for.
@@ -232,11 +236,11 @@ fn no_machine(specification: &Specification, span: Span, reason: Reason) -> Diag
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::gr1::{Expr, Formula, Side, Timing};
 
-    fn specification(name: &str) -> Specification {
+    pub fn specification(name: &str) -> Specification {
         let formula = |name: &str, start| Formula {
             name: name.to_owned(),
             requirement: None,

@@ -298,36 +298,14 @@ impl CheckedContract {
 
 #[cfg(test)]
 mod tests {
+    use super::known::tests::specification;
     use super::*;
-    use crate::gr1::{Expr, Formula, Side, Timing};
-
-    fn specification(name: &str) -> Arc<Specification> {
-        let formula = |name: &str, start| Formula {
-            name: name.to_owned(),
-            requirement: None,
-            expr: Expr::FALSE,
-            span: Span::new(crate::source::FileId(0), start, start + 1),
-            text: "false".to_owned(),
-        };
-        Arc::new(Specification {
-            name: name.to_owned(),
-            timing: Timing::Mealy,
-            variables: Vec::new(),
-            assumptions: Side::default(),
-            guarantees: Side {
-                initial: vec![formula("start", 5), formula("other", 9)],
-                ..Side::default()
-            },
-        })
-    }
 
     #[test]
     fn equal_contracts_are_one_job() {
         let mut jobs = Jobs::default();
-        let span = Span::default();
-        assert_eq!(jobs.add(&specification("A"), span), 0);
-        assert_eq!(jobs.add(&specification("B"), span), 1);
-        assert_eq!(jobs.add(&specification("A"), span), 0);
+        let mut add = |name| jobs.add(&Arc::new(specification(name)), Span::default());
+        assert_eq!([add("A"), add("B"), add("A")], [0, 1, 0]);
         assert_eq!(jobs.len(), 2);
     }
 

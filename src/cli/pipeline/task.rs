@@ -161,17 +161,7 @@ impl Task {
             statistics.known_region = hints.region.is_some();
         }
         let last_order = solved.statistics.last_order;
-        let mut known = Known {
-            realizable: false,
-            core: None,
-            examined: false,
-            environment: None,
-            controller: Controller::Unasked,
-            ranking: None,
-            answers: Vec::new(),
-            peak_nodes: 0,
-            statistics,
-        };
+        let mut known = Known::new(statistics);
         let won = match solved.outcome {
             Outcome::GaveUp(limit) => return Ok(Err(limit)),
             Outcome::Unrealizable(lost) => {

@@ -104,6 +104,7 @@ struct Check<'a> {
     edges: Vec<Vec<Edge>>,
     labels: Vec<Vec<bool>>,
     pairs: u64,
+    most_pairs: u64,
     /// The place in `legal` where an assumption is broken.
     broken: Place,
 }
@@ -191,6 +192,7 @@ impl<'a> Check<'a> {
             edges: Vec::new(),
             labels: Vec::new(),
             pairs: 0,
+            most_pairs: limits.most_nodes.unwrap_or(MOST_PAIRS).min(MOST_PAIRS),
             broken,
         })
     }
@@ -361,12 +363,7 @@ impl<'a> Check<'a> {
         }
         let Some(input) = self.inputs.get(depth).copied() else {
             self.pairs += 1;
-            if self.pairs
-                > self
-                    .limits
-                    .most_nodes
-                    .map_or(MOST_PAIRS, |n| n.min(MOST_PAIRS))
-            {
+            if self.pairs > self.most_pairs {
                 return Err(Limit::Size);
             }
             if self.pairs.is_multiple_of(1 << 16) {
