@@ -11,7 +11,7 @@ use linewright::diagnostics::has_errors;
 use linewright::gr1::{self, Domain};
 use linewright::source::FileId;
 use linewright::syntax::ast::{
-    BinaryOp, ContractItem, DomainKind, Expr, ExprKind, Item, Quantifier,
+    BinaryOp, ContractItem, Define, DomainKind, Expr, ExprKind, Item, Quantifier,
 };
 use linewright::syntax::parse;
 use proptest::prelude::*;
@@ -466,6 +466,11 @@ fn form_of(e: &Expr) -> String {
         ExprKind::List(_) => "list",
         ExprKind::Member(..) => "in",
         ExprKind::Within(..) => "within",
+        ExprKind::Field(_, name) => return join(&name.text, operands),
+        ExprKind::Record(_) => "record",
+        ExprKind::Past(op, ..) => op.word(),
+        ExprKind::Since(..) => "since",
+        ExprKind::Pattern(_) => "pattern",
     };
     join(op, operands)
 }
@@ -546,7 +551,7 @@ impl Meaning<'_> {
             },
             ExprKind::If(c, a, b) => value(if truth(c) { a } else { b }),
             ExprKind::Quantifier(kind, name, domain, body) => {
-                let DomainKind::Range(low, high) = &domain.kind else {
+                let DomainKind::Range(low, high, _) = &domain.kind else {
                     panic!("not generated");
                 };
                 let each = (number(low)..=number(high)).map(|i| {
@@ -676,7 +681,7 @@ proptest! {
                 Item::Contract(contract) => {
                     for item in &contract.items {
                         match item {
-                            ContractItem::Define { name, value } => {
+                            ContractItem::Define(Define { name, value, .. }) => {
                                 meaning.defines.insert(&name.text, value);
                             }
                             ContractItem::Formula { expr, .. } => parsed = Some(expr),

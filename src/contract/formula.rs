@@ -89,22 +89,12 @@ fn visit<'a>(
     }
 }
 
-/// Whether `always` or `eventually` occurs.
+/// Whether `always`, `eventually` or a pattern occurs.
 fn temporal(e: &ast::Expr) -> bool {
-    match &e.kind {
-        ExprKind::Always(_) | ExprKind::Eventually(_) => true,
-        ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) | ExprKind::Path(_) => false,
-        ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => temporal(a) || temporal(b),
-        ExprKind::Next(a)
-        | ExprKind::Not(a)
-        | ExprKind::Neg(a)
-        | ExprKind::Quantifier(_, _, _, a) => temporal(a),
-        ExprKind::If(a, b, c) | ExprKind::Within(a, b, c) => {
-            temporal(a) || temporal(b) || temporal(c)
-        }
-        ExprKind::Call(_, list) | ExprKind::List(list) => list.iter().any(temporal),
-        ExprKind::Member(a, list) => temporal(a) || list.iter().any(temporal),
-    }
+    matches!(
+        e.kind,
+        ExprKind::Always(_) | ExprKind::Eventually(_) | ExprKind::Pattern(_)
+    ) || e.children().into_iter().any(temporal)
 }
 
 /// Whether `next` is written in it, of whatever.

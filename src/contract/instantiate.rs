@@ -295,8 +295,8 @@ pub(super) fn instantiate(
 fn unused_defines(e: &mut Elaborator<'_>, contract: &ast::Contract) {
     let mut mentioned: BTreeSet<&str> = BTreeSet::new();
     for item in &contract.items {
-        if let ContractItem::Formula { expr: body, .. } | ContractItem::Define { value: body, .. } =
-            item
+        if let ContractItem::Formula { expr: body, .. }
+        | ContractItem::Define(ast::Define { value: body, .. }) = item
         {
             body.for_each_path(&mut |names| {
                 mentioned.insert(&names[0].text);
@@ -304,7 +304,7 @@ fn unused_defines(e: &mut Elaborator<'_>, contract: &ast::Contract) {
         }
     }
     for item in &contract.items {
-        if let ContractItem::Define { name, .. } = item
+        if let ContractItem::Define(ast::Define { name, .. }) = item
             && !mentioned.contains(name.text.as_str())
         {
             e.findings.push(
@@ -420,9 +420,10 @@ fn declare<'a>(
                     e.variables.insert(name.text.clone(), entry);
                 }
             }
-            ContractItem::Define { name, value } if fresh(e, name) => {
-                e.constants.remove(&name.text);
-                e.defines.insert(name.text.clone(), value);
+            ContractItem::Define(define) if fresh(e, &define.name) => {
+                let name = &define.name.text;
+                e.constants.remove(name);
+                e.defines.insert(name.clone(), define);
             }
             _ => {}
         }

@@ -33,6 +33,7 @@ impl<'a> Scope<'a> {
                 ast::Item::Import(_) => continue,
                 ast::Item::Type(d) => &d.name,
                 ast::Item::Const(d) => &d.name,
+                ast::Item::Define(d) => &d.name,
                 ast::Item::Contract(d) => &d.header.name,
                 ast::Item::Machine(d) => &d.header.name,
                 ast::Item::Line(d) => &d.name,
@@ -51,7 +52,7 @@ impl<'a> Scope<'a> {
                 ast::Item::Machine(d) => {
                     self.machines.insert(&d.header.name.text, d);
                 }
-                ast::Item::Import(_) | ast::Item::Line(_) => {}
+                ast::Item::Import(_) | ast::Item::Line(_) | ast::Item::Define(_) => {}
             }
         }
     }
@@ -114,13 +115,18 @@ impl<'a> Decl<'a> {
 
 fn names_of_domain<'a>(domain: &'a ast::Domain, names: &mut Vec<&'a str>) {
     match &domain.kind {
-        ast::DomainKind::Range(low, high) => {
+        ast::DomainKind::Range(low, high, _) => {
             names_of(low, names);
             names_of(high, names);
         }
         ast::DomainKind::Array(length, of) => {
             names_of(length, names);
             names_of_domain(of, names);
+        }
+        ast::DomainKind::Record(members) => {
+            for (_, domain) in members {
+                names_of_domain(domain, names);
+            }
         }
         ast::DomainKind::Named(name) => names.push(&name.text),
         ast::DomainKind::Labels(_) | ast::DomainKind::Unit(_) => {}

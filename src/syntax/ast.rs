@@ -27,6 +27,8 @@ pub enum Item {
     Type(TypeDecl),
     /// `const ...`
     Const(ConstDecl),
+    /// `define ...`
+    Define(Define),
     /// `contract ...`
     Contract(Contract),
     /// `machine ...`
@@ -80,8 +82,10 @@ pub struct Domain {
 pub enum DomainKind {
     /// `{none, turn}`
     Labels(Vec<Name>),
-    /// `0..n-1`
-    Range(Expr, Expr),
+    /// `0..n-1`; the unit is one written behind the range, `0..(n-1) mm`.
+    Range(Expr, Expr, Option<String>),
+    /// `record { x: 0..3, y: 0..3 }`
+    Record(Vec<(Name, Domain)>),
     /// `array[n] of T`
     Array(Expr, Box<Domain>),
     /// `bool`, `number`, or a declared type.
@@ -108,6 +112,39 @@ pub struct Argument {
     pub name: Name,
     /// Its value.
     pub value: Expr,
+}
+
+/// `define near(a, b) = abs(a - b) <= 1`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Define {
+    /// Its name.
+    pub name: Name,
+    /// What it is asked of; empty for a mere name.
+    pub formals: Vec<Formal>,
+    /// What it stands for.
+    pub value: Expr,
+}
+
+/// `i: 0..3`, or `i` alone
+#[derive(Debug, Clone, PartialEq)]
+pub struct Formal {
+    /// Its name.
+    pub name: Name,
+    /// Its type, where it was written.
+    pub domain: Option<Domain>,
+}
+
+/// `counter waited: 0..20 counts requested resets done`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Counter {
+    /// Its name.
+    pub name: Name,
+    /// Its values.
+    pub domain: Domain,
+    /// The steps that are counted.
+    pub counts: Expr,
+    /// The steps after which it begins anew.
+    pub resets: Option<Expr>,
 }
 
 /// What stands before the brace of a contract or machine.
@@ -158,12 +195,9 @@ pub enum ContractItem {
         domain: Domain,
     },
     /// `define a = e`
-    Define {
-        /// Its name.
-        name: Name,
-        /// What it stands for.
-        value: Expr,
-    },
+    Define(Define),
+    /// `counter c: 0..9 counts e resets e`
+    Counter(Counter),
     /// `assume ...` or `guarantee ...`
     Formula {
         /// `true` for `guarantee`.
@@ -197,15 +231,22 @@ impl Expr {
             ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) | ExprKind::Path(_) => {
                 Vec::new()
             }
-            ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => vec![a, b],
+            ExprKind::Index(a, b)
+            | ExprKind::Binary(_, a, b)
+            | ExprKind::Since(a, b)
+            | ExprKind::Past(_, a, Some(b)) => vec![a, b],
             ExprKind::Next(a)
             | ExprKind::Always(a)
             | ExprKind::Eventually(a)
             | ExprKind::Not(a)
             | ExprKind::Neg(a)
+            | ExprKind::Field(a, _)
+            | ExprKind::Past(_, a, None)
             | ExprKind::Quantifier(_, _, _, a) => vec![a],
             ExprKind::If(a, b, c) | ExprKind::Within(a, b, c) => vec![a, b, c],
             ExprKind::Call(_, list) | ExprKind::List(list) => list.iter().collect(),
+            ExprKind::Record(members) => members.iter().map(|m| &m.value).collect(),
+            ExprKind::Pattern(pattern) => pattern.children(),
             ExprKind::Member(a, list) => std::iter::once(&**a).chain(list).collect(),
         }
     }
@@ -259,6 +300,109 @@ pub enum ExprKind {
     Member(Box<Expr>, Vec<Expr>),
     /// `x in 0..3`
     Within(Box<Expr>, Box<Expr>, Box<Expr>),
+    /// `cells[2].x`
+    Field(Box<Expr>, Name),
+    /// `{x = 0, y = 1}`
+    Record(Vec<Argument>),
+    /// `once e`, `once e within 5 steps`
+    Past(PastOp, Box<Expr>, Option<Box<Expr>>),
+    /// `a since b`
+    Since(Box<Expr>, Box<Expr>),
+    /// `s responds to p`, `never p after q`
+    Pattern(Pattern),
+}
+
+/// An operator that looks back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PastOp {
+    /// In the step before.
+    Previous,
+    /// In this step or an earlier one.
+    Once,
+    /// In this step and all earlier ones.
+    Historically,
+}
+
+impl PastOp {
+    /// The operator's word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Previous => "previous",
+            Self::Once => "once",
+            Self::Historically => "historically",
+        }
+    }
+}
+
+/// A specification pattern in its scope (Dwyer, Avrunin and Corbett, Patterns in Property Specifications, 1999).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pattern {
+    /// What shall hold.
+    pub kind: PatternKind,
+    /// Within so many steps.
+    pub bound: Option<Box<Expr>>,
+    /// Where.
+    pub scope: Scope,
+}
+
+/// What a pattern asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PatternKind {
+    /// `never p`
+    Absence(Box<Expr>),
+    /// `eventually p`
+    Existence(Box<Expr>),
+    /// `always p`
+    Universality(Box<Expr>),
+    /// `s precedes p`
+    Precedence(Box<Expr>, Box<Expr>),
+    /// `s responds to p`
+    Response(Box<Expr>, Box<Expr>),
+}
+
+impl PatternKind {
+    /// The pattern with a bound and a scope.
+    pub fn in_scope(self, bound: Option<Box<Expr>>, scope: Scope) -> Pattern {
+        Pattern {
+            kind: self,
+            bound,
+            scope,
+        }
+    }
+}
+
+/// The part of a run in which a pattern is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scope {
+    /// All of it.
+    Globally,
+    /// `before r`: up to the first step with r, if there is one.
+    Before(Box<Expr>),
+    /// `after q`: from the first step with q on.
+    After(Box<Expr>),
+    /// `between q and r`: from each q up to the r after it, where there is one.
+    Between(Box<Expr>, Box<Expr>),
+    /// `after q until r`: the same, and also where no r follows.
+    AfterUntil(Box<Expr>, Box<Expr>),
+}
+
+impl Pattern {
+    /// The expressions directly within, in the order in which they stand.
+    pub fn children(&self) -> Vec<&Expr> {
+        let mut list: Vec<&Expr> = match &self.kind {
+            PatternKind::Absence(p) | PatternKind::Existence(p) | PatternKind::Universality(p) => {
+                vec![p]
+            }
+            PatternKind::Precedence(s, p) | PatternKind::Response(s, p) => vec![s, p],
+        };
+        list.extend(self.bound.as_deref());
+        match &self.scope {
+            Scope::Globally => {}
+            Scope::Before(q) | Scope::After(q) => list.push(q),
+            Scope::Between(q, r) | Scope::AfterUntil(q, r) => list.extend([&**q, &**r]),
+        }
+        list
+    }
 }
 
 /// Operators with two operands.
@@ -371,8 +515,8 @@ pub enum MachineItem {
         name: Name,
         /// The codes after `implements`.
         codes: Vec<Name>,
-        /// Its actions.
-        sequence: Vec<Name>,
+        /// Its actions, each with the inputs that the operation sets.
+        sequence: Vec<Performed>,
     },
     /// `done e`
     Done(Expr),
@@ -414,13 +558,24 @@ pub struct Component {
     pub broken: bool,
 }
 
+/// `move_a(tx = 1)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Performed {
+    /// What is done.
+    pub name: Name,
+    /// What it is given.
+    pub arguments: Vec<Argument>,
+}
+
 /// `command = cell.command`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Binding {
-    /// The input.
+    /// The input; dotted for a member of a record.
     pub name: Name,
     /// The element of an array.
     pub index: Option<i64>,
+    /// The member of an array's element, dotted where it lies deeper.
+    pub member: Option<Name>,
     /// What it is bound to.
     pub value: Expr,
 }
@@ -567,7 +722,7 @@ pub enum StationItem {
     /// `perform a, b(x = 1) on P`
     Perform {
         /// The operations.
-        operations: Vec<(Name, Vec<Argument>)>,
+        operations: Vec<Performed>,
         /// The part type.
         part: Name,
     },

@@ -36,12 +36,17 @@ const PREFIXES: &[&str] = &[
     "count",
     "sum",
     "array",
+    "never",
+    "previous",
+    "once",
+    "historically",
 ];
 
 /// Words after which an expression goes on.
 const INFIX: &[&str] = &[
     "and", "or", "xor", "implies", "iff", "mod", "in", "then", "else", "of", "not", "next", "G",
-    "F", "X", "O", "GF",
+    "F", "X", "O", "GF", "since", "precedes", "responds", "to", "within", "before", "between",
+    "after", "until",
 ];
 
 /// Words that no expression can hold.

@@ -110,11 +110,12 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         (_, "import") => Some(Rule::only_import),
         (_, "type") => Some(Rule::only_type_decl),
         (_, "const") => Some(Rule::only_const_decl),
+        (_, "define") => Some(Rule::only_define),
         (Rule::bad_item, "contract" | "moore") => Some(Rule::only_contract),
         (Rule::bad_item, "machine") => Some(Rule::only_machine),
         (Rule::bad_item, "line") => Some(Rule::only_line),
         (Rule::bad_contract_item, "input" | "output" | "internal") => Some(Rule::only_variables),
-        (Rule::bad_contract_item, "define") => Some(Rule::only_define),
+        (Rule::bad_contract_item, "counter") => Some(Rule::only_counter),
         (Rule::bad_contract_item, "assume" | "guarantee") => Some(Rule::only_formula),
         (
             Rule::bad_machine_item,
@@ -231,6 +232,7 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
                 "define",
                 "assume",
                 "guarantee",
+                "counter",
                 "type",
                 "const",
             ],
@@ -278,7 +280,9 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
         Rule::bad_station_item => ("a station", &["perform", "setup", "defect", "failures"]),
         _ => (
             "a file",
-            &["import", "type", "const", "contract", "machine", "line"],
+            &[
+                "import", "type", "const", "define", "contract", "machine", "line",
+            ],
         ),
     }
 }
@@ -378,6 +382,7 @@ const WIDE: &[&str] = &[
     "exists",
     "count",
     "sum",
+    "never",
 ];
 
 /// Words of expressions that cannot be names; those that begin an item are in [`ITEMS`].
@@ -402,6 +407,11 @@ const RESERVED: &[&str] = &[
     "true",
     "false",
     "in",
+    "never",
+    "previous",
+    "once",
+    "historically",
+    "since",
     "GF",
     "G",
     "F",
@@ -445,6 +455,12 @@ fn expectations(rules: &[Rule]) -> String {
             | Rule::disjunction
             | Rule::exclusive
             | Rule::conjunction
+            | Rule::since
+            | Rule::past
+            | Rule::past_op
+            | Rule::never_word
+            | Rule::wide_never
+            | Rule::record
             | Rule::negation
             | Rule::prefix
             | Rule::comparison
@@ -478,15 +494,21 @@ fn expectations(rules: &[Rule]) -> String {
             | Rule::or_op
             | Rule::xor_op
             | Rule::and_op
+            | Rule::since_op
+            | Rule::pattern_op
+            | Rule::field
             | Rule::compare_op
             | Rule::add_op
             | Rule::mul_op
             | Rule::membership
             | Rule::index
             | Rule::prime => "an operator",
-            Rule::domain | Rule::labels | Rule::range | Rule::array_of | Rule::unit_type => {
-                "a type"
-            }
+            Rule::domain
+            | Rule::labels
+            | Rule::record_of
+            | Rule::range
+            | Rule::array_of
+            | Rule::unit_type => "a type",
             Rule::unit => "a unit",
             Rule::parameters | Rule::parameter => "parameters",
             Rule::arguments | Rule::argument => "arguments",

@@ -25,7 +25,7 @@ impl<'a> Elaborator<'a> {
                 }
                 Some((Domain::Enum { name: None, labels }, None))
             }
-            ast::DomainKind::Range(low, high) => {
+            ast::DomainKind::Range(low, high, _) => {
                 let (l, h) = (self.constant_int(low), self.constant_int(high));
                 let (low, high) = (l?, h?);
                 if low > high {
@@ -99,6 +99,15 @@ impl<'a> Elaborator<'a> {
                     name.span,
                     format!("there is no type `{}`", name.text),
                     help,
+                );
+                None
+            }
+            ast::DomainKind::Record(_) => {
+                self.error_with(
+                    codes::TYPE_MISMATCH,
+                    domain.span,
+                    "a record does not belong here",
+                    "",
                 );
                 None
             }

@@ -60,7 +60,7 @@ pub(super) struct Elaborator<'a> {
     /// The domains of the named types that are finite.
     pub named_domains: BTreeMap<String, Domain>,
     /// Defines by name.
-    pub defines: BTreeMap<String, &'a ast::Expr>,
+    pub defines: BTreeMap<String, &'a ast::Define>,
     /// Whether real numbers are understood: `/` is then the division of real numbers.
     pub real: bool,
     /// Whether next values are understood.
@@ -435,6 +435,14 @@ impl<'a> Elaborator<'a> {
                     Term::fold(BinaryOp::Or, terms, 0),
                     Type::Bool,
                 ))
+            }
+            ExprKind::Field(..)
+            | ExprKind::Record(_)
+            | ExprKind::Past(..)
+            | ExprKind::Since(..)
+            | ExprKind::Pattern(_) => {
+                self.error_with(codes::NOT_GR1, e.span, "this is not known yet", "");
+                None
             }
             ExprKind::Within(x, low, high) => {
                 let x = self.number(x, time)?;

@@ -51,7 +51,7 @@ impl<'a> Elaborator<'a> {
             self.spend(span, value.size())?;
             return Some(value);
         }
-        if let Some(body) = self.defines.get(&full).copied() {
+        if let Some(define) = self.defines.get(&full).copied() {
             if self.defining.contains(&full) {
                 self.error_with(
                     codes::NAME_DOUBLE,
@@ -62,7 +62,7 @@ impl<'a> Elaborator<'a> {
                 return None;
             }
             self.defining.push(full);
-            let value = self.unbound(|e| e.value(body, expected, time));
+            let value = self.unbound(|e| e.value(&define.value, expected, time));
             self.defining.pop();
             return value;
         }

@@ -10,7 +10,7 @@ use crate::syntax::ast::{self, Quantifier};
 impl<'a> Elaborator<'a> {
     /// The values that a quantified name takes, each with its type.
     pub fn quantified(&mut self, domain: &'a ast::Domain) -> Option<Vec<Value>> {
-        let values: Vec<Value> = if let ast::DomainKind::Range(low, high) = &domain.kind {
+        let values: Vec<Value> = if let ast::DomainKind::Range(low, high, _) = &domain.kind {
             let (low, high) = (self.constant_int(low)?, self.constant_int(high)?);
             if high.saturating_sub(low) >= MAX_EXPANSION {
                 self.error_with(

@@ -8,7 +8,7 @@ use crate::contract::machine::{Operation, PlantInput, PlantSource};
 use crate::contract::value::{Term, Type};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::Domain;
-use crate::syntax::ast::{ExprKind, Machine, MachineItem};
+use crate::syntax::ast::{ExprKind, Machine, MachineItem, Performed};
 
 /// The jobs, and the plant wire that selects one: wire 0.
 pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> Vec<Operation> {
@@ -77,7 +77,7 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
             continue;
         };
         let mut indices = Vec::new();
-        for action in sequence {
+        for Performed { name: action, .. } in sequence {
             match parts
                 .components
                 .iter()

@@ -1,6 +1,6 @@
 //! Contracts: variables, defines, formulas.
 
-use super::super::ast::{Contract, ContractItem, Ownership};
+use super::super::ast::{Contract, ContractItem, Counter, Ownership};
 use super::super::parser::{Rule, begins_with_operator};
 use super::{Builder, Children};
 use pest::iterators::Pair;
@@ -15,14 +15,8 @@ impl Builder {
         for item in c.rest() {
             match item.as_rule() {
                 Rule::variables => items.push(self.variables(item)),
-                Rule::define => {
-                    let mut c = Children::of(item);
-                    Self::doc(&mut c);
-                    items.push(ContractItem::Define {
-                        name: self.name(&c.next()),
-                        value: self.expr(c.next()),
-                    });
-                }
+                Rule::define => items.push(ContractItem::Define(self.define(item))),
+                Rule::counter => items.push(ContractItem::Counter(self.counter(item))),
                 Rule::formula => items.push(self.formula(item)),
                 Rule::type_decl => items.push(ContractItem::Type(self.type_decl(item))),
                 Rule::const_decl => items.push(ContractItem::Const(self.const_decl(item))),
@@ -60,6 +54,17 @@ impl Builder {
             ownership,
             names,
             domain: self.domain(c.next()),
+        }
+    }
+
+    fn counter(&mut self, pair: Pair<'_, Rule>) -> Counter {
+        let mut c = Children::of(pair);
+        Self::doc(&mut c);
+        Counter {
+            name: self.name(&c.next()),
+            domain: self.domain(c.next()),
+            counts: self.expr(c.next()),
+            resets: c.take(Rule::expression).map(|e| self.expr(e)),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Types, expressions and formulas.
 
-use super::super::ast::{BinaryOp, Domain, DomainKind, Expr, ExprKind, Quantifier};
+use super::super::ast::{BinaryOp, Domain, DomainKind, Expr, ExprKind, Name, Quantifier};
 use super::super::parser::Rule;
 use super::{Builder, Children};
 use crate::diagnostics::{Diagnostic, codes};
@@ -21,7 +21,9 @@ impl Builder {
         if pair.as_rule() == Rule::range {
             return self.range_domain(pair);
         }
-        let inner = Children::of(pair).next();
+        let mut children = Children::of(pair);
+        let inner = children.next();
+        let unit = children.take(Rule::unit);
         let kind = match inner.as_rule() {
             Rule::array_of => {
                 let mut c = Children::of(inner);
@@ -31,11 +33,29 @@ impl Builder {
             Rule::labels => {
                 DomainKind::Labels(Children::of(inner).rest().map(|n| self.name(&n)).collect())
             }
-            Rule::range => return self.range_domain(inner),
+            Rule::record_of => {
+                let members: Vec<_> = Children::of(inner).rest().collect();
+                DomainKind::Record(members.into_iter().map(|m| self.member(m)).collect())
+            }
+            Rule::range => {
+                let mut domain = self.range_domain(inner);
+                if let Some(u) = unit
+                    && let DomainKind::Range(_, _, written) = &mut domain.kind
+                {
+                    *written = Some(u.as_str().trim().to_owned());
+                    domain.span = span;
+                }
+                return domain;
+            }
             Rule::unit_type => DomainKind::Unit(inner.as_str().trim().to_owned()),
             _ => DomainKind::Named(self.name(&inner)),
         };
         Domain { kind, span }
+    }
+
+    fn member(&mut self, pair: Pair<'_, Rule>) -> (Name, Domain) {
+        let mut c = Children::of(pair);
+        (self.name(&c.next()), self.domain(c.next()))
     }
 
     pub(super) fn range_domain(&mut self, pair: Pair<'_, Rule>) -> Domain {
@@ -44,7 +64,7 @@ impl Builder {
         let low = self.expr(c.next());
         let high = self.expr(c.next());
         Domain {
-            kind: DomainKind::Range(low, high),
+            kind: DomainKind::Range(low, high, None),
             span,
         }
     }
@@ -73,9 +93,10 @@ impl Builder {
     fn part(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let rule = pair.as_rule();
         match rule {
-            Rule::expression | Rule::parenthesis | Rule::wide => {
-                self.expr(Children::of(pair).next())
-            }
+            Rule::expression => self.patterned(pair),
+            Rule::parenthesis | Rule::wide => self.expr(Children::of(pair).next()),
+            Rule::since => self.since(pair),
+            Rule::past => self.past(pair),
             Rule::iff
             | Rule::disjunction
             | Rule::exclusive
@@ -109,20 +130,7 @@ impl Builder {
                     span,
                 )
             }
-            Rule::wide_always | Rule::wide_eventually => {
-                let span = self.span(&pair);
-                let mut c = Children::of(pair);
-                c.next();
-                let body = self.boxed(&mut c);
-                make(
-                    if rule == Rule::wide_always {
-                        ExprKind::Always(body)
-                    } else {
-                        ExprKind::Eventually(body)
-                    },
-                    span,
-                )
-            }
+            Rule::wide_always | Rule::wide_eventually | Rule::wide_never => self.wide(rule, pair),
             _ => self.atom(pair),
         }
     }
@@ -181,7 +189,7 @@ impl Builder {
     }
 
     /// Chains that cannot be halved make deep trees; refuse what would be deeper than any real formula.
-    fn limit(&mut self, operands: &mut Vec<Expr>) {
+    pub(super) fn limit(&mut self, operands: &mut Vec<Expr>) {
         if let Some(last) = operands.get(MAX_CHAIN) {
             self.findings.push(
                 Diagnostic::error(
@@ -317,11 +325,16 @@ impl Builder {
                 self.many_prefixes(span);
                 break;
             }
-            expr = if p.as_rule() == Rule::prime {
-                make(ExprKind::Next(Box::new(expr)), span)
-            } else {
-                let index = self.expr(Children::of(p).next());
-                make(ExprKind::Index(Box::new(expr), Box::new(index)), span)
+            expr = match p.as_rule() {
+                Rule::prime => make(ExprKind::Next(Box::new(expr)), span),
+                Rule::field => {
+                    let name = self.name(&Children::of(p).next());
+                    make(ExprKind::Field(Box::new(expr), name), span)
+                }
+                _ => {
+                    let index = self.expr(Children::of(p).next());
+                    make(ExprKind::Index(Box::new(expr), Box::new(index)), span)
+                }
             };
         }
         expr
@@ -341,6 +354,10 @@ impl Builder {
             Rule::list => {
                 let members: Vec<_> = Children::of(pair).rest().collect();
                 ExprKind::List(members.into_iter().map(|m| self.expr(m)).collect())
+            }
+            Rule::record => {
+                let members: Vec<_> = Children::of(pair).rest().collect();
+                ExprKind::Record(members.into_iter().map(|m| self.argument(m)).collect())
             }
             Rule::call => {
                 let mut c = Children::of(pair);
@@ -408,7 +425,7 @@ fn smaller_than(e: &Expr, nodes: usize) -> bool {
     true
 }
 
-fn make(kind: ExprKind, span: Span) -> Expr {
+pub(super) fn make(kind: ExprKind, span: Span) -> Expr {
     Expr { kind, span }
 }
 

@@ -160,10 +160,7 @@ impl Builder {
                 Rule::s_perform => {
                     let mut operations = Vec::new();
                     while let Some(p) = c.take(Rule::performed) {
-                        let mut p = Children::of(p);
-                        let name = self.name(&p.next());
-                        let arguments = p.take(Rule::arguments);
-                        operations.push((name, self.arguments(arguments)));
+                        operations.push(self.performed(p));
                     }
                     StationItem::Perform {
                         operations,

@@ -1,6 +1,6 @@
 //! Machines: properties, components, operations.
 
-use super::super::ast::{Binding, Component, Machine, MachineItem, Typed};
+use super::super::ast::{Binding, Component, Machine, MachineItem, Performed, Typed};
 use super::super::parser::Rule;
 use super::{Builder, Children};
 use pest::iterators::Pair;
@@ -44,7 +44,8 @@ impl Builder {
                 Self::doc(&mut c);
                 let name = self.name(&c.next());
                 let codes = self.codes(c.take(Rule::implements));
-                let sequence = c.rest().map(|n| self.name(&n)).collect();
+                let performed: Vec<_> = c.rest().collect();
+                let sequence = performed.into_iter().map(|p| self.performed(p)).collect();
                 MachineItem::Operation {
                     name,
                     codes,
@@ -80,6 +81,17 @@ impl Builder {
         }
     }
 
+    /// An operation and its arguments.
+    pub(super) fn performed(&mut self, pair: Pair<'_, Rule>) -> Performed {
+        let mut c = Children::of(pair);
+        let name = self.name(&c.next());
+        let arguments = c.take(Rule::arguments);
+        Performed {
+            name,
+            arguments: self.arguments(arguments),
+        }
+    }
+
     pub(super) fn component(&mut self, pair: Pair<'_, Rule>) -> Component {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
@@ -112,9 +124,11 @@ impl Builder {
                     let mut c = Children::of(item);
                     let name = self.name(&c.next());
                     let index = c.take(Rule::integer).map(|i| self.integer(&i));
+                    let member = c.take(Rule::path).map(|p| self.name(&p));
                     component.bindings.push(Binding {
                         name,
                         index,
+                        member,
                         value: self.expr(c.next()),
                     });
                 }

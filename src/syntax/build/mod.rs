@@ -7,8 +7,11 @@ mod contract;
 mod expression;
 mod line;
 mod machine;
+mod pattern;
 
-use super::ast::{Argument, ConstDecl, File, Header, Import, Item, Name, Parameter, TypeDecl};
+use super::ast::{
+    Argument, ConstDecl, Define, File, Formal, Header, Import, Item, Name, Parameter, TypeDecl,
+};
 use super::parser::{Rule, explain};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::source::{FileId, Span};
@@ -93,6 +96,10 @@ impl Builder {
                 Rule::const_decl => {
                     let item = self.const_decl(pair);
                     self.tree.items.push(Item::Const(item));
+                }
+                Rule::define => {
+                    let item = self.define(pair);
+                    self.tree.items.push(Item::Define(item));
                 }
                 Rule::contract => {
                     let item = self.contract(pair);
@@ -230,16 +237,36 @@ impl Builder {
     fn arguments(&mut self, pair: Option<Pair<'_, Rule>>) -> Vec<Argument> {
         let Some(pair) = pair else { return Vec::new() };
         let pairs: Vec<_> = Children::of(pair).rest().collect();
-        pairs
-            .into_iter()
-            .map(|p| {
-                let mut c = Children::of(p);
-                Argument {
+        pairs.into_iter().map(|p| self.argument(p)).collect()
+    }
+
+    fn argument(&mut self, pair: Pair<'_, Rule>) -> Argument {
+        let mut c = Children::of(pair);
+        Argument {
+            name: self.name(&c.next()),
+            value: self.expr(c.next()),
+        }
+    }
+
+    fn define(&mut self, pair: Pair<'_, Rule>) -> Define {
+        let mut c = Children::of(pair);
+        Self::doc(&mut c);
+        let name = self.name(&c.next());
+        let mut formals = Vec::new();
+        if let Some(list) = c.take(Rule::formals) {
+            for formal in Children::of(list).rest().collect::<Vec<_>>() {
+                let mut c = Children::of(formal);
+                formals.push(Formal {
                     name: self.name(&c.next()),
-                    value: self.expr(c.next()),
-                }
-            })
-            .collect()
+                    domain: c.take(Rule::domain).map(|d| self.domain(d)),
+                });
+            }
+        }
+        Define {
+            name,
+            formals,
+            value: self.expr(c.next()),
+        }
     }
 
     fn codes(&self, pair: Option<Pair<'_, Rule>>) -> Vec<Name> {
@@ -264,13 +291,18 @@ fn is_keyword(rule: Rule) -> bool {
     matches!(
         rule,
         Rule::k_abstract
+            | Rule::k_after
             | Rule::k_array
             | Rule::k_becomes
+            | Rule::k_before
+            | Rule::k_between
             | Rule::k_buffer
             | Rule::k_capacity
             | Rule::k_const
             | Rule::k_contract
             | Rule::k_conveyor
+            | Rule::k_counter
+            | Rule::k_counts
             | Rule::k_defect
             | Rule::k_define
             | Rule::k_done
@@ -301,8 +333,10 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_power
             | Rule::k_probability
             | Rule::k_product
+            | Rule::k_record
             | Rule::k_property
             | Rule::k_reorder
+            | Rule::k_resets
             | Rule::k_requirement
             | Rule::k_route
             | Rule::k_setup
@@ -318,7 +352,9 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_time
             | Rule::k_to
             | Rule::k_type
+            | Rule::k_until
             | Rule::k_when
+            | Rule::k_within
             | Rule::k_write
     )
 }
