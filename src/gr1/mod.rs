@@ -20,6 +20,7 @@
 pub mod eval;
 mod expr;
 pub mod interval;
+pub mod monitors;
 pub mod overflow;
 
 pub use expr::{BinaryOp, Expr, Time, UnaryOp};

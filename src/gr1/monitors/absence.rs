@@ -1,0 +1,21 @@
+//! Absence: p never holds.
+//!
+//! | scope | meaning |
+//! |---|---|
+//! | globally | `G !p` |
+//! | before r | `F r -> (!p U r)` |
+//! | after q | `G (q -> G !p)` |
+//! | between q and r | `G ((q & !r & F r) -> (!p U r))` |
+//! | after q until r | `G ((q & !r) -> (!p W r))` |
+
+use super::{Expr, Monitors, Obligation, Origin, Scope};
+
+pub(super) fn lower(
+    monitors: &mut Monitors,
+    p: &Expr,
+    scope: &Scope,
+    origin: &Origin,
+) -> Vec<Obligation> {
+    let inside = scope.inside(monitors, origin);
+    scope.never(monitors, &inside.and(p.clone()), origin)
+}

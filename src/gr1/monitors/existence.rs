@@ -1,0 +1,50 @@
+//! Existence: p holds in some step; with a bound of n steps, in the one that opens the scope or one of the n after it.
+//!
+//! | scope | meaning |
+//! |---|---|
+//! | globally | `F p` |
+//! | before r | `!r W (p & !r)` |
+//! | after q | `!q W (q & F p)` |
+//! | between q and r | `G ((q & !r) -> (!r W (p & !r)))` |
+//! | after q until r | `G ((q & !r) -> (!r U (p & !r)))` |
+//!
+//! Dwyer's formula for after q is `G !q or F (q & F p)`, which is the same. With a bound, `F` and `U` become `F<=n` and `U<=n`: the
+//! step meant is at most n steps away; `W` does too, behind the condition `F r` (`F r -> (!r U<=n (p & !r))`), and after q it is the
+//! first q that counts.
+
+use super::deadline::Deadline;
+use super::{Expr, Kind, Monitors, Obligation, Origin, Scope};
+
+pub(super) fn lower(
+    monitors: &mut Monitors,
+    p: &Expr,
+    scope: &Scope,
+    origin: &Origin,
+) -> Vec<Obligation> {
+    let waiting = scope.waiting(monitors, p, origin);
+    scope.some_day(&waiting)
+}
+
+pub(super) fn within(
+    monitors: &mut Monitors,
+    p: &Expr,
+    steps: u32,
+    scope: &Scope,
+    origin: &Origin,
+) -> Vec<Obligation> {
+    if (scope, steps) == (&Scope::Globally, 0) {
+        return vec![Obligation::new(Kind::Initial, p)];
+    }
+    // What is due from the beginning is a request of the step before that.
+    let (trigger, steps, from_start) = match scope.opening(monitors, origin) {
+        Some(opening) => (opening, steps, false),
+        None => (Expr::FALSE, steps.saturating_add(1), true),
+    };
+    let deadline = Deadline {
+        trigger,
+        answer: p,
+        steps,
+        from_start,
+    };
+    deadline.lower(monitors, scope, origin)
+}

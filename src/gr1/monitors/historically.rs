@@ -1,0 +1,31 @@
+//! `historically p`: p holds in this step and held in every step before.
+//!
+//! The monitor stores whether p held in all steps before, which is true of no steps at all. With a bound it counts down from the
+//! last step without p, as `once` does from the last one with p.
+
+use super::{Monitors, Origin};
+use crate::gr1::{BinaryOp, Expr};
+
+impl Monitors {
+    /// Whether `p` holds now and held in every step before.
+    pub fn historically(&mut self, p: &Expr, origin: &Origin) -> Expr {
+        self.follow("historically", true, |before| p.clone().and(before), origin)
+    }
+
+    /// Whether `p` holds now and held in each of the `steps` steps before, as far as there were so many.
+    pub fn historically_within(&mut self, p: &Expr, steps: u32, origin: &Origin) -> Expr {
+        let p = p.simplify();
+        match (steps, &p) {
+            (0, _) | (_, Expr::Const(_)) => p,
+            (1, _) => {
+                let before = self.remember("historically", true, |_| p.clone(), origin);
+                p.and(before.before)
+            }
+            _ => {
+                let left =
+                    self.steps_left("historically", &p.clone().not().simplify(), steps, origin);
+                p.and(Expr::binary(BinaryOp::Eq, left, Expr::Const(0)))
+            }
+        }
+    }
+}

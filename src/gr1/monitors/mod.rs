@@ -1,0 +1,400 @@
+//! Past operators, counters and specification patterns, lowered to GR(1) with monitor variables.
+//!
+//! GR(1) itself knows this step and the next one. What a formula says of the past is kept in variables of the machine that do
+//! nothing else: *monitors*. The idea is old (Pnueli, The Temporal Semantics of Concurrent Programs, 1981, for past operators;
+//! Maoz and Ringert, GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015, for patterns). What is our own is that every
+//! pattern is written in past operators alone, with a [`Scope`] that says when it is open, so that 25 combinations are five
+//! scopes and five patterns, and equal pieces of different formulas are one monitor.
+//!
+//! # What a monitor is
+//!
+//! Its value in step *t* is about the steps before *t*. It has an initial value, and an *update*: an expression over current
+//! values that is its value in the next step. So it never depends on the inputs of the step in which it is read, suits Mealy and
+//! Moore machines alike, and leaves the machine no choice: a game with monitors is won exactly by who would win without them.
+//!
+//! Before step 0 nothing was true: `previous` and `once` begin as false, `historically` as true.
+//!
+//! # What it costs
+//!
+//! A bit of state doubles a game at worst, so bits are what is saved:
+//!
+//! | | bits |
+//! |---|---|
+//! | `previous`, `once`, `historically`, `since` | 1 each |
+//! | `once` and `historically` within *n* steps, a counter up to *n* | those of 0..*n* |
+//!
+//! | pattern | globally | before r | after q | between q and r | after q until r |
+//! |---|---|---|---|---|---|
+//! | absence, universality | 0 | 2 | 1 | 2 | 1 |
+//! | existence | 1 | 1 | 2 | 1 | 1 |
+//! | precedence | 1 | 2 | 2 | 2 | 1 |
+//! | response | 1 | 2 | 2 | 2 | 2 |
+//!
+//! No deterministic monitor has fewer: where two bits are, three states must be told apart. Bits that only say whether the scope
+//! is open are shared by all formulas with the same scope, and `once p` by all that ask for it.
+//!
+//! # Assumptions
+//!
+//! An assumption must not constrain the machine's variables in the step it speaks of, and monitors are the machine's. So an
+//! invariant that reads monitors is [unrolled](Monitors::unroll) before it is assumed.
+
+mod absence;
+mod counter;
+mod deadline;
+mod existence;
+mod historically;
+mod once;
+mod precedence;
+mod previous;
+mod response;
+mod scope;
+mod since;
+mod universality;
+mod unroll;
+
+pub use scope::Scope;
+pub use unroll::Unrolled;
+
+use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, VarId, Variable};
+use crate::source::Span;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// Stands for a monitor's own value in a definition that has no variable yet.
+const ITSELF: VarId = VarId(u32::MAX);
+
+/// The formula that a monitor is made for. Its words are shown where the monitor's own formulas have to be.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Origin {
+    /// The name of the assumption or guarantee.
+    pub name: String,
+    /// Its requirement.
+    pub requirement: Option<String>,
+    /// Where it stands.
+    pub span: Span,
+    /// What the monitor is made for, in one line: `once (a and b)`.
+    pub text: String,
+}
+
+/// A variable that remembers something of the steps before.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Monitor {
+    /// Its index among the specification's variables.
+    pub id: VarId,
+    /// The variable.
+    pub variable: Variable,
+    /// Its value in step 0.
+    pub initial: i64,
+    /// Its value in the next step, over current values; never outside its domain.
+    pub update: Expr,
+    /// The formula it was first made for.
+    pub origin: Origin,
+}
+
+impl Monitor {
+    /// The guarantee for step 0.
+    pub fn start(&self) -> Formula {
+        self.formula(Expr::now(self.id).equals(Expr::Const(self.initial)))
+    }
+
+    /// The guarantee for every step to the next.
+    pub fn step(&self) -> Formula {
+        self.formula(Expr::next(self.id).equals(self.update.clone()))
+    }
+
+    fn formula(&self, expr: Expr) -> Formula {
+        Formula {
+            name: self.origin.name.clone(),
+            requirement: self.origin.requirement.clone(),
+            expr,
+            span: self.origin.span,
+            text: self.origin.text.clone(),
+        }
+    }
+}
+
+/// The list of a [`Side`] that an obligation belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Kind {
+    /// Holds in step 0.
+    Initial,
+    /// Holds in every step.
+    Invariant,
+    /// Holds from every step to the next.
+    Safety,
+    /// Holds infinitely often.
+    Justice,
+}
+
+/// One of the formulas a pattern comes down to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Obligation {
+    /// When it has to hold.
+    pub kind: Kind,
+    /// What has to hold. Patterns give current values only.
+    pub expr: Expr,
+}
+
+impl Obligation {
+    fn new(kind: Kind, expr: &Expr) -> Self {
+        Self {
+            kind,
+            expr: expr.simplify(),
+        }
+    }
+
+    /// Puts it into the list it belongs to, with the name, place and text of `origin`.
+    pub fn add_to(&self, side: &mut Side, origin: &Origin) {
+        let list = match self.kind {
+            Kind::Initial => &mut side.initial,
+            Kind::Invariant => &mut side.invariants,
+            Kind::Safety => &mut side.safety,
+            Kind::Justice => &mut side.justice,
+        };
+        list.push(Formula {
+            name: origin.name.clone(),
+            requirement: origin.requirement.clone(),
+            expr: self.expr.clone(),
+            span: origin.span,
+            text: origin.text.clone(),
+        });
+    }
+}
+
+/// What has to happen within a scope. Operands are boolean expressions over current values.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Pattern {
+    /// It never holds.
+    Absence(Expr),
+    /// It holds in some step; with a bound, at the latest so many steps after the scope's opening.
+    Existence(Expr, Option<u32>),
+    /// It holds in every step.
+    Universality(Expr),
+    /// No `then` before the first `first`; both in one step are in order.
+    Precedence {
+        /// What has to come first.
+        first: Expr,
+        /// What may come only then.
+        then: Expr,
+    },
+    /// Every `trigger` is answered in its step or later; with a bound, at the latest so many steps later.
+    Response {
+        /// What asks.
+        trigger: Expr,
+        /// What answers.
+        answer: Expr,
+        /// Within how many steps.
+        within: Option<u32>,
+    },
+}
+
+/// A past formula that a monitor follows.
+#[derive(Debug, Clone)]
+struct Remembered {
+    /// Its value in the step before: the monitor itself.
+    before: Expr,
+    /// Its value in this step.
+    now: Expr,
+}
+
+/// Makes monitors, and knows those it has made. Equal operators over equal operands are one monitor, and names follow from the
+/// order of the calls alone.
+///
+/// All operands are expressions over current values, those of earlier monitors included. That is for the caller to check, who
+/// knows what to tell the user; here it is asserted in debug builds only.
+#[derive(Debug, Clone)]
+pub struct Monitors {
+    first: u32,
+    taken: BTreeSet<String>,
+    /// The last number given to each stem.
+    numbers: BTreeMap<&'static str, u32>,
+    made: Vec<Monitor>,
+    /// Monitors by domain, initial value and update, in which [`ITSELF`] stands for the monitor.
+    known: HashMap<(Domain, i64, Expr), VarId>,
+    /// Boolean monitors that begin as false, by their update: each is the value of that expression one step ago.
+    delays: HashMap<Expr, VarId>,
+}
+
+impl Monitors {
+    /// No monitors yet; the first one will be the variable `first`. No monitor gets a name in `taken`.
+    pub fn new(first: VarId, taken: impl IntoIterator<Item = String>) -> Self {
+        Self {
+            first: first.0,
+            taken: taken.into_iter().collect(),
+            numbers: BTreeMap::new(),
+            made: Vec::new(),
+            known: HashMap::new(),
+            delays: HashMap::new(),
+        }
+    }
+
+    /// All monitors, in the order of their ids, which begin with the first free one.
+    pub fn made(&self) -> &[Monitor] {
+        &self.made
+    }
+
+    /// The monitor of a variable.
+    pub fn get(&self, id: VarId) -> Option<&Monitor> {
+        let place = id.0.checked_sub(self.first)?;
+        self.made.get(place as usize)
+    }
+
+    /// Whether one of the variables is a monitor.
+    pub fn occur_in(&self, expr: &Expr) -> bool {
+        let mut found = false;
+        expr.for_each_var(&mut |v, _| found |= self.get(v).is_some());
+        found
+    }
+
+    /// The variables that a specification has to append, in order.
+    pub fn variables(&self) -> impl Iterator<Item = &Variable> {
+        self.made.iter().map(|m| &m.variable)
+    }
+
+    /// Adds the guarantees that make the monitors what they are.
+    pub fn define(&self, guarantees: &mut Side) {
+        guarantees
+            .initial
+            .extend(self.made.iter().map(Monitor::start));
+        guarantees
+            .safety
+            .extend(self.made.iter().map(Monitor::step));
+    }
+
+    /// The formulas that hold exactly if the pattern holds in the scope. Each file of this folder that is named after a pattern
+    /// says which formula of temporal logic is meant.
+    pub fn pattern(
+        &mut self,
+        pattern: &Pattern,
+        scope: &Scope,
+        origin: &Origin,
+    ) -> Vec<Obligation> {
+        match pattern {
+            Pattern::Absence(p) => absence::lower(self, p, scope, origin),
+            Pattern::Existence(p, None) => existence::lower(self, p, scope, origin),
+            Pattern::Existence(p, Some(n)) => existence::within(self, p, *n, scope, origin),
+            Pattern::Universality(p) => universality::lower(self, p, scope, origin),
+            Pattern::Precedence { first, then } => {
+                precedence::lower(self, first, then, scope, origin)
+            }
+            Pattern::Response {
+                trigger,
+                answer,
+                within: None,
+            } => response::lower(self, trigger, answer, scope, origin),
+            Pattern::Response {
+                trigger,
+                answer,
+                within: Some(n),
+            } => response::within(self, trigger, answer, *n, scope, origin),
+        }
+    }
+
+    /// The boolean monitor whose update is `now` of its own value, and which begins as `initially`.
+    fn remember(
+        &mut self,
+        stem: &'static str,
+        initially: bool,
+        now: impl Fn(Expr) -> Expr,
+        origin: &Origin,
+    ) -> Remembered {
+        let (initial, definition) = (i64::from(initially), now(Expr::now(ITSELF)).simplify());
+        if definition == Expr::Const(initial) {
+            let before = definition.clone();
+            return Remembered {
+                before,
+                now: definition,
+            };
+        }
+        let before = self.make(stem, Domain::Bool, initial, &definition, origin);
+        let now = put(&definition, &before);
+        Remembered { before, now }
+    }
+
+    /// The value in this step of what [`remember`](Self::remember) follows; no monitor is made where the past does not matter.
+    fn follow(
+        &mut self,
+        stem: &'static str,
+        initially: bool,
+        now: impl Fn(Expr) -> Expr,
+        origin: &Origin,
+    ) -> Expr {
+        let definition = now(Expr::now(ITSELF)).simplify();
+        let mut past = false;
+        definition.for_each_var(&mut |v, _| past |= v == ITSELF);
+        if past {
+            self.remember(stem, initially, now, origin).now
+        } else {
+            definition
+        }
+    }
+
+    /// The variable with this domain, initial value and update, in which [`ITSELF`] stands for it; a new one if there is none.
+    fn make(
+        &mut self,
+        stem: &'static str,
+        domain: Domain,
+        initial: i64,
+        definition: &Expr,
+        origin: &Origin,
+    ) -> Expr {
+        debug_assert!(
+            !definition.mentions_next(),
+            "a monitor of next values: {definition:?}"
+        );
+        debug_assert!(domain.contains(initial));
+        let key = (domain, initial, definition.clone());
+        if let Some(id) = self.known.get(&key) {
+            return Expr::now(*id);
+        }
+        let id = VarId(self.first + self.made.len() as u32);
+        let update = put(definition, &Expr::now(id));
+        let domain = key.0.clone();
+        self.known.insert(key, id);
+        if domain == Domain::Bool && initial == 0 {
+            self.delays.entry(update.clone()).or_insert(id);
+        }
+        let name = self.name(stem);
+        self.made.push(Monitor {
+            id,
+            variable: Variable {
+                name,
+                owner: Owner::System,
+                internal: true,
+                domain,
+                span: origin.span,
+            },
+            initial,
+            update,
+            origin: origin.clone(),
+        });
+        Expr::now(id)
+    }
+
+    /// `stem_1`, `stem_2`, ... without the names that are taken.
+    fn name(&mut self, stem: &'static str) -> String {
+        let number = self.numbers.entry(stem).or_insert(0);
+        loop {
+            *number += 1;
+            let name = format!("{stem}_{number}");
+            if !self.taken.contains(&name) {
+                return name;
+            }
+        }
+    }
+}
+
+/// A definition with a monitor's value for [`ITSELF`].
+fn put(definition: &Expr, value: &Expr) -> Expr {
+    definition.substitute(&mut |v, time| {
+        if v == ITSELF {
+            value.clone()
+        } else {
+            Expr::Var(v, time)
+        }
+    })
+}
+
+/// `if c then a else b`
+fn choose(c: Expr, a: Expr, b: Expr) -> Expr {
+    Expr::If(Box::new(c), Box::new(a), Box::new(b))
+}

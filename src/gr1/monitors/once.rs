@@ -1,0 +1,45 @@
+//! `once p`: p holds in this step or held in some step before.
+//!
+//! The monitor stores whether p held before. With a bound of n steps it counts down instead: n after a step with p, then one less
+//! in every step. A shift register would say the same with n bits, where the counter has those of 0..n, which are never more.
+
+use super::{ITSELF, Monitors, Origin, choose};
+use crate::gr1::{BinaryOp, Domain, Expr};
+
+impl Monitors {
+    /// Whether `p` holds now or held before.
+    pub fn once(&mut self, p: &Expr, origin: &Origin) -> Expr {
+        self.follow("once", false, |before| p.clone().or(before), origin)
+    }
+
+    /// Whether `p` holds now or held in one of the `steps` steps before.
+    pub fn once_within(&mut self, p: &Expr, steps: u32, origin: &Origin) -> Expr {
+        let p = p.simplify();
+        match (steps, &p) {
+            (0, _) | (_, Expr::Const(_)) => p,
+            (1, _) => {
+                let before = self.previous(&p, origin);
+                p.or(before)
+            }
+            _ => {
+                let left = self.steps_left("once", &p, steps, origin);
+                p.or(Expr::binary(BinaryOp::Gt, left, Expr::Const(0)))
+            }
+        }
+    }
+
+    /// For how many steps, this one included, `p` will have held within `steps` steps if it never holds again.
+    pub(super) fn steps_left(
+        &mut self,
+        stem: &'static str,
+        p: &Expr,
+        steps: u32,
+        origin: &Origin,
+    ) -> Expr {
+        let high = i64::from(steps);
+        let less = Expr::binary(BinaryOp::Sub, Expr::now(ITSELF), Expr::Const(1));
+        let left = Expr::binary(BinaryOp::Max, less, Expr::Const(0));
+        let update = choose(p.clone(), Expr::Const(high), left);
+        self.make(stem, Domain::Range { low: 0, high }, 0, &update, origin)
+    }
+}

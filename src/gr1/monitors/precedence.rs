@@ -1,0 +1,27 @@
+//! Precedence: p does not hold before s has; both may hold for the first time in one step.
+//!
+//! | scope | meaning |
+//! |---|---|
+//! | globally | `!p W s` |
+//! | before r | `F r -> (!p U (s or r))` |
+//! | after q | `!q W (q & (!p W s))` |
+//! | between q and r | `G ((q & !r & F r) -> (!p U (s or r)))` |
+//! | after q until r | `G ((q & !r) -> (!p W (s or r)))` |
+//!
+//! After q, Dwyer's formula is `G !q or F (q & (!p W s))`: some q, not the first, has to be followed by a good rest. That is not
+//! what his text says of the scope, and no GR(1) formula can say it: where q always and s never holds, it is `F G !p`, which no
+//! deterministic monitor with justice recognises (Maoz and Ringert leave it out). We take the first q. What we ask for implies
+//! Dwyer's formula, and is the same where q holds only once.
+
+use super::{Expr, Monitors, Obligation, Origin, Scope};
+
+pub(super) fn lower(
+    monitors: &mut Monitors,
+    first: &Expr,
+    then: &Expr,
+    scope: &Scope,
+    origin: &Origin,
+) -> Vec<Obligation> {
+    let waiting = scope.waiting(monitors, first, origin);
+    scope.never(monitors, &waiting.now.and(then.clone()), origin)
+}
