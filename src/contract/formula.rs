@@ -1,13 +1,16 @@
 //! Which part of a GR(1) specification a formula is.
 //!
 //! Conjunctions are pulled apart, also under `always` (`G (p & G F q)` is `G p & G F q`), `forall` over temporal formulas is
-//! written out, repeated operators are dropped. What is then not an initial condition, `always P` or `always eventually P` is refused,
-//! pointing at the smallest formula that cannot be taken.
+//! written out, repeated operators are dropped. Patterns and responses (`always (p -> eventually q)`) become monitors and formulas
+//! about them. What is then not an initial condition, `always P` or `always eventually P` is refused, pointing at the smallest formula
+//! that cannot be taken.
 
 use super::elaborate::Elaborator;
+use super::patterns;
 use super::value::Value;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::gr1::{Expr, Formula, Owner, Side, Time, Variable};
+use crate::gr1::monitors::{Kind, Obligation, Origin};
+use crate::gr1::{Expr, Owner, Side, Time, VarId, Variable};
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{self, BinaryOp, ExprKind, Quantifier};
 
@@ -35,7 +38,21 @@ pub(super) fn classify<'a>(
     label: &Label<'_>,
     side: &mut Side,
 ) {
+    e.origin = Origin {
+        name: label.name.clone(),
+        requirement: label.requirement.clone(),
+        span: formula.span,
+        text: label.text(formula.span),
+    };
     visit(e, formula, Place::Top, "", label, side);
+}
+
+impl Label<'_> {
+    /// What stands in the file, in one line.
+    fn text(&self, span: Span) -> String {
+        let words: Vec<&str> = self.sources.text(span).split_whitespace().collect();
+        words.join(" ")
+    }
 }
 
 fn visit<'a>(
@@ -57,6 +74,26 @@ fn visit<'a>(
         }
         (ExprKind::Always(inner), Place::Top | Place::Always) => {
             visit(e, inner, Place::Always, instance, label, side);
+        }
+        (ExprKind::Pattern(pattern), Place::Top) => {
+            let origin = origin(formula, instance, label);
+            let obligations = patterns::lower(e, pattern, &origin);
+            promise(e, obligations, &origin, label, side);
+        }
+        (ExprKind::Eventually(inner), Place::Top) if !temporal(inner) => {
+            let origin = origin(formula, instance, label);
+            let obligations = patterns::promised(e, None, inner, &origin);
+            promise(e, obligations, &origin, label, side);
+        }
+        (ExprKind::Binary(BinaryOp::Implies, p, q), Place::Always)
+            if !temporal(p)
+                && matches!(&q.kind, ExprKind::Eventually(inner) if !temporal(inner)) =>
+        {
+            if let ExprKind::Eventually(q) = &q.kind {
+                let origin = origin(formula, instance, label);
+                let obligations = patterns::promised(e, Some(p), q, &origin);
+                promise(e, obligations, &origin, label, side);
+            }
         }
         (ExprKind::Eventually(inner), Place::Always | Place::Justice) => {
             visit(e, inner, Place::Justice, instance, label, side);
@@ -117,11 +154,6 @@ fn refusal(formula: &ast::Expr, place: Place) -> Diagnostic {
             "`eventually always` (persistence) is outside GR(1)",
             "let the machine say when it settles: an output that stays true once set, with `always (settled -> P)` and `always eventually settled`",
         ),
-        (ExprKind::Eventually(_), Place::Top) => (
-            formula.span,
-            "`eventually` without `always` is outside GR(1)",
-            "write `always eventually P`; for \"once\", remember in an internal variable that P was seen",
-        ),
         (ExprKind::Always(_), Place::Justice) => (
             formula.span,
             "`eventually always` (persistence) is outside GR(1)",
@@ -129,8 +161,13 @@ fn refusal(formula: &ast::Expr, place: Place) -> Diagnostic {
         ),
         (ExprKind::Binary(BinaryOp::Implies, _, b), _) if temporal(b) => (
             smallest(b),
-            "a response (`P -> eventually Q`) is outside GR(1) as it stands",
-            "hold the request until it is answered, and write `always eventually (not P or Q)`",
+            "an implication of temporal formulas is outside GR(1) as it stands",
+            "a response stands alone: `always (P -> eventually Q)`, or `Q responds to P after R`",
+        ),
+        (ExprKind::Pattern(_), _) => (
+            formula.span,
+            "this pattern stands within a larger formula, which is outside GR(1)",
+            "a pattern is an assumption or guarantee by itself; give each one its own, or use `once`, `since` and `previous` within formulas",
         ),
         (ExprKind::Binary(BinaryOp::Or, ..), _) => (
             smallest(formula),
@@ -200,32 +237,53 @@ fn leaf<'a>(
         );
         return;
     }
-    if !controls(e, formula.span, place, primed, &expr, label) {
-        return;
-    }
-    let text = label
-        .sources
-        .text(formula.span)
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ");
-    let temporal = match place {
-        Place::Top => "",
-        Place::Always => "always ",
-        Place::Justice => "always eventually ",
+    let (kind, temporal) = match place {
+        Place::Top => (Kind::Initial, ""),
+        Place::Always if primed => (Kind::Safety, "always "),
+        Place::Always => (Kind::Invariant, "always "),
+        Place::Justice => (Kind::Justice, "always eventually "),
     };
-    let formula = Formula {
+    let origin = Origin {
+        text: format!("{temporal}{}{instance}", label.text(formula.span)),
+        ..origin(formula, "", label)
+    };
+    let obligation = Obligation { kind, expr };
+    promise(e, Some(vec![obligation]), &origin, label, side);
+}
+
+/// The name, place and text of a formula.
+fn origin(formula: &ast::Expr, instance: &str, label: &Label<'_>) -> Origin {
+    Origin {
         name: label.name.clone(),
         requirement: label.requirement.clone(),
-        expr,
         span: formula.span,
-        text: format!("{temporal}{text}{instance}"),
-    };
-    match place {
-        Place::Top => side.initial.push(formula),
-        Place::Always if primed => side.safety.push(formula),
-        Place::Always => side.invariants.push(formula),
-        Place::Justice => side.justice.push(formula),
+        text: format!("{}{instance}", label.text(formula.span)),
+    }
+}
+
+/// Adds formulas to a side, if it controls what they constrain. An assumption about monitors is first taken apart.
+fn promise(
+    e: &mut Elaborator<'_>,
+    obligations: Option<Vec<Obligation>>,
+    origin: &Origin,
+    label: &Label<'_>,
+    side: &mut Side,
+) {
+    for obligation in obligations.unwrap_or_default() {
+        let parts = match &e.monitors {
+            Some(monitors) if !label.guarantee && monitors.occur_in(&obligation.expr) => {
+                monitors.assumed(&obligation)
+            }
+            _ => vec![obligation],
+        };
+        let looks_back = parts.len() > 1;
+        for part in parts {
+            // What was taken apart is told of as one.
+            if !controls(e, origin.span, &part, looks_back, label) {
+                return;
+            }
+            part.add_to(side, origin);
+        }
     }
 }
 
@@ -233,17 +291,17 @@ fn leaf<'a>(
 fn controls(
     e: &mut Elaborator<'_>,
     span: Span,
-    place: Place,
-    primed: bool,
-    expr: &Expr,
+    obligation: &Obligation,
+    looks_back: bool,
     label: &Label<'_>,
 ) -> bool {
+    let Obligation { kind, expr } = obligation;
+    let kind = *kind;
     let (mut outputs_now, mut outputs_next) = (None, None);
-    let mut any_output = false;
     expr.for_each_var(&mut |v, time| {
-        let variable = &label.variables[v.index()];
-        if variable.owner == Owner::System {
-            any_output = true;
+        if let Some(variable) = label.variables.get(v.index())
+            && variable.owner == Owner::System
+        {
             if time == Time::Next {
                 outputs_next.get_or_insert(variable.name.clone());
             } else {
@@ -252,7 +310,10 @@ fn controls(
         }
     });
     if label.guarantee {
-        if !any_output && place != Place::Justice && !matches!(expr, Expr::Const(_)) {
+        if !speaks_of_outputs(e, expr, label)
+            && kind != Kind::Justice
+            && !matches!(expr, Expr::Const(_))
+        {
             e.findings.push(
                 Diagnostic::warning(
                     codes::NOT_CONTROLLED,
@@ -264,19 +325,23 @@ fn controls(
         }
         return true;
     }
-    let bad = match place {
-        Place::Top => outputs_now.map(|v| {
+    let bad = match kind {
+        _ if looks_back && kind != Kind::Justice => outputs_now.filter(|_| kind != Kind::Safety).or(outputs_next).map(|v| {
+            let help = format!("the plant gives its inputs before it sees `{v}` of the same step; speak of `previous {v}`");
+            (v, help)
+        }),
+        Kind::Initial => outputs_now.map(|v| {
             (v, "an initial assumption speaks of inputs only; say how the machine starts with `guarantee`".to_owned())
         }),
-        Place::Always if primed => outputs_next.map(|v| {
+        Kind::Safety => outputs_next.map(|v| {
             let help = format!("the plant chooses its next inputs without seeing `next {v}`; speak of `{v}` in the step before");
             (v, help)
         }),
-        Place::Always => outputs_now.map(|v| {
+        Kind::Invariant => outputs_now.map(|v| {
             let help = format!("say what the plant does after it has seen `{v}`: `always ({v} ... -> next input ...)`");
             (v, help)
         }),
-        Place::Justice => None,
+        Kind::Justice => None,
     };
     match bad {
         None => true,
@@ -292,4 +357,28 @@ fn controls(
             false
         }
     }
+}
+
+/// Whether an output occurs, be it in what a monitor follows.
+fn speaks_of_outputs(e: &Elaborator<'_>, expr: &Expr, label: &Label<'_>) -> bool {
+    let mut found = false;
+    let mut seen: Vec<VarId> = Vec::new();
+    let mut open = Vec::new();
+    let visit = |expr: &Expr, open: &mut Vec<VarId>, found: &mut bool| {
+        expr.for_each_var(&mut |v, _| match label.variables.get(v.index()) {
+            Some(variable) => *found |= variable.owner == Owner::System,
+            None => open.push(v),
+        });
+    };
+    visit(expr, &mut open, &mut found);
+    while let Some(v) = open.pop() {
+        let monitor = e.monitors.as_ref().and_then(|m| m.get(v));
+        if let Some(monitor) = monitor
+            && !seen.contains(&v)
+        {
+            seen.push(v);
+            visit(&monitor.update, &mut open, &mut found);
+        }
+    }
+    found
 }

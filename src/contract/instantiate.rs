@@ -6,6 +6,7 @@ use super::scope::{self, Decl, Scope, double};
 use super::value::{Term, Type, Value};
 use super::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes};
+use crate::gr1::monitors::Monitors;
 use crate::gr1::{Domain, Owner, Side, Specification, Timing, VarId, Variable};
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{self, ContractItem, Ownership};
@@ -223,6 +224,8 @@ pub(super) fn instantiate(
         .map(|p| (p.name.text.as_str(), p.name.span))
         .collect();
     declare(&mut e, contract, &mut variables, &mut places);
+    let taken = places.keys().map(|name| (*name).to_owned());
+    e.monitors = Some(Monitors::new(VarId(variables.len() as u32), taken));
     let mut sides = [Side::default(), Side::default()];
     let mut counts = [0usize; 2];
     let mut rules: BTreeMap<&str, Span> = BTreeMap::new();
@@ -270,7 +273,11 @@ pub(super) fn instantiate(
     if broken {
         return None;
     }
-    let [assumptions, guarantees] = sides;
+    let [assumptions, mut guarantees] = sides;
+    if let Some(monitors) = &e.monitors {
+        monitors.define(&mut guarantees);
+        variables.extend(monitors.variables().cloned());
+    }
     Some(Contract {
         name: contract.header.name.text.clone(),
         doc: contract.header.doc.clone(),
@@ -291,27 +298,36 @@ pub(super) fn instantiate(
     })
 }
 
-/// Defines that neither a formula nor another define mentions.
+/// Defines and counters that neither a formula nor another one of them mentions.
 fn unused_defines(e: &mut Elaborator<'_>, contract: &ast::Contract) {
     let mut mentioned: BTreeSet<&str> = BTreeSet::new();
     for item in &contract.items {
-        if let ContractItem::Formula { expr: body, .. }
-        | ContractItem::Define(ast::Define { value: body, .. }) = item
-        {
+        let bodies = match item {
+            ContractItem::Formula { expr, .. } => vec![expr],
+            ContractItem::Define(define) => vec![&define.value],
+            ContractItem::Counter(counter) => {
+                std::iter::once(&counter.counts).chain(&counter.resets).collect()
+            }
+            _ => continue,
+        };
+        for body in bodies {
             body.for_each_path(&mut |names| {
                 mentioned.insert(&names[0].text);
             });
         }
     }
     for item in &contract.items {
-        if let ContractItem::Define(ast::Define { name, .. }) = item
-            && !mentioned.contains(name.text.as_str())
-        {
+        let (name, what) = match item {
+            ContractItem::Define(define) => (&define.name, "definition"),
+            ContractItem::Counter(counter) => (&counter.name, "counter"),
+            _ => continue,
+        };
+        if !mentioned.contains(name.text.as_str()) {
             e.findings.push(
                 Diagnostic::warning(
                     codes::UNUSED,
                     name.span,
-                    format!("nothing uses the definition `{}`", name.text),
+                    format!("nothing uses the {what} `{}`", name.text),
                 )
                 .with_help("use it, or drop it"),
             );
@@ -323,9 +339,15 @@ fn unused_defines(e: &mut Elaborator<'_>, contract: &ast::Contract) {
 fn unused(e: &mut Elaborator<'_>, variables: &[Variable], sides: &[Side; 2]) {
     let base = |v: &Variable| v.name.split('[').next().unwrap_or("").to_owned();
     let mut mentioned: BTreeSet<String> = BTreeSet::new();
-    for formula in sides.iter().flat_map(Side::all) {
-        formula.expr.for_each_var(&mut |v, _| {
-            mentioned.insert(base(&variables[v.index()]));
+    let monitors = e.monitors.iter().flat_map(|m| m.made()).map(|m| &m.update);
+    for expr in sides
+        .iter()
+        .flat_map(Side::all)
+        .map(|f| &f.expr)
+        .chain(monitors)
+    {
+        expr.for_each_var(&mut |v, _| {
+            mentioned.extend(variables.get(v.index()).map(base));
         });
     }
     let mut told: BTreeSet<String> = BTreeSet::new();
@@ -419,6 +441,11 @@ fn declare<'a>(
                     };
                     e.variables.insert(name.text.clone(), entry);
                 }
+            }
+            ContractItem::Counter(counter) if fresh(e, &counter.name) => {
+                let name = &counter.name.text;
+                e.constants.remove(name);
+                e.counters.insert(name.clone(), counter);
             }
             ContractItem::Define(define) if fresh(e, &define.name) => {
                 let name = &define.name.text;

@@ -10,6 +10,7 @@ mod lines;
 mod load;
 pub mod machine;
 mod machines;
+mod patterns;
 mod routes;
 mod scope;
 mod value;

@@ -278,6 +278,18 @@ impl Term {
         })
     }
 
+    /// An exact expression as a term.
+    pub fn from_expr(expr: &Expr) -> Self {
+        let sub = |e: &Expr| Box::new(Self::from_expr(e));
+        match expr {
+            Expr::Const(c) => Self::Int(*c),
+            Expr::Var(v, t) => Self::Var(*v, *t),
+            Expr::Unary(op, a) => Self::Unary(*op, sub(a)),
+            Expr::Binary(op, a, b) => Self::Binary(*op, sub(a), sub(b)),
+            Expr::If(c, a, b) => Self::If(sub(c), sub(a), sub(b)),
+        }
+    }
+
     /// As a plant expression: variables below `properties` are properties, the others wires from 0.
     pub fn to_real(&self, properties: usize) -> RealExpr {
         let sub = |t: &Self| Box::new(t.to_real(properties));

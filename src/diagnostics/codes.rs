@@ -58,6 +58,7 @@ codes! {
     NEXT_NESTED = "LW207", "next stands inside next";
     DOMAIN_LEFT = "LW208", "a next value can leave its domain";
     NEXT_OUTPUT_ASSUMED = "LW209", "an assumption speaks of the machine's next values";
+    PAST = "LW210", "an operator over other steps is out of place";
 
     INPUT_UNBOUND = "LW301", "an input of a component is bound to nothing";
     SAME_STEP_LOOP = "LW302", "components wait for each other in the same step";

@@ -30,6 +30,11 @@ impl Span {
         }
     }
 
+    /// Whether another span lies within this one, or is the same.
+    pub fn holds(self, other: Self) -> bool {
+        self.file == other.file && self.start <= other.start && other.end <= self.end
+    }
+
     /// The smallest span that holds both; the other one's file is taken to be the same.
     #[must_use]
     pub fn to(self, other: Self) -> Self {

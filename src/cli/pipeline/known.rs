@@ -119,7 +119,12 @@ impl Known {
             }
         } else {
             let formulas = self.core.iter().flatten();
-            core.extend(formulas.map(|r| r.formula(&specification.guarantees).name.clone()));
+            // A monitor's formulas have the name of the guarantee that it was made for.
+            for name in formulas.map(|r| &r.formula(&specification.guarantees).name) {
+                if !core.contains(name) {
+                    core.push(name.clone());
+                }
+            }
             findings.push(unrealizable(specification, job.span, &core));
         }
         for (inquiry, answers) in job.inquiries.iter().zip(&self.answers) {
@@ -189,8 +194,15 @@ fn unrealizable(specification: &Specification, span: Span, core: &[String]) -> D
         (&specification.assumptions, "does not help enough"),
     ];
     for (side, text) in sides {
+        let mut spans: Vec<Span> = Vec::new();
         for formula in side.all().filter(|f| core.contains(&f.name)) {
-            finding = finding.with_label(formula.span, text);
+            if !spans.iter().any(|s| s.holds(formula.span)) {
+                spans.retain(|s| !formula.span.holds(*s));
+                spans.push(formula.span);
+            }
+        }
+        for span in spans {
+            finding = finding.with_label(span, text);
         }
     }
     finding

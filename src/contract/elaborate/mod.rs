@@ -7,11 +7,13 @@
 mod domains;
 mod names;
 mod operators;
+mod past;
 mod quantifiers;
 
 use super::value::{Dimension, Term, Type, Value};
 pub(in crate::contract) use crate::diagnostics::nearest;
 use crate::diagnostics::{Code, Diagnostic, codes, has_errors};
+use crate::gr1::monitors::{Monitors, Origin};
 use crate::gr1::{BinaryOp, Domain, Expr, Time, UnaryOp, VarId};
 use crate::source::Span;
 use crate::syntax::ast::{self, ExprKind};
@@ -65,6 +67,14 @@ pub(super) struct Elaborator<'a> {
     pub real: bool,
     /// Whether next values are understood.
     pub next: bool,
+    /// What remembers earlier steps, in a contract.
+    pub monitors: Option<Monitors>,
+    /// The formula that is being resolved, for the monitors that it needs.
+    pub origin: Origin,
+    /// Counters by name.
+    pub counters: BTreeMap<String, &'a ast::Counter>,
+    /// The operator over other steps within which `next` has no meaning.
+    looking_back: Option<String>,
     /// What was found.
     pub findings: Vec<Diagnostic>,
     /// Names whose declaration was reported: their uses are not, ...
@@ -94,6 +104,10 @@ impl<'a> Elaborator<'a> {
             defines: BTreeMap::new(),
             real: false,
             next: false,
+            monitors: None,
+            origin: Origin::default(),
+            counters: BTreeMap::new(),
+            looking_back: None,
             findings: Vec::new(),
             broken: BTreeSet::new(),
             tainted: false,
@@ -341,6 +355,16 @@ impl<'a> Elaborator<'a> {
             ExprKind::Path(names) => self.path(e.span, names, expected, time),
             ExprKind::Index(base, index) => self.index(e.span, base, index, expected, time),
             ExprKind::Next(inner) => {
+                if let Some(word) = &self.looking_back {
+                    let message = format!("`next` stands within `{word}`");
+                    self.error_with(
+                        codes::NEXT_NESTED,
+                        e.span,
+                        message,
+                        "operators that look at other steps are about the values of each step; hold the value in an internal variable, or leave `next` out",
+                    );
+                    return None;
+                }
                 if !self.next {
                     self.error_with(
                         codes::NEXT_NESTED,
@@ -436,11 +460,20 @@ impl<'a> Elaborator<'a> {
                     Type::Bool,
                 ))
             }
-            ExprKind::Field(..)
-            | ExprKind::Record(_)
-            | ExprKind::Past(..)
-            | ExprKind::Since(..)
-            | ExprKind::Pattern(_) => {
+            ExprKind::Past(op, body, bound) => {
+                self.past(e.span, *op, body, bound.as_deref(), time)
+            }
+            ExprKind::Since(p, q) => self.since(e.span, p, q, time),
+            ExprKind::Pattern(_) => {
+                self.error_with(
+                    codes::NOT_GR1,
+                    e.span,
+                    "this pattern stands within a larger formula, which is outside GR(1)",
+                    "a pattern is an assumption or guarantee by itself; give each one its own, or use `once`, `since` and `previous` within formulas",
+                );
+                None
+            }
+            ExprKind::Field(..) | ExprKind::Record(_) => {
                 self.error_with(codes::NOT_GR1, e.span, "this is not known yet", "");
                 None
             }

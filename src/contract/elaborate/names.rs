@@ -66,6 +66,21 @@ impl<'a> Elaborator<'a> {
             self.defining.pop();
             return value;
         }
+        if let Some(counter) = self.counters.get(&full).copied() {
+            if self.defining.contains(&full) {
+                self.error_with(
+                    codes::NAME_DOUBLE,
+                    span,
+                    format!("the counter `{full}` is told by itself when to count"),
+                    "break the circle; a value that depends on itself needs an internal variable and `next`",
+                );
+                return None;
+            }
+            self.defining.push(full);
+            let value = self.unbound(|e| e.counter(counter, time));
+            self.defining.pop();
+            return value;
+        }
         if let Some(entry) = self.variables.get(&full).cloned() {
             return Some(match entry {
                 Entry::One(id) => self.variable(id, time),

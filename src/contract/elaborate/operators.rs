@@ -91,6 +91,7 @@ impl<'a> Elaborator<'a> {
                 !self.variables.contains_key(&name.text)
                     && !self.constants.contains_key(&name.text)
                     && !self.defines.contains_key(&name.text)
+                    && !self.counters.contains_key(&name.text)
             }
             ExprKind::If(_, a, b) => self.is_label(a) && self.is_label(b),
             ExprKind::List(members) => members.iter().all(|m| self.is_label(m)),

@@ -55,7 +55,7 @@ mod unroll;
 pub use scope::Scope;
 pub use unroll::Unrolled;
 
-use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, VarId, Variable};
+use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, Time, VarId, Variable};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -224,6 +224,16 @@ impl Monitors {
             made: Vec::new(),
             known: HashMap::new(),
             delays: HashMap::new(),
+        }
+    }
+
+    /// Gives the monitor that `value` reads a name of its own.
+    pub fn call(&mut self, value: &Expr, name: &str) {
+        if let Expr::Var(id, Time::Now) = value
+            && let Some(place) = id.0.checked_sub(self.first)
+            && let Some(monitor) = self.made.get_mut(place as usize)
+        {
+            name.clone_into(&mut monitor.variable.name);
         }
     }
 
