@@ -305,9 +305,9 @@ fn unused_defines(e: &mut Elaborator<'_>, contract: &ast::Contract) {
         let bodies = match item {
             ContractItem::Formula { expr, .. } => vec![expr],
             ContractItem::Define(define) => vec![&define.value],
-            ContractItem::Counter(counter) => {
-                std::iter::once(&counter.counts).chain(&counter.resets).collect()
-            }
+            ContractItem::Counter(counter) => std::iter::once(&counter.counts)
+                .chain(&counter.resets)
+                .collect(),
             _ => continue,
         };
         for body in bodies {

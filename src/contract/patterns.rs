@@ -42,13 +42,14 @@ pub(super) fn lower<'a>(
         }
         PatternKind::Response(s, p) => {
             let (answer, trigger) = (e.state(s, "responds to"), e.state(p, "responds to"));
-            answer.zip(trigger).zip(steps).map(|((answer, trigger), within)| {
-                Pattern::Response {
+            answer
+                .zip(trigger)
+                .zip(steps)
+                .map(|((answer, trigger), within)| Pattern::Response {
                     trigger,
                     answer,
                     within,
-                }
-            })
+                })
         }
     };
     let scope = scope(e, &pattern.scope);

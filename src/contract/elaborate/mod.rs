@@ -460,9 +460,7 @@ impl<'a> Elaborator<'a> {
                     Type::Bool,
                 ))
             }
-            ExprKind::Past(op, body, bound) => {
-                self.past(e.span, *op, body, bound.as_deref(), time)
-            }
+            ExprKind::Past(op, body, bound) => self.past(e.span, *op, body, bound.as_deref(), time),
             ExprKind::Since(p, q) => self.since(e.span, p, q, time),
             ExprKind::Pattern(_) => {
                 self.error_with(
