@@ -162,9 +162,10 @@ impl Feed {
                 owner,
                 internal,
                 domain,
+                unit,
                 span: _,
             } = v;
-            let _ = writeln!(self, "{name:?} {owner:?} {internal} {domain:?}");
+            let _ = writeln!(self, "{name:?} {owner:?} {internal} {domain:?} {unit}");
         }
     }
 

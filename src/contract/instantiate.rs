@@ -1,8 +1,9 @@
 //! From a contract's syntax tree and arguments to its specification.
 
-use super::elaborate::{Elaborator, Entry};
+use super::elaborate::Elaborator;
 use super::formula::{Label, classify};
 use super::scope::{self, Decl, Scope, double};
+use super::shape::{measured, way};
 use super::value::{Term, Type, Value};
 use super::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes};
@@ -79,7 +80,7 @@ pub(super) fn bind<'a>(
     let mut values = Vec::new();
     let mut complete = true;
     for p in parameters {
-        let Some((domain, length)) = e.domain(&p.domain) else {
+        let Some((domain, unit, length)) = e.measured_domain(&p.domain) else {
             complete = false;
             continue;
         };
@@ -91,7 +92,7 @@ pub(super) fn bind<'a>(
                 "declare a constant array, or one parameter for each element",
             );
         }
-        let ty = Type::of(&domain);
+        let ty = measured(&domain, unit);
         let (value, place) = match (given.get(&p.name.text), &p.default) {
             (Some((value, span)), _) => (Some(value.clone()), *span),
             (None, Some(default)) => (
@@ -146,6 +147,14 @@ fn checked(
                 format!("{i} is outside the range of `{name}`"),
                 format!("its range is {}", domain.describe()),
             );
+        }
+        Value::Scalar(
+            term @ (Term::Int(_) | Term::Real(_)),
+            found @ (Type::Number(_) | Type::Measured(_)),
+        ) if found != ty && matches!(ty, Type::Measured(_)) => {
+            let term = e.fitted(place, (term.clone(), found.clone()), ty)?;
+            let value = Value::Scalar(term, ty.clone());
+            return checked(e, parameter, &value, ty, domain, place);
         }
         Value::Scalar(Term::Int(_) | Term::Real(_), found) if found != ty => e.error_with(
             codes::ARGUMENT,
@@ -337,7 +346,7 @@ fn unused_defines(e: &mut Elaborator<'_>, contract: &ast::Contract) {
 
 /// Variables that no formula mentions; an array counts as mentioned when one of its elements is.
 fn unused(e: &mut Elaborator<'_>, variables: &[Variable], sides: &[Side; 2]) {
-    let base = |v: &Variable| v.name.split('[').next().unwrap_or("").to_owned();
+    let base = |v: &Variable| way(&v.name).0.to_owned();
     let mut mentioned: BTreeSet<String> = BTreeSet::new();
     let monitors = e.monitors.iter().flat_map(|m| m.made()).map(|m| &m.update);
     for expr in sides
@@ -402,25 +411,26 @@ fn declare<'a>(
                 names,
                 domain,
             } => {
-                let resolved = e.domain(domain);
+                let shape = e.shape(domain);
                 for name in names {
                     if !fresh(e, name) {
                         continue;
                     }
-                    // A variable hides a constant of the same name from outside.
+                    // A variable hides what has its name outside.
                     e.constants.remove(&name.text);
-                    let Some((domain, length)) = resolved.clone() else {
+                    e.defines.remove(&name.text);
+                    let Some(shape) = &shape else {
                         e.broken.insert(name.text.clone());
                         continue;
                     };
                     // A variable is a good deal more than a node to all later stages.
-                    if e.spend(name.span, 32 * length.unwrap_or(1)).is_none() {
+                    if e.spend(name.span, 32 * shape.leaves()).is_none() {
                         continue;
                     }
-                    let mut add = |label: String| {
+                    let entry = shape.declare(name.text.clone(), &mut |leaf, domain, unit| {
                         let id = VarId(variables.len() as u32);
                         variables.push(Variable {
-                            name: label,
+                            name: leaf,
                             owner: if *ownership == Ownership::Input {
                                 Owner::Environment
                             } else {
@@ -428,17 +438,15 @@ fn declare<'a>(
                             },
                             internal: *ownership == Ownership::Internal,
                             domain: domain.clone(),
+                            unit: unit.map(|u| u.name().to_owned()).unwrap_or_default(),
                             span: name.span,
                         });
                         e.domains.push(Some(domain.clone()));
+                        if let Some(unit) = unit {
+                            e.measures.insert(id, unit);
+                        }
                         id
-                    };
-                    let entry = match length {
-                        None => Entry::One(add(name.text.clone())),
-                        Some(n) => Entry::Many(
-                            (0..n).map(|i| add(format!("{}[{i}]", name.text))).collect(),
-                        ),
-                    };
+                    });
                     e.variables.insert(name.text.clone(), entry);
                 }
             }
@@ -448,6 +456,7 @@ fn declare<'a>(
                 e.counters.insert(name.clone(), counter);
             }
             ContractItem::Define(define) if fresh(e, &define.name) => {
+                e.findings.extend(scope::double_formals(define));
                 let name = &define.name.text;
                 e.constants.remove(name);
                 e.defines.insert(name.clone(), define);

@@ -106,6 +106,8 @@ pub struct PlantInput {
     pub name: String,
     /// Its values.
     pub domain: Domain,
+    /// What they count, `deg`; empty for bare numbers.
+    pub unit: String,
     /// Where its value comes from when `simulate` runs.
     pub source: PlantSource,
     /// Where it is declared.

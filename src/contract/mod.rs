@@ -13,6 +13,8 @@ mod machines;
 mod patterns;
 mod routes;
 mod scope;
+mod shape;
+mod units;
 mod value;
 
 pub use load::load;

@@ -1,9 +1,11 @@
 //! What is in sight in a file: its own declarations and those of everything that it imports.
 
-use super::elaborate::Elaborator;
+use super::elaborate::{Elaborator, Outside};
+use super::shape::Shape;
+use super::units::Unit;
 use super::value::{Term, Type, Value};
 use crate::diagnostics::{Diagnostic, codes};
-use crate::gr1::{Domain, Time};
+use crate::gr1::{Domain, Time, shown};
 use crate::source::Span;
 use crate::syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,12 +17,13 @@ pub(super) struct Scope<'a> {
     pub machines: BTreeMap<&'a str, &'a ast::Machine>,
     types: Vec<&'a ast::TypeDecl>,
     constants: Vec<&'a ast::ConstDecl>,
+    defines: BTreeMap<String, &'a ast::Define>,
     /// Where each name was declared.
     places: BTreeMap<&'a str, Span>,
     /// Values, once [`Scope::settle`] has run.
     pub values: BTreeMap<String, Value>,
     pub named_types: BTreeMap<String, Type>,
-    pub named_domains: BTreeMap<String, Domain>,
+    pub shapes: BTreeMap<String, Shape>,
     /// Types and constants that have no value; the findings say why.
     broken: BTreeSet<String>,
 }
@@ -52,7 +55,11 @@ impl<'a> Scope<'a> {
                 ast::Item::Machine(d) => {
                     self.machines.insert(&d.header.name.text, d);
                 }
-                ast::Item::Import(_) | ast::Item::Line(_) | ast::Item::Define(_) => {}
+                ast::Item::Define(d) => {
+                    findings.extend(double_formals(d));
+                    self.defines.insert(d.name.text.clone(), d);
+                }
+                ast::Item::Import(_) | ast::Item::Line(_) => {}
             }
         }
     }
@@ -67,7 +74,7 @@ impl<'a> Scope<'a> {
         findings.append(&mut e.findings);
         self.values = std::mem::take(&mut e.constants);
         self.named_types = std::mem::take(&mut e.types);
-        self.named_domains = std::mem::take(&mut e.named_domains);
+        self.shapes = std::mem::take(&mut e.shapes);
         self.broken = std::mem::take(&mut e.broken);
     }
 
@@ -76,7 +83,12 @@ impl<'a> Scope<'a> {
         let mut e = Elaborator::new();
         e.constants.clone_from(&self.values);
         e.types.clone_from(&self.named_types);
-        e.named_domains.clone_from(&self.named_domains);
+        e.shapes.clone_from(&self.shapes);
+        e.defines.clone_from(&self.defines);
+        e.outside = Outside {
+            constants: self.values.clone(),
+            defines: self.defines.clone(),
+        };
         e.broken.clone_from(&self.broken);
         e
     }
@@ -212,30 +224,21 @@ pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
 }
 
 fn type_decl<'a>(e: &mut Elaborator<'a>, decl: &'a ast::TypeDecl) -> Option<()> {
-    let (domain, length) = e.domain(&decl.domain)?;
-    if length.is_some() {
-        e.error_with(
-            codes::TYPE_MISMATCH,
-            decl.domain.span,
-            "a named type is a range or a set of labels",
-            "write `array[n] of ...` where the variable is declared",
-        );
-        return None;
-    }
-    let domain = match domain {
-        Domain::Enum { labels, .. } => Domain::Enum {
-            name: Some(decl.name.text.clone()),
-            labels,
-        },
+    let shape = match e.shape(&decl.domain)? {
+        Shape::Scalar(Domain::Enum { labels, .. }, unit) => {
+            let name = Some(decl.name.text.clone());
+            Shape::Scalar(Domain::Enum { name, labels }, unit)
+        }
         other => other,
     };
-    e.types.insert(decl.name.text.clone(), Type::of(&domain));
-    e.named_domains.insert(decl.name.text.clone(), domain);
+    e.types.insert(decl.name.text.clone(), shape.ty());
+    e.shapes.insert(decl.name.text.clone(), shape);
     Some(())
 }
 
 fn constant<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Option<()> {
-    let plant = uses_units(e, &decl.value);
+    // With a type of its own it is counted in that type's unit.
+    let plant = decl.domain.is_none() && uses_units(e, &decl.value);
     let real = std::mem::replace(&mut e.real, plant);
     let value = constant_value(e, decl);
     e.real = real;
@@ -247,34 +250,44 @@ fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Optio
     let Some(domain) = &decl.domain else {
         return e.value(&decl.value, None, Time::Now);
     };
-    let (base, length) = e.domain(domain)?;
-    let expected = match length {
-        Some(n) => Type::Array(Box::new(Type::of(&base)), n),
-        None => Type::of(&base),
-    };
+    let shape = e.shape(domain)?;
+    let expected = shape.ty();
     let value = e.value(&decl.value, Some(&expected), Time::Now)?;
-    if value.ty() != expected {
-        e.mismatch(decl.value.span, &expected.describe(), &value.ty());
-        return None;
-    }
-    let members = match &value {
-        Value::Array(members) => members.as_slice(),
-        scalar @ Value::Scalar(..) => std::slice::from_ref(scalar),
-    };
-    for member in members {
-        if let Value::Scalar(Term::Int(i), _) = member
-            && !base.contains(*i)
-        {
+    let value = e.fitted_value(decl.value.span, value, &expected)?;
+    within(e, decl, &shape, &value)?;
+    Some(value)
+}
+
+/// Reports a value that is outside of its range.
+fn within(
+    e: &mut Elaborator<'_>,
+    decl: &ast::ConstDecl,
+    shape: &Shape,
+    value: &Value,
+) -> Option<()> {
+    match (shape, value) {
+        (Shape::Scalar(domain, unit), Value::Scalar(Term::Int(i), _)) if !domain.contains(*i) => {
             e.error_with(
                 codes::ARGUMENT,
                 decl.value.span,
-                format!("{} is outside {}", base.show(*i), base.describe()),
+                format!(
+                    "{} is outside {}",
+                    shown(domain, *i, unit.map_or("", Unit::name)),
+                    domain.describe()
+                ),
                 "use a value of that range, or make the range larger",
             );
-            return None;
+            None
         }
+        (Shape::Array(of, _), Value::Array(values)) => {
+            values.iter().try_for_each(|v| within(e, decl, of, v))
+        }
+        (Shape::Record(shapes), Value::Record(members)) => shapes
+            .iter()
+            .zip(members)
+            .try_for_each(|((_, s), (_, v))| within(e, decl, s, v)),
+        _ => Some(()),
     }
-    Some(value)
 }
 
 /// Whether a constant is a quantity of the plant: a unit occurs in it, or another such constant.
@@ -289,6 +302,18 @@ fn uses_units(e: &Elaborator<'_>, value: &ast::Expr) -> bool {
         }
         _ => value.children().iter().any(|c| uses_units(e, c)),
     }
+}
+
+/// Parameters of a define that have the same name.
+pub(super) fn double_formals(define: &ast::Define) -> Vec<Diagnostic> {
+    let mut findings = Vec::new();
+    for (i, formal) in define.formals.iter().enumerate() {
+        let mut earlier = define.formals[..i].iter().map(|f| &f.name);
+        if let Some(first) = earlier.find(|n| n.text == formal.name.text) {
+            findings.push(double(&formal.name, first.span));
+        }
+    }
+    findings
 }
 
 /// A name that is there already.

@@ -4,102 +4,8 @@
 //! meet in [`Term`]; [`Term::to_expr`] and [`Term::to_real`] turn it into what the later stages use.
 
 use super::machine::{RealBinary, RealExpr, RealUnary};
+pub(super) use super::units::{Dimension, Unit, unit};
 use crate::gr1::{BinaryOp, Domain, Expr, Time, UnaryOp, VarId};
-
-/// What a physical quantity measures. Values are held in the base unit named here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Dimension {
-    /// A bare number.
-    None,
-    /// Hundredths (`%`) as a share of 1. It may stand where a bare number is asked for, but does not mix with one: `1 - 5 %` would
-    /// leave open whether 1 is a hundredth.
-    Share,
-    /// Seconds.
-    Time,
-    /// Metres.
-    Length,
-    /// Degrees.
-    Angle,
-    /// Watts.
-    Power,
-    /// Joules.
-    Energy,
-    /// Kilograms.
-    Mass,
-    /// Metres a second.
-    Speed,
-}
-
-impl Dimension {
-    /// The dimension of a product. `None` where it has none that is known here.
-    pub fn times(self, other: Self) -> Option<Self> {
-        use Dimension as D;
-        match (self, other) {
-            // Twice a share is a share.
-            (D::Share, D::None) => Some(D::Share),
-            (D::None | D::Share, d) | (d, D::None | D::Share) => Some(d),
-            (D::Speed, D::Time) | (D::Time, D::Speed) => Some(D::Length),
-            (D::Power, D::Time) | (D::Time, D::Power) => Some(D::Energy),
-            _ => None,
-        }
-    }
-
-    /// The dimension of a quotient.
-    pub fn over(self, other: Self) -> Option<Self> {
-        use Dimension as D;
-        match (self, other) {
-            (d, D::None) => Some(d),
-            (a, b) if a == b => Some(D::None),
-            (d, D::Share) => Some(d),
-            (D::Length, D::Speed) | (D::Energy, D::Power) => Some(D::Time),
-            (D::Length, D::Time) => Some(D::Speed),
-            (D::Energy, D::Time) => Some(D::Power),
-            _ => None,
-        }
-    }
-
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::None => "a bare number",
-            Self::Share => "a share (`%`)",
-            Self::Time => "a time (`s`, `min`, `h`)",
-            Self::Length => "a length (`mm`, `m`)",
-            Self::Angle => "an angle (`deg`)",
-            Self::Power => "a power (`W`, `kW`)",
-            Self::Energy => "an energy (`J`, `kWh`)",
-            Self::Mass => "a mass (`g`, `kg`)",
-            Self::Speed => "a speed (`m/s`, `mm/s`)",
-        }
-    }
-}
-
-/// The dimension of a unit, and how many base units it is.
-pub(super) fn unit(name: &str) -> (Dimension, f64) {
-    use Dimension as D;
-    match name {
-        "ms" => (D::Time, 0.001),
-        "s" => (D::Time, 1.0),
-        "min" => (D::Time, 60.0),
-        "h" => (D::Time, 3600.0),
-        "d" => (D::Time, 86_400.0),
-        "mm" => (D::Length, 0.001),
-        "cm" => (D::Length, 0.01),
-        "m" => (D::Length, 1.0),
-        "deg" => (D::Angle, 1.0),
-        "rad" => (D::Angle, 180.0 / std::f64::consts::PI),
-        "W" => (D::Power, 1.0),
-        "kW" => (D::Power, 1000.0),
-        "J" => (D::Energy, 1.0),
-        "Wh" => (D::Energy, 3600.0),
-        "kWh" => (D::Energy, 3.6e6),
-        "g" => (D::Mass, 0.001),
-        "kg" => (D::Mass, 1.0),
-        "mm/s" => (D::Speed, 0.001),
-        "m/s" => (D::Speed, 1.0),
-        "%" => (D::Share, 0.01),
-        _ => (D::None, 1.0),
-    }
-}
 
 /// A type.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -109,9 +15,13 @@ pub(super) enum Type {
     Int,
     /// A real number.
     Number(Dimension),
+    /// A whole number of a unit: how a contract counts millimetres.
+    Measured(Unit),
     /// One of these labels; two enumerations with the same labels are the same type.
     Enum(Vec<String>),
     Array(Box<Type>, usize),
+    /// Members by name, in the order of their declaration.
+    Record(Vec<(String, Type)>),
 }
 
 impl Type {
@@ -129,12 +39,26 @@ impl Type {
             Self::Int => "a whole number".to_owned(),
             Self::Number(d) => d.word().to_owned(),
             Self::Enum(labels) => format!("one of {{{}}}", labels.join(", ")),
+            Self::Measured(unit) => format!("a whole number of `{}`", unit.name()),
             Self::Array(of, n) => format!("an array of {n}, each {}", of.describe()),
+            Self::Record(members) => {
+                let names: Vec<&str> = members.iter().map(|(n, _)| n.as_str()).collect();
+                format!("a record of {}", names.join(", "))
+            }
         }
     }
 
     pub fn is_numeric(&self) -> bool {
-        matches!(self, Self::Int | Self::Number(_))
+        matches!(self, Self::Int | Self::Number(_) | Self::Measured(_))
+    }
+
+    /// What it measures.
+    pub fn dimension(&self) -> Dimension {
+        match self {
+            Self::Number(dimension) => *dimension,
+            Self::Measured(unit) => unit.dimension(),
+            _ => Dimension::None,
+        }
     }
 }
 
@@ -278,6 +202,17 @@ impl Term {
         })
     }
 
+    /// Whether a variable occurs in it.
+    pub fn is_variable(&self) -> bool {
+        match self {
+            Self::Int(_) | Self::Real(_) => false,
+            Self::Var(..) => true,
+            Self::Unary(_, a) | Self::Rounded(_, a) => a.is_variable(),
+            Self::Binary(_, a, b) => a.is_variable() || b.is_variable(),
+            Self::If(c, a, b) => c.is_variable() || a.is_variable() || b.is_variable(),
+        }
+    }
+
     /// An exact expression as a term.
     pub fn from_expr(expr: &Expr) -> Self {
         let sub = |e: &Expr| Box::new(Self::from_expr(e));
@@ -356,11 +291,13 @@ fn real_op(op: BinaryOp) -> RealBinary {
     }
 }
 
-/// What an expression stands for: a scalar, or an array of values.
+/// What an expression stands for.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Value {
     Scalar(Term, Type),
     Array(Vec<Value>),
+    /// Members by name, in the order of their declaration.
+    Record(Vec<(String, Value)>),
 }
 
 impl Value {
@@ -369,6 +306,7 @@ impl Value {
         match self {
             Self::Scalar(term, _) => term.size(),
             Self::Array(values) => values.iter().map(Self::size).sum(),
+            Self::Record(members) => members.iter().map(|(_, v)| v.size()).sum(),
         }
     }
 
@@ -377,6 +315,7 @@ impl Value {
         match self {
             Self::Scalar(_, ty) => matches!(ty, Type::Number(_)),
             Self::Array(values) => values.iter().any(Self::is_real),
+            Self::Record(members) => members.iter().any(|(_, v)| v.is_real()),
         }
     }
 
@@ -384,6 +323,31 @@ impl Value {
         match self {
             Self::Scalar(_, ty) => ty.clone(),
             Self::Array(v) => Type::Array(Box::new(v.first().map_or(Type::Int, Self::ty)), v.len()),
+            Self::Record(members) => {
+                Type::Record(members.iter().map(|(n, v)| (n.clone(), v.ty())).collect())
+            }
         }
+    }
+
+    /// The same with each scalar replaced; `None` where that is.
+    pub fn map(self, change: &mut impl FnMut(Term, Type) -> Option<(Term, Type)>) -> Option<Self> {
+        Some(match self {
+            Self::Scalar(term, ty) => {
+                let (term, ty) = change(term, ty)?;
+                Self::Scalar(term, ty)
+            }
+            Self::Array(values) => Self::Array(
+                values
+                    .into_iter()
+                    .map(|v| v.map(change))
+                    .collect::<Option<_>>()?,
+            ),
+            Self::Record(members) => Self::Record(
+                members
+                    .into_iter()
+                    .map(|(name, v)| Some((name, v.map(change)?)))
+                    .collect::<Option<_>>()?,
+            ),
+        })
     }
 }

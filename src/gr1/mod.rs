@@ -130,8 +130,27 @@ pub struct Variable {
     pub internal: bool,
     /// Its values.
     pub domain: Domain,
+    /// What its values count, `mm`; empty for bare numbers. It is shown and never computed with: formulas are in one unit already.
+    pub unit: String,
     /// Its declaration.
     pub span: Span,
+}
+
+impl Variable {
+    /// A value as a person writes it, with its unit: `90 deg`.
+    pub fn show(&self, value: i64) -> String {
+        shown(&self.domain, value, &self.unit)
+    }
+}
+
+/// A value with its unit.
+pub fn shown(domain: &Domain, value: i64, unit: &str) -> String {
+    let value = domain.show(value);
+    if unit.is_empty() {
+        value
+    } else {
+        format!("{value} {unit}")
+    }
 }
 
 /// Who answers first in a step.

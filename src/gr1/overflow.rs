@@ -171,6 +171,7 @@ mod tests {
             name: name.to_owned(),
             owner,
             internal: false,
+            unit: String::new(),
             domain,
             span: Span::default(),
         };

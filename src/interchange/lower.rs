@@ -156,6 +156,7 @@ fn helper(specification: &mut Specification, wanted: &str, domain: Domain) -> Va
         name,
         owner: Owner::System,
         internal: true,
+        unit: String::new(),
         domain,
         span: Span::default(),
     });

@@ -163,6 +163,7 @@ impl<'t> Names<'t> {
             name: name.to_owned(),
             owner,
             internal: false,
+            unit: String::new(),
             domain,
             span,
         });
@@ -178,6 +179,7 @@ impl<'t> Names<'t> {
             name,
             owner: Owner::System,
             internal: true,
+            unit: String::new(),
             domain: Domain::Bool,
             span: self.span(0..0),
         });

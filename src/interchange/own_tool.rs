@@ -143,6 +143,7 @@ fn every_start(specification: &Specification) -> Specification {
             name: format!("{} at the start", variable.name),
             owner: Owner::Environment,
             internal: false,
+            unit: String::new(),
             domain: variable.domain.clone(),
             span: variable.span,
         });

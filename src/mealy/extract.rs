@@ -63,6 +63,7 @@ pub(super) fn ports(specification: &Specification, ids: impl Iterator<Item = Var
         Port {
             name: variable.name.clone(),
             domain: variable.domain.clone(),
+            unit: variable.unit.clone(),
             internal: variable.internal,
         }
     };

@@ -49,6 +49,9 @@ pub(super) fn port(port: &Port) -> Value {
         Domain::Enum { name, labels } => json!({"type": "enum", "name": name, "labels": labels}),
     };
     let mut result = json!({"name": port.name, "domain": domain});
+    if !port.unit.is_empty() {
+        result["unit"] = json!(port.unit);
+    }
     if port.internal {
         result["internal"] = json!(true);
     }

@@ -27,6 +27,8 @@ pub struct Port {
     pub name: String,
     /// Its values.
     pub domain: Domain,
+    /// What they count, `mm`; empty for bare numbers.
+    pub unit: String,
     /// Whether it is an internal variable: an output that is not part of the interface.
     pub internal: bool,
 }

@@ -11,6 +11,7 @@ fn specification(domains: &[(i64, i64)]) -> Specification {
         name: format!("v{i}"),
         owner: Owner::System,
         internal: false,
+        unit: String::new(),
         domain: Domain::Range {
             low: *low,
             high: *high,

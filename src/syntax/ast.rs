@@ -251,12 +251,14 @@ impl Expr {
         }
     }
 
-    /// Calls `visit` with every dotted name that occurs.
+    /// Calls `visit` with every dotted name that occurs, and with those that are called.
     pub fn for_each_path<'a>(&'a self, visit: &mut impl FnMut(&'a [Name])) {
         let mut open = vec![self];
         while let Some(e) = open.pop() {
-            if let ExprKind::Path(names) = &e.kind {
-                visit(names);
+            match &e.kind {
+                ExprKind::Path(names) => visit(names),
+                ExprKind::Call(name, _) => visit(std::slice::from_ref(name)),
+                _ => {}
             }
             open.extend(e.children());
         }

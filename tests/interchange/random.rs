@@ -128,6 +128,7 @@ pub fn specifications() -> BoxedStrategy<Specification> {
                     name: name.to_owned(),
                     owner,
                     internal: false,
+                    unit: String::new(),
                     domain,
                     span: Span::default(),
                 })

@@ -374,6 +374,7 @@ fn machine(name: &str, properties: &[&str]) -> Machine {
 fn belt_machine(places: u32) -> Machine {
     let plant = ["load", "unload_ready"].map(|name| PlantInput {
         name: name.to_owned(),
+        unit: String::new(),
         domain: Domain::Bool,
         source: PlantSource::Signal { script: vec![0] },
         span: span(),
@@ -386,6 +387,7 @@ fn belt_machine(places: u32) -> Machine {
             domain: Domain::Bool,
             owner: Owner::System,
             internal: false,
+            unit: String::new(),
             span: span(),
         })
         .collect();

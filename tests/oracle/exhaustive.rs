@@ -79,6 +79,7 @@ pub fn variable(name: &str, owner: Owner) -> Variable {
         name: name.to_owned(),
         owner,
         internal: false,
+        unit: String::new(),
         domain: Domain::Bool,
         span: Span::default(),
     }

@@ -146,6 +146,7 @@ fn variable_of(i: u64, owner: Owner, internal: bool, domain: Domain) -> Variable
         name: format!("v{i}"),
         owner,
         internal,
+        unit: String::new(),
         domain,
         span: Span::default(),
     }

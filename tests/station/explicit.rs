@@ -17,6 +17,7 @@ pub fn controller(specification: &Specification) -> Machine {
                     name: v.name.clone(),
                     domain: v.domain.clone(),
                     internal: v.internal,
+                    unit: v.unit.clone(),
                 }
             })
             .collect()

@@ -36,6 +36,7 @@ fn variable(name: &str, owner: Owner, domain: Domain) -> Variable {
         name: name.to_owned(),
         owner,
         internal: false,
+        unit: String::new(),
         domain,
         span: Span::default(),
     }
@@ -302,6 +303,7 @@ pub fn manipulator() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
     // pick.stage 9, .depth 10; lamp.lit 11; idle.stage 12, .depth 13.
     let plant = |name: &str, domain, source| PlantInput {
         name: name.to_owned(),
+        unit: String::new(),
         domain,
         source,
         span: Span::default(),
@@ -490,6 +492,7 @@ pub fn belt() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
     };
     let plant = |name: &str| PlantInput {
         name: name.to_owned(),
+        unit: String::new(),
         domain: Domain::Bool,
         source: PlantSource::Signal { script: vec![0] },
         span: Span::default(),

@@ -1,13 +1,61 @@
-//! Finite domains.
+//! Finite types.
 
 use super::{Elaborator, MAX_DOMAIN, MAX_EXPANSION, nearest};
+use crate::contract::shape::Shape;
+use crate::contract::units::Unit;
+use crate::contract::value::{Term, Type};
 use crate::diagnostics::codes;
-use crate::gr1::Domain;
-use crate::syntax::ast;
+use crate::gr1::{Domain, Time};
+use crate::syntax::ast::{self, ExprKind};
+use std::collections::BTreeSet;
+
+/// A variable is made of at most so many scalars.
+const MAX_LEAVES: usize = 1 << 16;
 
 impl<'a> Elaborator<'a> {
-    /// A finite domain, and the length of the array if it is one.
+    /// A finite domain without a unit, and the length of the array if it is one.
     pub fn domain(&mut self, domain: &'a ast::Domain) -> Option<(Domain, Option<usize>)> {
+        let (base, unit, length) = self.measured_domain(domain)?;
+        if let Some(unit) = unit {
+            self.error_with(
+                codes::TYPE_MISMATCH,
+                domain.span,
+                format!(
+                    "whole numbers without a unit are counted here, and these are `{}`",
+                    unit.name()
+                ),
+                "leave the unit out",
+            );
+            return None;
+        }
+        Some((base, length))
+    }
+
+    /// A finite domain, its unit, and the length of the array if it is one.
+    pub fn measured_domain(
+        &mut self,
+        domain: &'a ast::Domain,
+    ) -> Option<(Domain, Option<Unit>, Option<usize>)> {
+        match self.shape(domain)? {
+            Shape::Scalar(base, unit) => Some((base, unit, None)),
+            Shape::Array(of, n) if matches!(*of, Shape::Scalar(..)) => match *of {
+                Shape::Scalar(base, unit) => Some((base, unit, Some(n))),
+                _ => None,
+            },
+            Shape::Array(..) | Shape::Record(_) => {
+                self.error_with(
+                    codes::TYPE_MISMATCH,
+                    domain.span,
+                    "records, and arrays of arrays, stand in contracts only",
+                    "declare each member by itself, or one array with `rows * columns` elements",
+                );
+                None
+            }
+        }
+    }
+
+    /// A finite type, of whatever shape.
+    pub fn shape(&mut self, domain: &'a ast::Domain) -> Option<Shape> {
         match &domain.kind {
             ast::DomainKind::Labels(names) => {
                 let mut labels: Vec<String> = Vec::new();
@@ -23,30 +71,10 @@ impl<'a> Elaborator<'a> {
                         labels.push(name.text.clone());
                     }
                 }
-                Some((Domain::Enum { name: None, labels }, None))
+                Some(Shape::Scalar(Domain::Enum { name: None, labels }, None))
             }
-            ast::DomainKind::Range(low, high, _) => {
-                let (l, h) = (self.constant_int(low), self.constant_int(high));
-                let (low, high) = (l?, h?);
-                if low > high {
-                    self.error_with(
-                        codes::DOMAIN_EMPTY,
-                        domain.span,
-                        format!("{low}..{high} is empty"),
-                        "write the smaller number first",
-                    );
-                    return None;
-                }
-                if high.saturating_sub(low) >= MAX_DOMAIN {
-                    self.error_with(
-                        codes::DOMAIN_EMPTY,
-                        domain.span,
-                        format!("{low}..{high} has more than {MAX_DOMAIN} values"),
-                        "use a coarser abstraction",
-                    );
-                    return None;
-                }
-                Some((Domain::Range { low, high }, None))
+            ast::DomainKind::Range(low, high, unit) => {
+                self.range(domain, low, high, unit.as_deref())
             }
             ast::DomainKind::Array(length, of) => {
                 let length_value = self.constant_int(length)?;
@@ -59,29 +87,33 @@ impl<'a> Elaborator<'a> {
                     );
                     return None;
                 }
-                let (base, inner) = self.domain(of)?;
-                if inner.is_some() {
+                let of = self.shape(of)?;
+                let length = length_value as usize;
+                if of.leaves().saturating_mul(length) > MAX_LEAVES {
                     self.error_with(
-                        codes::TYPE_MISMATCH,
-                        of.span,
-                        "arrays of arrays are not known",
-                        "use one array with `rows * columns` elements",
+                        codes::DOMAIN_EMPTY,
+                        domain.span,
+                        format!("this is made of more than {MAX_LEAVES} values"),
+                        "use smaller arrays",
                     );
                     return None;
                 }
-                Some((base, Some(length_value as usize)))
+                Some(Shape::Array(Box::new(of), length))
             }
-            ast::DomainKind::Named(name) if name.text == "bool" => Some((Domain::Bool, None)),
+            ast::DomainKind::Record(members) => self.record_shape(members),
+            ast::DomainKind::Named(name) if name.text == "bool" => {
+                Some(Shape::Scalar(Domain::Bool, None))
+            }
             ast::DomainKind::Named(name) => {
-                if let Some(domain) = self.named_domains.get(&name.text) {
-                    return Some((domain.clone(), None));
+                if let Some(shape) = self.shapes.get(&name.text) {
+                    return Some(shape.clone());
                 }
                 if self.broken.contains(&name.text) {
                     self.tainted = true;
                     return None;
                 }
                 let known: Vec<String> = self
-                    .named_domains
+                    .shapes
                     .keys()
                     .cloned()
                     .chain(["bool".to_owned()])
@@ -102,24 +134,97 @@ impl<'a> Elaborator<'a> {
                 );
                 None
             }
-            ast::DomainKind::Record(_) => {
-                self.error_with(
-                    codes::TYPE_MISMATCH,
-                    domain.span,
-                    "a record does not belong here",
-                    "",
-                );
-                None
-            }
             ast::DomainKind::Unit(unit) => {
                 self.error_with(
                     codes::TYPE_MISMATCH,
                     domain.span,
-                    format!("`{unit}` is a unit of the plant; a contract counts in whole numbers"),
-                    "write a range such as `0..9`, and give its meaning in the machine with `abstract`",
+                    format!("`{unit}` alone is a real number of the plant; a contract counts in whole numbers"),
+                    format!("write a range such as `0..9 {unit}`"),
                 );
                 None
             }
         }
+    }
+
+    fn range(
+        &mut self,
+        domain: &ast::Domain,
+        low: &'a ast::Expr,
+        high: &'a ast::Expr,
+        written: Option<&str>,
+    ) -> Option<Shape> {
+        let unit = written.or_else(|| unit_in(high)).or_else(|| unit_in(low));
+        let unit = unit.and_then(Unit::named);
+        let (l, h) = (self.bound_of(low, unit), self.bound_of(high, unit));
+        let (low, high) = (l?, h?);
+        if low > high {
+            self.error_with(
+                codes::DOMAIN_EMPTY,
+                domain.span,
+                format!("{low}..{high} is empty"),
+                "write the smaller number first",
+            );
+            return None;
+        }
+        if high.saturating_sub(low) >= MAX_DOMAIN {
+            self.error_with(
+                codes::DOMAIN_EMPTY,
+                domain.span,
+                format!("{low}..{high} has more than {MAX_DOMAIN} values"),
+                "use a coarser abstraction",
+            );
+            return None;
+        }
+        Some(Shape::Scalar(Domain::Range { low, high }, unit))
+    }
+
+    /// An end of a range: a bare number counts in the range's unit.
+    fn bound_of(&mut self, e: &'a ast::Expr, unit: Option<Unit>) -> Option<i64> {
+        let Some(unit) = unit else {
+            return self.constant_int(e);
+        };
+        let (term, ty) = self.any_scalar(e, Some(&Type::Int), Time::Now)?;
+        let term = match (&term, &ty) {
+            (Term::Int(_), Type::Int) => term,
+            (Term::Real(x), Type::Number(d)) if *d == crate::contract::units::Dimension::None => {
+                unit.count(*x * unit.factor()).map(Term::Int)?
+            }
+            _ => self.fitted(e.span, (term, ty), &Type::Measured(unit))?,
+        };
+        if let Term::Int(i) = term {
+            return Some(i);
+        }
+        self.error_with(
+            codes::NOT_CONSTANT,
+            e.span,
+            "this has to be known before the machine runs",
+            "use numbers, constants and parameters only",
+        );
+        None
+    }
+
+    fn record_shape(&mut self, members: &'a [(ast::Name, ast::Domain)]) -> Option<Shape> {
+        let mut seen: BTreeSet<&str> = BTreeSet::new();
+        let mut shapes = Vec::with_capacity(members.len());
+        for (name, domain) in members {
+            if !seen.insert(&name.text) {
+                self.error_with(
+                    codes::NAME_DOUBLE,
+                    name.span,
+                    format!("the record has a member `{}` already", name.text),
+                    "leave it out, or give it another name",
+                );
+            }
+            shapes.push(self.shape(domain).map(|s| (name.text.clone(), s)));
+        }
+        Some(Shape::Record(shapes.into_iter().collect::<Option<_>>()?))
+    }
+}
+
+/// The unit that is written in an expression; the first one, where there are several.
+pub(super) fn unit_in(e: &ast::Expr) -> Option<&str> {
+    match &e.kind {
+        ExprKind::Quantity(_, unit) if !unit.is_empty() => Some(unit),
+        _ => e.children().into_iter().find_map(unit_in),
     }
 }

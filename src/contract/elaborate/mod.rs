@@ -8,8 +8,13 @@ mod domains;
 mod names;
 mod operators;
 mod past;
+mod predicates;
 mod quantifiers;
+mod records;
+mod units;
 
+use super::shape::{Entry, Shape};
+use super::units::Unit;
 use super::value::{Dimension, Term, Type, Value};
 pub(in crate::contract) use crate::diagnostics::nearest;
 use crate::diagnostics::{Code, Diagnostic, codes, has_errors};
@@ -31,13 +36,13 @@ const MAX_FORMULA_DEPTH: usize = 600;
 /// What one contract or machine may cost to write out: nodes that are made, copied or looked at.
 const MAX_WORK: usize = 1_000_000;
 
-/// A variable in sight.
-#[derive(Debug, Clone)]
-pub(super) enum Entry {
-    /// A scalar.
-    One(VarId),
-    /// An array.
-    Many(Vec<VarId>),
+/// What stands outside of all contracts, for the defines that stand there, too.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Outside<'a> {
+    /// Constants.
+    pub constants: BTreeMap<String, Value>,
+    /// Defines.
+    pub defines: BTreeMap<String, &'a ast::Define>,
 }
 
 /// A property's unit, for reading it: its dimension and how many base units it is.
@@ -55,14 +60,18 @@ pub(super) struct Elaborator<'a> {
     pub domains: Vec<Option<Domain>>,
     /// The units of real variables by id.
     pub units: BTreeMap<VarId, UnitOf>,
+    /// The units of whole-number variables by id.
+    pub measures: BTreeMap<VarId, Unit>,
     /// Constants, parameters and quantified names.
     pub constants: BTreeMap<String, Value>,
     /// Named types in sight.
     pub types: BTreeMap<String, Type>,
-    /// The domains of the named types that are finite.
-    pub named_domains: BTreeMap<String, Domain>,
+    /// What the named types are made of.
+    pub shapes: BTreeMap<String, Shape>,
     /// Defines by name.
     pub defines: BTreeMap<String, &'a ast::Define>,
+    /// What a define of the file sees: what stands outside of all contracts.
+    pub outside: Outside<'a>,
     /// Whether real numbers are understood: `/` is then the division of real numbers.
     pub real: bool,
     /// Whether next values are understood.
@@ -100,8 +109,10 @@ impl<'a> Elaborator<'a> {
             units: BTreeMap::new(),
             constants: BTreeMap::new(),
             types: BTreeMap::new(),
-            named_domains: BTreeMap::new(),
+            measures: BTreeMap::new(),
+            shapes: BTreeMap::new(),
             defines: BTreeMap::new(),
+            outside: Outside::default(),
             real: false,
             next: false,
             monitors: None,
@@ -191,8 +202,23 @@ impl<'a> Elaborator<'a> {
         }
     }
 
+    /// Does something with only what stands outside of all contracts in sight.
+    pub(super) fn outside<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+        let variables = std::mem::take(&mut self.variables);
+        let counters = std::mem::take(&mut self.counters);
+        let outside = self.outside.clone();
+        let constants = std::mem::replace(&mut self.constants, outside.constants);
+        let defines = std::mem::replace(&mut self.defines, outside.defines);
+        let result = run(self);
+        self.variables = variables;
+        self.counters = counters;
+        self.constants = constants;
+        self.defines = defines;
+        result
+    }
+
     /// Does something without the quantified names: a define means the same wherever it is used.
-    fn unbound<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+    pub(super) fn unbound<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
         let mut bound = std::mem::take(&mut self.bound);
         for (name, value) in bound.iter_mut().rev() {
             *value = self.replace_constant(name.clone(), value.take());
@@ -219,7 +245,7 @@ impl<'a> Elaborator<'a> {
 
     pub(in crate::contract) fn mismatch(&mut self, span: Span, expected: &str, found: &Type) {
         let help = match found {
-            Type::Int | Type::Number(_) if expected != "a truth value" => {
+            Type::Int | Type::Number(_) | Type::Measured(_) if expected != "a truth value" => {
                 "write a value of that kind, or give the declaration the other type"
             }
             Type::Array(..) if expected.starts_with("an array") => {
@@ -228,7 +254,10 @@ impl<'a> Elaborator<'a> {
             Type::Bool => "a truth value counts as a number with `if ... then 1 else 0`",
             Type::Enum(_) => "a label is compared with `=`, `!=` or `in {...}`",
             Type::Array(..) => "name one element with `[i]`, or quantify over `forall i in 0..n-1`",
-            Type::Int | Type::Number(_) => "compare the number with something to get a truth value",
+            Type::Record(_) => "name one member, such as `target.x`",
+            Type::Int | Type::Number(_) | Type::Measured(_) => {
+                "compare the number with something to get a truth value"
+            }
         };
         self.error_with(
             codes::TYPE_MISMATCH,
@@ -251,11 +280,9 @@ impl<'a> Elaborator<'a> {
 
     /// A scalar of a type.
     pub fn scalar(&mut self, e: &'a ast::Expr, expected: &Type) -> Option<Term> {
-        let value = self.value(e, Some(expected), Time::Now)?;
-        match (value, expected) {
-            (Value::Scalar(term, found), _) if found == *expected => Some(term),
-            (Value::Scalar(term, Type::Int), Type::Number(_)) => Some(term),
-            (value, _) => {
+        match self.value(e, Some(expected), Time::Now)? {
+            Value::Scalar(term, found) => self.fitted(e.span, (term, found), expected),
+            value => {
                 self.mismatch(e.span, &expected.describe(), &value.ty());
                 None
             }
@@ -420,7 +447,15 @@ impl<'a> Elaborator<'a> {
             ExprKind::Quantifier(kind, name, domain, body) => {
                 self.quantifier(e.span, *kind, name, domain, body, time)
             }
+            ExprKind::Call(name, arguments) if self.defines.contains_key(&name.text) => {
+                self.predicate(e.span, name, arguments, expected, time)
+            }
             ExprKind::Call(name, arguments) => self.call(e.span, name, arguments, time),
+            ExprKind::Field(base, name) => {
+                let value = self.value(base, None, time)?;
+                self.member(base.span, value, name)
+            }
+            ExprKind::Record(members) => self.record(e.span, members, expected, time),
             ExprKind::List(members) => {
                 let inner = match expected {
                     Some(Type::Array(of, _)) => Some((**of).clone()),
@@ -453,7 +488,14 @@ impl<'a> Elaborator<'a> {
                         self.mismatch(m.span, &ty.describe(), &m_ty);
                         return None;
                     }
-                    terms.push(Term::binary(BinaryOp::Eq, x.clone(), m_term));
+                    let (x, m_term) = if ty.is_numeric() {
+                        let (x, m, _) =
+                            self.aligned(m.span, (x.clone(), ty.clone()), (m_term, m_ty))?;
+                        (x, m)
+                    } else {
+                        (x.clone(), m_term)
+                    };
+                    terms.push(Term::binary(BinaryOp::Eq, x, m_term));
                 }
                 Some(Value::Scalar(
                     Term::fold(BinaryOp::Or, terms, 0),
@@ -471,22 +513,18 @@ impl<'a> Elaborator<'a> {
                 );
                 None
             }
-            ExprKind::Field(..) | ExprKind::Record(_) => {
-                self.error_with(codes::NOT_GR1, e.span, "this is not known yet", "");
-                None
-            }
             ExprKind::Within(x, low, high) => {
                 let x = self.number(x, time)?;
                 let low = self.number(low, time)?;
                 let high = self.number(high, time)?;
-                self.same_dimension(e.span, &x.1, &x.0, &low.1, &low.0)?;
-                self.same_dimension(e.span, &x.1, &x.0, &high.1, &high.0)?;
                 self.spend(e.span, x.0.size())?;
+                let (low, above, _) = self.aligned(e.span, low, x.clone())?;
+                let (below, high, _) = self.aligned(e.span, x, high)?;
                 Some(Value::Scalar(
                     Term::binary(
                         BinaryOp::And,
-                        Term::binary(BinaryOp::Le, low.0, x.0.clone()),
-                        Term::binary(BinaryOp::Le, x.0, high.0),
+                        Term::binary(BinaryOp::Le, low, above),
+                        Term::binary(BinaryOp::Le, below, high),
                     ),
                     Type::Bool,
                 ))
@@ -503,18 +541,14 @@ impl<'a> Elaborator<'a> {
     ) -> Option<(Term, Type)> {
         match self.value(e, expected, time)? {
             Value::Scalar(term, ty) => Some((term, ty)),
-            array @ Value::Array(_) => {
-                let ty = array.ty();
-                self.findings.push(
-                    Diagnostic::error(
-                        codes::TYPE_MISMATCH,
-                        e.span,
-                        format!("this is {}", ty.describe()),
-                    )
-                    .with_help(
-                        "name one element with `[i]`, or quantify over `forall i in 0..n-1`",
-                    ),
-                );
+            other => {
+                let help = if matches!(other, Value::Record(_)) {
+                    "name one member, such as `target.x`"
+                } else {
+                    "name one element with `[i]`, or quantify over `forall i in 0..n-1`"
+                };
+                let message = format!("this is {}", other.ty().describe());
+                self.error_with(codes::TYPE_MISMATCH, e.span, message, help);
                 None
             }
         }

@@ -1,6 +1,7 @@
 //! Names, labels and indices.
 
-use super::{Elaborator, Entry, nearest};
+use super::{Elaborator, nearest};
+use crate::contract::shape::measured;
 use crate::contract::value::{Dimension, Term, Type, Value, unit};
 use crate::diagnostics::codes;
 use crate::gr1::{BinaryOp, Domain, Time, VarId};
@@ -9,16 +10,16 @@ use crate::syntax::ast;
 
 impl<'a> Elaborator<'a> {
     pub(super) fn literal(&mut self, span: Span, number: f64, name: &str) -> Option<Value> {
-        if !self.real {
+        let (dimension, factor) = unit(name);
+        if !self.real && matches!(dimension, Dimension::None | Dimension::Share) {
             self.error_with(
                 codes::TYPE_MISMATCH,
                 span,
-                "a contract counts in whole numbers without units",
+                "a contract counts in whole numbers",
                 "say in the machine what the numbers mean in the plant: `abstract`, `time`, `write`",
             );
             return None;
         }
-        let (dimension, factor) = unit(name);
         Some(Value::Scalar(
             Term::Real(number * factor),
             Type::Number(dimension),
@@ -39,32 +40,19 @@ impl<'a> Elaborator<'a> {
             .join(".");
         if let Some(value) = self.constants.get(&full) {
             let value = value.clone();
-            if !self.real && value.is_real() {
-                self.error_with(
-                    codes::TYPE_MISMATCH,
-                    span,
-                    format!("`{full}` is a quantity of the plant, and whole numbers without units are counted here"),
-                    "say in the machine what the numbers mean in the plant: `abstract`, `time`, `write`",
-                );
-                return None;
-            }
             self.spend(span, value.size())?;
-            return Some(value);
+            let value = if self.real {
+                in_base_units(value)
+            } else {
+                value
+            };
+            return match time {
+                Time::Now => Some(value),
+                Time::Next => self.later(span, value),
+            };
         }
         if let Some(define) = self.defines.get(&full).copied() {
-            if self.defining.contains(&full) {
-                self.error_with(
-                    codes::NAME_DOUBLE,
-                    span,
-                    format!("`{full}` is defined by itself"),
-                    "break the circle; a value that depends on itself needs an internal variable and `next`",
-                );
-                return None;
-            }
-            self.defining.push(full);
-            let value = self.unbound(|e| e.value(&define.value, expected, time));
-            self.defining.pop();
-            return value;
+            return self.defined(span, define, expected, time);
         }
         if let Some(counter) = self.counters.get(&full).copied() {
             if self.defining.contains(&full) {
@@ -82,12 +70,7 @@ impl<'a> Elaborator<'a> {
             return value;
         }
         if let Some(entry) = self.variables.get(&full).cloned() {
-            return Some(match entry {
-                Entry::One(id) => self.variable(id, time),
-                Entry::Many(ids) => {
-                    Value::Array(ids.iter().map(|id| self.variable(*id, time)).collect())
-                }
-            });
+            return Some(self.entry(&entry, time));
         }
         if let [label] = names
             && let Some(value) = self.label(label, expected)
@@ -103,6 +86,15 @@ impl<'a> Elaborator<'a> {
                 Type::Enum(labels.clone()),
             ));
         }
+        // `target.x` of a record `target`.
+        if let [first @ .., last] = names
+            && let Some(end) = first.last()
+            && self.knows(first)
+        {
+            let base = Span::new(span.file, span.start as usize, end.span.end as usize);
+            let value = self.path(base, first, None, time)?;
+            return self.member(base, value, last);
+        }
         if self.broken.contains(&full) {
             self.tainted = true;
             return None;
@@ -111,9 +103,31 @@ impl<'a> Elaborator<'a> {
         None
     }
 
+    /// Whether a dotted name, or what it begins with, is declared.
+    fn knows(&self, names: &[ast::Name]) -> bool {
+        (1..=names.len()).any(|n| {
+            let words: Vec<&str> = names[..n].iter().map(|n| n.text.as_str()).collect();
+            let name = words.join(".");
+            self.constants.contains_key(&name)
+                || self.defines.contains_key(&name)
+                || self.variables.contains_key(&name)
+                || self.broken.contains(&name)
+        })
+    }
+
     pub(super) fn variable(&self, id: VarId, time: Time) -> Value {
         if let Some(domain) = &self.domains[id.index()] {
-            return Value::Scalar(Term::Var(id, time), Type::of(domain));
+            let read = Term::Var(id, time);
+            let ty = measured(domain, self.measures.get(&id).copied());
+            // The plant computes in base units.
+            return match ty {
+                Type::Measured(unit) if self.real => {
+                    let factor = Box::new(Term::Real(unit.factor()));
+                    let term = Term::Binary(BinaryOp::Mul, Box::new(read), factor);
+                    Value::Scalar(term, Type::Number(unit.dimension()))
+                }
+                ty => Value::Scalar(read, ty),
+            };
         }
         let (dimension, factor) = self
             .units
@@ -264,60 +278,96 @@ impl<'a> Elaborator<'a> {
         }
         self.spend(span, index_term.size().saturating_mul(elements.len()))?;
         let chosen = &elements[range.low as usize..=range.high as usize];
-        if chosen.len() > MAX_LINEAR {
-            let Some(terms) = scalars(chosen) else {
-                self.error_with(
-                    codes::TYPE_MISMATCH,
-                    span,
-                    "an array of arrays needs a constant first index",
-                    "use one array with `rows * columns` elements",
-                );
-                return None;
-            };
-            let (_, ty) = &terms[0];
-            let ty = ty.clone();
-            return Some(Value::Scalar(halved(&index_term, range.low, &terms), ty));
+        let found = element(&index_term, range.low, chosen);
+        if found.is_none() {
+            self.error_with(
+                codes::TYPE_MISMATCH,
+                span,
+                "the elements of this array differ in kind, so that only a constant index chooses one",
+                "give all elements the same length and the same members",
+            );
         }
-        let mut chosen: Option<Value> = None;
-        for i in (range.low..=range.high).rev() {
-            let element = elements[i as usize].clone();
-            chosen = Some(match (chosen, element) {
-                (None, element) => element,
-                (Some(Value::Scalar(rest, _)), Value::Scalar(term, ty)) => {
-                    let here = Term::binary(BinaryOp::Eq, index_term.clone(), Term::Int(i));
-                    Value::Scalar(Term::choose(here, term, rest), ty)
-                }
-                _ => {
-                    self.error_with(
-                        codes::TYPE_MISMATCH,
-                        span,
-                        "an array of arrays needs a constant first index",
-                        "use one array with `rows * columns` elements",
-                    );
-                    return None;
-                }
-            });
-        }
-        chosen
+        found
     }
+}
+
+/// Counted quantities as real numbers of the plant.
+fn in_base_units(value: Value) -> Value {
+    let plain = value.clone();
+    let changed = value.map(&mut |term, ty| match (term, ty) {
+        (Term::Int(i), Type::Measured(unit)) => Some((
+            Term::Real(i as f64 * unit.factor()),
+            Type::Number(unit.dimension()),
+        )),
+        other => Some(other),
+    });
+    changed.unwrap_or(plain)
 }
 
 /// Up to so many elements are chosen one by one; more by halves, which keeps formulas shallow.
 const MAX_LINEAR: usize = 16;
 
-fn scalars(values: &[Value]) -> Option<Vec<(Term, Type)>> {
-    values
-        .iter()
-        .map(|v| match v {
-            Value::Scalar(term, ty) => Some((term.clone(), ty.clone())),
-            Value::Array(_) => None,
+/// The element that an index names, of those from `low` on: leaf by leaf, where they are no scalars.
+fn element(index: &Term, low: i64, elements: &[Value]) -> Option<Value> {
+    match elements.first()? {
+        Value::Scalar(_, ty) => {
+            let terms: Option<Vec<Term>> = elements
+                .iter()
+                .map(|v| match v {
+                    Value::Scalar(term, _) => Some(term.clone()),
+                    _ => None,
+                })
+                .collect();
+            Some(Value::Scalar(chosen(index, low, &terms?), ty.clone()))
+        }
+        Value::Array(first) => {
+            let parts = (0..first.len()).map(|k| {
+                let parts = elements.iter().map(|v| match v {
+                    Value::Array(list) if list.len() == first.len() => Some(list[k].clone()),
+                    _ => None,
+                });
+                element(index, low, &parts.collect::<Option<Vec<_>>>()?)
+            });
+            Some(Value::Array(parts.collect::<Option<_>>()?))
+        }
+        Value::Record(first) => {
+            let parts = first.iter().enumerate().map(|(k, (name, _))| {
+                let parts = elements.iter().map(|v| match v {
+                    Value::Record(members) => members
+                        .get(k)
+                        .filter(|(n, _)| n == name)
+                        .map(|(_, v)| v.clone()),
+                    _ => None,
+                });
+                let value = element(index, low, &parts.collect::<Option<Vec<_>>>()?)?;
+                Some((name.clone(), value))
+            });
+            Some(Value::Record(parts.collect::<Option<_>>()?))
+        }
+    }
+}
+
+/// The term that an index names, of those from `low` on.
+fn chosen(index: &Term, low: i64, terms: &[Term]) -> Term {
+    if terms.len() > MAX_LINEAR {
+        return halved(index, low, terms);
+    }
+    let [first @ .., last] = terms else {
+        return Term::FALSE;
+    };
+    let pairs = (low..).zip(first).collect::<Vec<_>>();
+    pairs
+        .into_iter()
+        .rev()
+        .fold(last.clone(), |rest, (i, term)| {
+            let here = Term::binary(BinaryOp::Eq, index.clone(), Term::Int(i));
+            Term::choose(here, term.clone(), rest)
         })
-        .collect()
 }
 
 /// The term of `terms`, of which the first has the index `low`, that `index` names.
-fn halved(index: &Term, low: i64, terms: &[(Term, Type)]) -> Term {
-    if let [(one, _)] = terms {
+fn halved(index: &Term, low: i64, terms: &[Term]) -> Term {
+    if let [one] = terms {
         return one.clone();
     }
     let (left, right) = terms.split_at(terms.len() / 2);

@@ -47,8 +47,7 @@ impl<'a> Elaborator<'a> {
             }
             A::Lt | A::Le | A::Gt | A::Ge => {
                 let (a, b) = (self.number(a, time), self.number(b, time));
-                let ((a, at), (b, bt)) = (a?, b?);
-                self.same_dimension(span, &at, &a, &bt, &b)?;
+                let (a, b, _) = self.aligned(span, a?, b?)?;
                 let op = match op {
                     A::Lt => BinaryOp::Lt,
                     A::Le => BinaryOp::Le,
@@ -107,8 +106,22 @@ impl<'a> Elaborator<'a> {
                     self.unequal(span, &at, &bt);
                     return None;
                 }
-                self.same_dimension(span, &at, &a, &bt, &b)?;
+                let (a, b) = if at.is_numeric() {
+                    let (a, b, _) = self.aligned(span, (a, at), (b, bt))?;
+                    (a, b)
+                } else {
+                    (a, b)
+                };
                 Some(Term::binary(BinaryOp::Eq, a, b))
+            }
+            (Value::Record(a), Value::Record(b))
+                if a.len() == b.len() && a.iter().zip(&b).all(|((x, _), (y, _))| x == y) =>
+            {
+                let mut terms = Vec::with_capacity(a.len());
+                for ((_, a), (_, b)) in a.into_iter().zip(b) {
+                    terms.push(self.equal(span, a, b)?);
+                }
+                Some(Term::fold(BinaryOp::And, terms, 1))
             }
             (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
                 let sizes = a.iter().chain(&b).map(Value::size);
@@ -139,6 +152,9 @@ impl<'a> Elaborator<'a> {
         let help = match (a, b) {
             (Type::Array(..), Type::Array(..)) => {
                 "compare arrays of one length, or single elements with `[i]`"
+            }
+            (Type::Record(_), _) | (_, Type::Record(_)) => {
+                "compare records with the same members, or single members"
             }
             (Type::Array(..), _) | (_, Type::Array(..)) => {
                 "name one element with `[i]`, or quantify over `forall i in 0..n-1`"
@@ -196,6 +212,9 @@ impl<'a> Elaborator<'a> {
         b_span: Span,
     ) -> Option<Value> {
         use ast::BinaryOp as A;
+        if !self.real && (at.dimension() != Dimension::None || bt.dimension() != Dimension::None) {
+            return self.measured_arithmetic(span, op, (a, at), (b, bt), b_span);
+        }
         let of = |t: &Type| match t {
             Type::Number(d) => *d,
             _ => Dimension::None,
@@ -265,6 +284,79 @@ impl<'a> Elaborator<'a> {
         Some(Value::Scalar(term, Type::Int))
     }
 
+    /// Whole numbers with units.
+    fn measured_arithmetic(
+        &mut self,
+        span: Span,
+        op: ast::BinaryOp,
+        (a, at): (Term, Type),
+        (b, bt): (Term, Type),
+        b_span: Span,
+    ) -> Option<Value> {
+        use ast::BinaryOp as A;
+        let counted = |t: &Type| matches!(t, Type::Measured(_));
+        if constant_real(&a).is_some()
+            && constant_real(&b).is_some()
+            && !counted(&at)
+            && !counted(&bt)
+        {
+            // Quantities of the file, not yet counted in a unit.
+            let real = std::mem::replace(&mut self.real, true);
+            let value = self.arithmetic(span, op, (a, at), (b, bt), b_span);
+            self.real = real;
+            return value;
+        }
+        let (op, a, b, ty) = match op {
+            A::Add | A::Sub | A::Mod | A::Div if at.dimension() == bt.dimension() => {
+                let (a, b, ty) = self.aligned(span, (a, at), (b, bt))?;
+                match op {
+                    A::Add => (BinaryOp::Add, a, b, ty),
+                    A::Sub => (BinaryOp::Sub, a, b, ty),
+                    A::Mod => (BinaryOp::Mod, a, b, ty),
+                    _ => (BinaryOp::Div, a, b, Type::Int),
+                }
+            }
+            A::Add | A::Sub | A::Mod => {
+                let (a, b, ty) = self.aligned(span, (a, at), (b, bt))?;
+                let op = match op {
+                    A::Add => BinaryOp::Add,
+                    A::Sub => BinaryOp::Sub,
+                    _ => BinaryOp::Mod,
+                };
+                (op, a, b, ty)
+            }
+            A::Mul if bt == Type::Int => (BinaryOp::Mul, a, b, at),
+            A::Mul if at == Type::Int => (BinaryOp::Mul, a, b, bt),
+            A::Div if bt == Type::Int => (BinaryOp::Div, a, b, at),
+            _ => {
+                let word = if op == A::Mul {
+                    "multiplied"
+                } else {
+                    "divided"
+                };
+                self.error_with(
+                    codes::TYPE_MISMATCH,
+                    span,
+                    format!("{} cannot be {word} by {}", at.describe(), bt.describe()),
+                    "there is no unit for the result; divide by `1 mm`, `1 deg` or the like where a bare number is meant",
+                );
+                return None;
+            }
+        };
+        if matches!(op, BinaryOp::Div | BinaryOp::Mod) && self.range_of(&b, b_span)?.contains(0) {
+            self.error_with(
+                codes::DIVISION,
+                b_span,
+                "this divisor can be 0",
+                "divide by a constant, or by an expression that is never 0, such as `max(x, 1 mm)`",
+            );
+            return None;
+        }
+        let term = Term::binary(op, a, b);
+        self.range_of(&term, span)?;
+        Some(Value::Scalar(term, ty))
+    }
+
     /// The interval of a whole number; reports what leaves the arithmetic's limits.
     pub fn range_of(&mut self, term: &Term, span: Span) -> Option<Interval> {
         if self.real {
@@ -327,36 +419,6 @@ impl<'a> Elaborator<'a> {
             (Some(l), Some(r))
         };
         let (condition, left, right) = (condition?, left?, right?);
-        match (left, right) {
-            (Value::Scalar(l, lt), Value::Scalar(r, rt)) if comparable(&lt, &rt) => {
-                let ty = if lt == Type::Int { rt } else { lt };
-                Some(Value::Scalar(Term::choose(condition, l, r), ty))
-            }
-            (Value::Array(l), Value::Array(r)) if l.len() == r.len() => {
-                self.spend(c.span, condition.size().saturating_mul(l.len()))?;
-                let mut elements = Vec::with_capacity(l.len());
-                for (l, r) in l.into_iter().zip(r) {
-                    let (Value::Scalar(l, lt), Value::Scalar(r, rt)) = (l, r) else {
-                        self.error_with(
-                            codes::TYPE_MISMATCH,
-                            a.span,
-                            "arrays of arrays cannot be chosen",
-                            "use one array with `rows * columns` elements",
-                        );
-                        return None;
-                    };
-                    if !comparable(&lt, &rt) {
-                        self.mismatch(b.span, &lt.describe(), &rt);
-                        return None;
-                    }
-                    elements.push(Value::Scalar(Term::choose(condition.clone(), l, r), lt));
-                }
-                Some(Value::Array(elements))
-            }
-            (l, r) => {
-                self.mismatch(b.span, &l.ty().describe(), &r.ty());
-                None
-            }
-        }
+        self.choose(&condition, (left, a.span), (right, b.span))
     }
 }

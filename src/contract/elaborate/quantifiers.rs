@@ -1,6 +1,8 @@
 //! Quantifiers, written out, and functions.
 
+use super::domains::unit_in;
 use super::{Elaborator, MAX_EXPANSION, nearest};
+use crate::contract::shape::measured;
 use crate::contract::value::{Dimension, Rounding, Term, Type, Value};
 use crate::diagnostics::codes;
 use crate::gr1::{BinaryOp, Time, UnaryOp};
@@ -10,7 +12,10 @@ use crate::syntax::ast::{self, Quantifier};
 impl<'a> Elaborator<'a> {
     /// The values that a quantified name takes, each with its type.
     pub fn quantified(&mut self, domain: &'a ast::Domain) -> Option<Vec<Value>> {
-        let values: Vec<Value> = if let ast::DomainKind::Range(low, high, _) = &domain.kind {
+        let values: Vec<Value> = if let ast::DomainKind::Range(low, high, None) = &domain.kind
+            && unit_in(low).is_none()
+            && unit_in(high).is_none()
+        {
             let (low, high) = (self.constant_int(low)?, self.constant_int(high)?);
             if high.saturating_sub(low) >= MAX_EXPANSION {
                 self.error_with(
@@ -24,8 +29,15 @@ impl<'a> Elaborator<'a> {
             (low..=high)
                 .map(|i| Value::Scalar(Term::Int(i), Type::Int))
                 .collect()
+        } else if let ast::DomainKind::Named(name) = &domain.kind
+            && let Some(length) = self.indices(&name.text)
+        {
+            let indices = 0..length as i64;
+            indices
+                .map(|i| Value::Scalar(Term::Int(i), Type::Int))
+                .collect()
         } else {
-            let (base, length) = self.domain(domain)?;
+            let (base, unit, length) = self.measured_domain(domain)?;
             if length.is_some() || base.size() as i64 > MAX_EXPANSION {
                 self.error_with(
                     codes::DOMAIN_EMPTY,
@@ -36,7 +48,7 @@ impl<'a> Elaborator<'a> {
                 return None;
             }
             (base.low()..=base.high())
-                .map(|i| Value::Scalar(Term::Int(i), Type::of(&base)))
+                .map(|i| Value::Scalar(Term::Int(i), measured(&base, unit)))
                 .collect()
         };
         self.expansions += values.len() as i64;
@@ -66,7 +78,7 @@ impl<'a> Elaborator<'a> {
             terms.push(term?);
         }
         let real = terms.iter().find_map(|(_, t)| match t {
-            Type::Number(d) => Some(Type::Number(*d)),
+            Type::Number(_) | Type::Measured(_) => Some(t.clone()),
             _ => None,
         });
         let terms = terms.into_iter().map(|(t, _)| t);
@@ -92,7 +104,7 @@ impl<'a> Elaborator<'a> {
                 real.unwrap_or(Type::Int),
             ),
         };
-        if let (Value::Scalar(term, Type::Int), false) = (&value, self.real) {
+        if let (Value::Scalar(term, Type::Int | Type::Measured(_)), false) = (&value, self.real) {
             self.range_of(term, span)?;
         }
         Some(value)
@@ -111,13 +123,12 @@ impl<'a> Elaborator<'a> {
             "round" => Some(Rounding::Round),
             "min" | "max" | "abs" => None,
             other => {
-                let help = match nearest(
-                    other,
-                    ["min", "max", "abs", "floor", "ceil", "round"].into_iter(),
-                ) {
+                let functions = ["min", "max", "abs", "floor", "ceil", "round"];
+                let known = self.defines.keys().map(String::as_str);
+                let help = match nearest(other, known.chain(functions)) {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => {
-                        "the functions are min, max, abs, and in machines floor, ceil and round"
+                        "the functions are min, max, abs, in machines floor, ceil and round, and what `define` declares"
                             .to_owned()
                     }
                 };
@@ -171,11 +182,9 @@ impl<'a> Elaborator<'a> {
             return Some(Value::Scalar(Term::unary(UnaryOp::Abs, term), ty));
         }
         for (next, next_ty) in values {
-            let dimension = self.same_dimension(span, &ty, &term, &next_ty, &next)?;
-            if next_ty != Type::Int || ty != Type::Int {
-                ty = Type::Number(dimension);
-            }
-            term = Term::binary(op, term, next);
+            let (a, b, common) = self.aligned(span, (term, ty), (next, next_ty))?;
+            ty = common;
+            term = Term::binary(op, a, b);
         }
         Some(Value::Scalar(term, ty))
     }

@@ -168,8 +168,10 @@ impl<'a> Builder<'a, '_> {
         e.real = true;
         e.constants.clone_from(&self.e.constants);
         e.types.clone_from(&self.e.types);
-        e.named_domains.clone_from(&self.e.named_domains);
+        e.shapes.clone_from(&self.e.shapes);
         e.broken.clone_from(&self.e.broken);
+        e.defines.clone_from(&self.e.defines);
+        e.outside.clone_from(&self.e.outside);
         for (name, _, ty) in &self.parts[part].types {
             see_property(&mut e, name, ty);
         }

@@ -1,15 +1,18 @@
 //! Components in their places: every input bound, no loop within a step.
 
 use super::Parts;
-use crate::contract::elaborate::{Elaborator, Entry, nearest};
+use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::machine::{ActionTime, Component, RealExpr, Role};
+use crate::contract::shape::{Segment, entries, measured, way};
+use crate::contract::units::Unit;
 use crate::contract::value::{Dimension, Term, Type, Value};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::interval::{Interval, interval};
-use crate::gr1::{Expr, Specification, Time, Timing, VarId};
+use crate::gr1::{Domain, Expr, Specification, Time, Timing, VarId};
 use crate::source::Span;
 use crate::syntax::ast;
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::sync::Arc;
 
 /// An elaborator for bindings: whole-number expressions over wires.
@@ -17,43 +20,36 @@ pub(super) fn scope_of_wires<'a>(e: &Elaborator<'a>, parts: &Parts<'a>) -> Elabo
     let mut w = Elaborator::new();
     w.constants.clone_from(&e.constants);
     w.types.clone_from(&e.types);
-    w.named_domains.clone_from(&e.named_domains);
+    w.shapes.clone_from(&e.shapes);
     w.broken.clone_from(&e.broken);
+    w.defines.clone_from(&e.defines);
+    w.outside.clone_from(&e.outside);
+    let see = |w: &mut Elaborator<'a>, domain: &Domain, unit: &str| {
+        let wire = VarId(w.domains.len() as u32);
+        w.domains.push(Some(domain.clone()));
+        if let Some(unit) = Unit::named(unit) {
+            w.measures.insert(wire, unit);
+        }
+        wire
+    };
+    let mut leaves = Vec::new();
     for input in &parts.plant {
-        w.domains.push(Some(input.domain.clone()));
+        leaves.push((input.name.as_str(), see(&mut w, &input.domain, &input.unit)));
     }
-    for (name, wires) in &parts.plant_entries {
-        let is_array = parts.plant[wires[0]].name != *name;
-        let entry = if is_array {
-            Entry::Many(wires.iter().map(|w| VarId(*w as u32)).collect())
-        } else {
-            Entry::One(VarId(wires[0] as u32))
-        };
-        // A wire hides a constant of the same name from outside.
-        w.constants.remove(name);
-        w.variables.insert(name.clone(), entry);
+    for (name, entry) in entries(leaves) {
+        // A wire hides what has its name outside.
+        w.constants.remove(&name);
+        w.defines.remove(&name);
+        w.variables.insert(name, entry);
     }
     for (c, s) in &parts.components {
-        let mut arrays: BTreeMap<String, Vec<VarId>> = BTreeMap::new();
+        let mut leaves = Vec::new();
         for id in s.outputs() {
-            let variable = s.variable(id);
-            let wire = VarId(w.domains.len() as u32);
-            w.domains.push(Some(variable.domain.clone()));
-            match variable.name.split_once('[') {
-                Some((array, _)) => arrays
-                    .entry(format!("{}.{array}", c.name.text))
-                    .or_default()
-                    .push(wire),
-                None => {
-                    w.variables.insert(
-                        format!("{}.{}", c.name.text, variable.name),
-                        Entry::One(wire),
-                    );
-                }
-            }
+            let v = s.variable(id);
+            leaves.push((v.name.as_str(), see(&mut w, &v.domain, &v.unit)));
         }
-        for (name, ids) in arrays {
-            w.variables.insert(name, Entry::Many(ids));
+        for (name, entry) in entries(leaves) {
+            w.variables.insert(format!("{}.{name}", c.name.text), entry);
         }
     }
     w
@@ -70,18 +66,12 @@ pub(super) fn component<'a>(
     let (decl, specification) = &parts.components[index];
     let mut known: Vec<&str> = specification
         .inputs()
-        .map(|id| {
-            specification
-                .variable(id)
-                .name
-                .split('[')
-                .next()
-                .unwrap_or("")
-        })
+        .map(|id| specification.variable(id).name.as_str())
+        .map(|name| way(name).0)
         .collect();
     known.dedup();
     for b in &decl.bindings {
-        if !known.contains(&b.name.text.as_str()) {
+        if !known.contains(&way(&b.name.text).0) {
             let help = match nearest(&b.name.text, known.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("its inputs are {}", known.join(", ")),
@@ -113,7 +103,7 @@ pub(super) fn component<'a>(
     let mut bindings = Vec::new();
     for id in specification.inputs() {
         let variable = specification.variable(id);
-        if let Some(expr) = binding(wires, parts, decl, variable) {
+        if let Some(expr) = binding(wires, parts, decl, specification, variable) {
             bindings.push(expr);
         }
     }
@@ -206,117 +196,131 @@ pub(super) fn component<'a>(
     })
 }
 
-/// Every input is bound once, and an index names an element that there is.
+/// Every input is bound once, and an index or member names one that there is.
 fn bindings_once(wires: &mut Elaborator<'_>, decl: &ast::Component, specification: &Specification) {
-    let mut seen: BTreeMap<(&str, Option<i64>), Span> = BTreeMap::new();
+    let mut seen: BTreeMap<String, Span> = BTreeMap::new();
+    let inputs: Vec<&str> = specification
+        .inputs()
+        .map(|id| specification.variable(id).name.as_str())
+        .collect();
     for b in &decl.bindings {
         let name = &b.name;
-        if let Some(first) = seen.insert((&name.text, b.index), name.span) {
-            let message = format!("`{}` is bound twice", name.text);
+        let target = target(b);
+        if let Some(first) = seen.insert(target.clone(), name.span) {
+            let message = format!("`{target}` is bound twice");
             wires.findings.push(
                 Diagnostic::error(codes::NAME_DOUBLE, name.span, message)
                     .with_label(first, "first here")
                     .with_help("leave one of the two out"),
             );
         }
-        let Some(index) = b.index else { continue };
-        let inputs = specification
-            .inputs()
-            .map(|id| &specification.variable(id).name);
-        let own: Vec<_> = inputs
-            .filter(|v| v.split('[').next() == Some(name.text.as_str()))
-            .collect();
-        if own.len() == 1 && *own[0] == name.text {
-            wires.error_with(
+        let (root, path) = way(&target);
+        let own: Vec<&&str> = inputs.iter().filter(|v| way(v).0 == root).collect();
+        let met = own.iter().any(|v| way(v).1.starts_with(&path));
+        if own.is_empty() || met {
+            continue;
+        }
+        let scalar = own.len() == 1 && *own[0] == root;
+        let elements = own
+            .iter()
+            .filter(|v| matches!(way(v).1.first(), Some(Segment::Element(_))));
+        let count = elements.count();
+        match (b.index, b.index.is_some() && scalar) {
+            (Some(_), true) => wires.error_with(
                 codes::TYPE_MISMATCH,
                 name.span,
-                format!("the input `{}` is not an array", name.text),
-                format!("write `{} = ...`", name.text),
-            );
-        } else if !own.is_empty() && index >= own.len() as i64 {
-            wires.error_with(
+                format!("the input `{root}` is not an array"),
+                format!("write `{root} = ...`"),
+            ),
+            (Some(index), false) if b.member.is_none() && count == own.len() => wires.error_with(
                 codes::INDEX_RANGE,
                 name.span,
-                format!("`{}` has no element {index}", name.text),
+                format!("`{root}` has no element {index}"),
                 format!("its elements are 0..{}", own.len() - 1),
-            );
+            ),
+            _ => wires.error_with(
+                codes::NAME_UNKNOWN,
+                name.span,
+                format!("the input `{root}` has no `{target}`"),
+                format!(
+                    "it is made of {}",
+                    own.iter()
+                        .map(|v| format!("`{v}`"))
+                        .collect::<Vec<_>>()
+                        .join(", ")
+                ),
+            ),
         }
     }
 }
+
+/// What a binding binds, as a leaf or the beginning of leaves is called.
+fn target(b: &ast::Binding) -> String {
+    let mut text = b.name.text.clone();
+    if let Some(index) = b.index {
+        let _ = write!(text, "[{index}]");
+    }
+    if let Some(member) = &b.member {
+        let _ = write!(text, ".{}", member.text);
+    }
+    text
+}
+
+/// How an array or record is bound, for messages.
+const PARTS: &str = "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`; a record to one with the same members, or member by member: `target.x = ...`";
 
 /// What an input is bound to: what the file says, else the plant's wire of its name, else the coordinator's output of its name.
 pub(super) fn binding<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
     decl: &'a ast::Component,
+    specification: &Specification,
     variable: &crate::gr1::Variable,
 ) -> Option<Expr> {
-    let (name, element) = match variable.name.split_once('[') {
-        Some((name, rest)) => (name, rest.trim_end_matches(']').parse::<usize>().ok()),
-        None => (variable.name.as_str(), None),
-    };
-    let ty = Type::of(&variable.domain);
+    let (name, path) = way(&variable.name);
+    let ty = measured(&variable.domain, Unit::named(&variable.unit));
+    // The binding that says most about this leaf.
     let explicit = decl
         .bindings
         .iter()
-        .find(|b| {
-            b.name.text == name && b.index.is_some() && b.index.map(|i| i as usize) == element
+        .rev()
+        .filter_map(|b| {
+            let target = target(b);
+            let (root, part) = way(&target);
+            (root == name && path.starts_with(&part)).then_some((part.len(), b))
         })
-        .or_else(|| {
-            decl.bindings
-                .iter()
-                .find(|b| b.name.text == name && b.index.is_none())
-        });
-    let (term, span) = if let Some(b) = explicit {
-        let term = match (element, b.index) {
-            (Some(i), None) => {
-                let expected = Type::Array(Box::new(ty.clone()), 0);
-                match wires.value(&b.value, Some(&expected), Time::Now)? {
-                    Value::Array(values) => match values.into_iter().nth(i) {
-                        Some(Value::Scalar(term, found)) if found == ty => term,
-                        Some(other) => {
-                            wires.error_with(
-                                codes::TYPE_MISMATCH,
-                                b.value.span,
-                                format!(
-                                    "`{}` is {}, not {}",
-                                    variable.name,
-                                    ty.describe(),
-                                    other.ty().describe()
-                                ),
-                                "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`",
-                            );
-                            return None;
-                        }
-                        None => {
-                            wires.error_with(
-                                codes::TYPE_MISMATCH,
-                                b.value.span,
-                                format!("there is no element {i} for `{}`", variable.name),
-                                "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`",
-                            );
-                            return None;
-                        }
-                    },
-                    Value::Scalar(term, found) if found == ty => term,
-                    other @ Value::Scalar(..) => {
-                        wires.error_with(
-                            codes::TYPE_MISMATCH,
-                            b.value.span,
-                            format!(
-                                "`{name}` is an array, each element {}; this is {}",
-                                ty.describe(),
-                                other.ty().describe()
-                            ),
-                            "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`",
-                        );
-                        return None;
-                    }
-                }
-            }
-            _ => wires.scalar(&b.value, &ty)?,
+        .max_by_key(|(length, _)| *length);
+    let (term, span) = if let Some((length, b)) = explicit {
+        let rest = &path[length..];
+        let expected = expected(specification, name, &path[..length]);
+        let value = wires.value(&b.value, expected.as_ref(), Time::Now)?;
+        let Some((term, found)) = leaf(value.clone(), rest) else {
+            let message = format!(
+                "`{}` is {}, and this is {}",
+                target(b),
+                expected.map_or_else(|| ty.describe(), |t| t.describe()),
+                value.ty().describe()
+            );
+            wires.error_with(codes::TYPE_MISMATCH, b.value.span, message, PARTS);
+            return None;
         };
-        (term, b.value.span)
+        if rest.is_empty() || found.is_numeric() && ty.is_numeric() {
+            (
+                wires.fitted(b.value.span, (term, found), &ty)?,
+                b.value.span,
+            )
+        } else if found == ty {
+            (term, b.value.span)
+        } else {
+            let message = format!(
+                "`{}` is {}, not {}",
+                variable.name,
+                ty.describe(),
+                found.describe()
+            );
+            wires.error_with(codes::TYPE_MISMATCH, b.value.span, message, PARTS);
+            return None;
+        }
     } else {
         let coordinator = parts
             .components
@@ -328,12 +332,7 @@ pub(super) fn binding<'a>(
             .get(name)
             .cloned()
             .or_else(|| coordinator.and_then(|c| wires.variables.get(&c).cloned()));
-        let id = match (entry, element) {
-            (Some(Entry::One(id)), None) => Some(id),
-            (Some(Entry::Many(ids)), Some(i)) => ids.get(i).copied(),
-            _ => None,
-        };
-        let Some(id) = id else {
+        let Some(id) = entry.and_then(|e| e.at(&path)) else {
             if decl.broken {
                 // It may be bound by what could not be understood.
                 wires.tainted = true;
@@ -348,7 +347,8 @@ pub(super) fn binding<'a>(
             return None;
         };
         let domain = wires.domains[id.index()].clone()?;
-        if Type::of(&domain) != ty {
+        let found = measured(&domain, wires.measures.get(&id).copied());
+        if found != ty {
             wires.error_with(
                 codes::TYPE_MISMATCH,
                 decl.name.span,
@@ -357,7 +357,7 @@ pub(super) fn binding<'a>(
                     variable.name,
                     decl.name.text,
                     ty.describe(),
-                    Type::of(&domain).describe()
+                    found.describe()
                 ),
                 format!("bind it: `{name} = ...`"),
             );
@@ -388,4 +388,70 @@ pub(super) fn binding<'a>(
         return None;
     }
     Some(expr)
+}
+
+/// The type of an input, or of a part of it.
+fn expected(specification: &Specification, name: &str, path: &[Segment<'_>]) -> Option<Type> {
+    let own = specification.inputs().filter_map(|id| {
+        let (root, leaf) = way(&specification.variable(id).name);
+        (root == name).then_some((id, leaf))
+    });
+    let leaves: Vec<(VarId, Vec<Segment<'_>>)> = own
+        .filter_map(|(id, leaf)| Some((id, leaf.strip_prefix(path)?.to_vec())))
+        .collect();
+    type_of(specification, &leaves)
+}
+
+fn type_of(specification: &Specification, leaves: &[(VarId, Vec<Segment<'_>>)]) -> Option<Type> {
+    let (id, first) = leaves.first()?;
+    let below = |segment: Segment<'_>| -> Vec<(VarId, Vec<Segment<'_>>)> {
+        let inner = leaves.iter().filter(|(_, l)| l.first() == Some(&segment));
+        inner.map(|(id, l)| (*id, l[1..].to_vec())).collect()
+    };
+    match first.first() {
+        None => {
+            let variable = specification.variable(*id);
+            Some(measured(&variable.domain, Unit::named(&variable.unit)))
+        }
+        Some(first @ Segment::Element(_)) => {
+            let indices = leaves.iter().filter_map(|(_, l)| match l.first() {
+                Some(Segment::Element(i)) => Some(*i),
+                _ => None,
+            });
+            let length = indices.max().map_or(0, |i| i + 1);
+            let of = type_of(specification, &below(*first))?;
+            Some(Type::Array(Box::new(of), length))
+        }
+        Some(Segment::Member(_)) => {
+            let mut members: Vec<(String, Type)> = Vec::new();
+            for (_, leaf) in leaves {
+                if let Some(Segment::Member(name)) = leaf.first()
+                    && !members.iter().any(|(n, _)| n == name)
+                {
+                    let ty = type_of(specification, &below(Segment::Member(name)))?;
+                    members.push(((*name).to_owned(), ty));
+                }
+            }
+            Some(Type::Record(members))
+        }
+    }
+}
+
+/// The scalar at the end of a way into a value. Where an array is wanted, a scalar stands for all its elements.
+fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
+    match (value, path) {
+        (Value::Scalar(term, ty), path)
+            if path.iter().all(|s| matches!(s, Segment::Element(_))) =>
+        {
+            Some((term, ty))
+        }
+        (Value::Array(values), [Segment::Element(i), rest @ ..]) => {
+            leaf(values.into_iter().nth(*i)?, rest)
+        }
+        (Value::Record(members), [Segment::Member(name), rest @ ..]) => {
+            let (_, value) = members.into_iter().find(|(n, _)| n == name)?;
+            leaf(value, rest)
+        }
+        _ => None,
+    }
 }

@@ -5,7 +5,8 @@ use super::properties::{PropertyType, assigned, assigned_array};
 use crate::contract::elaborate::Elaborator;
 use crate::contract::instantiate::taxonomy_codes;
 use crate::contract::machine::{Operation, PlantInput, PlantSource};
-use crate::contract::value::{Term, Type};
+use crate::contract::shape::measured;
+use crate::contract::value::Term;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::Domain;
 use crate::syntax::ast::{ExprKind, Machine, MachineItem, Performed};
@@ -55,6 +56,7 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
     parts.plant.push(PlantInput {
         name: "operation".to_owned(),
         domain,
+        unit: String::new(),
         source: PlantSource::Operation,
         span,
     });
@@ -128,14 +130,17 @@ pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
             MachineItem::Abstract(t) => (t, false),
             _ => continue,
         };
-        let Some((domain, length)) = e.domain(&typed.domain) else {
+        let Some((domain, unit, length)) = e.measured_domain(&typed.domain) else {
             e.broken.insert(typed.name.text.clone());
             continue;
         };
         let n = length.unwrap_or(1);
         let mut sources: Vec<PlantSource> = Vec::new();
         if signal {
-            let ty = Type::of(&domain);
+            // A script is counted like a contract's values.
+            let counted = e.real && unit.is_none();
+            let real = std::mem::replace(&mut e.real, counted);
+            let ty = measured(&domain, unit);
             let mut script = Vec::new();
             for value in &typed.values {
                 match e.scalar(value, &ty) {
@@ -151,13 +156,14 @@ pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
                     None => {}
                 }
             }
+            e.real = real;
             if script.is_empty() {
                 continue;
             }
             sources = vec![PlantSource::Signal { script }; n];
         } else if let Some(value) = typed.values.first() {
             let element = PropertyType {
-                unit: String::new(),
+                unit: unit.map(|u| u.name().to_owned()).unwrap_or_default(),
                 domain: Some(domain.clone()),
                 length: None,
             };
@@ -185,6 +191,7 @@ pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
             parts.plant.push(PlantInput {
                 name,
                 domain: domain.clone(),
+                unit: unit.map(|u| u.name().to_owned()).unwrap_or_default(),
                 source,
                 span: typed.name.span,
             });

@@ -1,6 +1,8 @@
 //! Properties of parts: their types, their values, and how expressions see them.
 
-use crate::contract::elaborate::{Elaborator, Entry, MAX_EXPANSION, constant_real};
+use crate::contract::elaborate::{Elaborator, MAX_EXPANSION, constant_real};
+use crate::contract::shape::Entry;
+use crate::contract::units::Unit;
 use crate::contract::value::{Dimension, Term, Type, Value, unit};
 use crate::diagnostics::codes;
 use crate::gr1::{Domain, Time, VarId};
@@ -60,9 +62,9 @@ pub(in crate::contract) fn property_type<'a>(
             })
         }
         _ => {
-            let (base, length) = e.domain(domain)?;
+            let (base, unit, length) = e.measured_domain(domain)?;
             Some(PropertyType {
-                unit: String::new(),
+                unit: unit.map(|u| u.name().to_owned()).unwrap_or_default(),
                 domain: Some(base),
                 length,
             })
@@ -103,7 +105,7 @@ pub(in crate::contract) fn property_values<'a>(
             );
             return None;
         }
-        scalar @ Value::Scalar(..) => vec![scalar; n],
+        other => vec![other; n],
     };
     let (dimension, factor) = unit(&ty.unit);
     let mut numbers = Vec::with_capacity(n);
@@ -120,7 +122,10 @@ pub(in crate::contract) fn property_values<'a>(
             );
             return None;
         };
+        let counted = ty.domain.is_some() && dimension != Dimension::None;
         let fits = match (&ty.domain, &found) {
+            (Some(_), Type::Number(d)) if counted && *d == dimension => true,
+            (Some(_), Type::Int) if counted => true,
             (Some(d), Type::Int | Type::Bool | Type::Enum(_)) => {
                 *d != Domain::Bool && found == Type::Int && Type::of(d) == Type::Int
                     || Type::of(d) == found
@@ -141,6 +146,26 @@ pub(in crate::contract) fn property_values<'a>(
             e.mismatch(value.span, &wanted, &found);
             return None;
         }
+        // A bare number is in the declared unit already.
+        let number = match found {
+            Type::Number(d) if d != Dimension::None => number / factor,
+            _ => number,
+        };
+        let number = if counted {
+            let near = number.round();
+            if (number - near).abs() > 1e-9 * near.abs().max(1.0) {
+                e.error_with(
+                    codes::PROPERTY,
+                    value.span,
+                    format!("{number} is no whole number of `{}`", ty.unit),
+                    "round it, or declare the property in a finer unit",
+                );
+                return None;
+            }
+            near
+        } else {
+            number
+        };
         if let Some(d) = &ty.domain
             && !d.contains(number as i64)
         {
@@ -152,11 +177,7 @@ pub(in crate::contract) fn property_values<'a>(
             );
             return None;
         }
-        // A bare number is in the declared unit already.
-        numbers.push(match found {
-            Type::Number(d) if d != Dimension::None => number / factor,
-            _ => number,
-        });
+        numbers.push(number);
     }
     Some(numbers)
 }
@@ -173,16 +194,19 @@ pub(in crate::contract) fn see_property(
             e.domains.push(ty.domain.clone());
             if ty.domain.is_none() {
                 e.units.insert(id, unit(&ty.unit));
+            } else if let Some(unit) = Unit::named(&ty.unit) {
+                e.measures.insert(id, unit);
             }
             id
         })
         .collect();
     let entry = match ty.length {
         None => Entry::One(ids[0]),
-        Some(_) => Entry::Many(ids.clone()),
+        Some(_) => Entry::Many(ids.iter().map(|id| Entry::One(*id)).collect()),
     };
     // A property hides a constant of the same name from outside.
     e.constants.remove(name);
+    e.defines.remove(name);
     e.variables.insert(name.to_owned(), entry);
     ids
 }
@@ -223,7 +247,7 @@ pub(in crate::contract) fn assigned_array<'a>(
             .into_iter()
             .map(|v| match v {
                 Value::Scalar(term, found) => converted(e, ty, term, &found, value),
-                inner @ Value::Array(_) => {
+                inner => {
                     e.mismatch(value.span, "one value for each element", &inner.ty());
                     None
                 }
@@ -252,6 +276,25 @@ fn converted(
     let expected = ty.domain.as_ref().map(Type::of);
     let (dimension, factor) = unit(&ty.unit);
     match (&expected, found) {
+        // A range with a unit: the plant rounds to nothing, so that what is no whole number is reported when it occurs.
+        (Some(Type::Int), Type::Number(d)) if dimension != Dimension::None => {
+            if *d != dimension {
+                e.mismatch(value.span, dimension.word(), found);
+                return None;
+            }
+            let quotient = crate::gr1::BinaryOp::Div;
+            let factor = Term::Real(factor);
+            Some(match constant_real(&term).zip(constant_real(&factor)) {
+                Some((x, f)) => Term::Real(x / f),
+                None => Term::Binary(quotient, Box::new(term), Box::new(factor)),
+            })
+        }
+        (Some(Type::Int), Type::Int)
+            if dimension != Dimension::None && constant_real(&term) != Some(0.0) =>
+        {
+            e.mismatch(value.span, dimension.word(), found);
+            None
+        }
         (Some(want), _) if want == found => Some(term),
         (Some(Type::Int), Type::Number(Dimension::None)) | (None, Type::Int) => Some(term),
         (None, Type::Bool) if dimension == Dimension::None => Some(term),

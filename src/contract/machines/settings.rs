@@ -2,7 +2,7 @@
 
 use super::Parts;
 use super::properties::{PropertyType, assigned, assigned_array};
-use crate::contract::elaborate::{Elaborator, Entry, nearest};
+use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::machine::{Failures, Machine};
 use crate::contract::value::Dimension;
 use crate::diagnostics::codes;
@@ -22,18 +22,20 @@ pub(super) fn settings<'a>(
     both.real = true;
     both.constants.clone_from(&e.constants);
     both.types.clone_from(&e.types);
-    both.named_domains.clone_from(&e.named_domains);
+    both.shapes.clone_from(&e.shapes);
     both.broken.clone_from(&e.broken);
     both.domains.clone_from(&e.domains);
     both.units.clone_from(&e.units);
     both.variables.clone_from(&e.variables);
     both.domains.extend(wires.domains.iter().cloned());
-    let shift = |id: &VarId| VarId(id.0 + properties as u32);
+    let shift = |id: VarId| VarId(id.0 + properties as u32);
+    both.measures.clone_from(&e.measures);
+    let wire_units = wires.measures.iter().map(|(id, unit)| (shift(*id), *unit));
+    both.measures.extend(wire_units);
+    both.defines.clone_from(&e.defines);
+    both.outside.clone_from(&e.outside);
     for (name, entry) in &wires.variables {
-        let entry = match entry {
-            Entry::One(id) => Entry::One(shift(id)),
-            Entry::Many(ids) => Entry::Many(ids.iter().map(shift).collect()),
-        };
+        let entry = entry.renumbered(&shift);
         both.constants.remove(name);
         both.variables.entry(name.clone()).or_insert(entry);
     }

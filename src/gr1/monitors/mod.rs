@@ -370,6 +370,7 @@ impl Monitors {
                 name,
                 owner: Owner::System,
                 internal: true,
+                unit: String::new(),
                 domain,
                 span: origin.span,
             },

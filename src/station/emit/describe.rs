@@ -15,7 +15,7 @@ pub(super) fn describe(machine: &Machine, contract_hash: &str) -> String {
                 PlantSource::Signal { .. } => "signal",
                 PlantSource::Property(_) => "property",
             };
-            let mut port = port(&input.name, &input.domain);
+            let mut port = port(&input.name, &input.domain, &input.unit);
             port.insert("source".to_owned(), json!(source));
             Value::Object(port)
         })
@@ -27,7 +27,7 @@ pub(super) fn describe(machine: &Machine, contract_hash: &str) -> String {
             component.specification.outputs().map(|id| {
                 let variable = component.specification.variable(id);
                 let name = format!("{}.{}", component.name, variable.name);
-                let mut port = port(&name, &variable.domain);
+                let mut port = port(&name, &variable.domain, &variable.unit);
                 port.insert("internal".to_owned(), json!(variable.internal));
                 Value::Object(port)
             })
@@ -81,10 +81,13 @@ pub(super) fn describe(machine: &Machine, contract_hash: &str) -> String {
     .to_string()
 }
 
-fn port(name: &str, domain: &Domain) -> Map<String, Value> {
+fn port(name: &str, domain: &Domain, unit: &str) -> Map<String, Value> {
     let mut port = Map::new();
     port.insert("name".to_owned(), json!(name));
     port.insert("domain".to_owned(), json!(domain.describe()));
+    if !unit.is_empty() {
+        port.insert("unit".to_owned(), json!(unit));
+    }
     port.insert("low".to_owned(), json!(domain.low()));
     port.insert("high".to_owned(), json!(domain.high()));
     if let Domain::Enum { labels, .. } = domain {

@@ -1,0 +1,169 @@
+//! Two numbers in one unit, so that they can be added and compared.
+
+use super::{Elaborator, is_zero};
+use crate::contract::units::{Dimension, Unit};
+use crate::contract::value::{Term, Type, Value};
+use crate::diagnostics::codes;
+use crate::gr1::BinaryOp;
+use crate::source::Span;
+
+impl Elaborator<'_> {
+    /// Two numbers as multiples of one unit, and their type: the finer of two units. 0 fits every one.
+    pub(super) fn aligned(
+        &mut self,
+        span: Span,
+        (a, at): (Term, Type),
+        (b, bt): (Term, Type),
+    ) -> Option<(Term, Term, Type)> {
+        match (&at, &bt) {
+            (Type::Measured(x), Type::Measured(y)) if x == y => Some((a, b, at)),
+            (Type::Measured(x), Type::Measured(y)) => {
+                if let Some(times) = x.in_terms_of(*y) {
+                    return Some((scaled(a, times), b, bt));
+                }
+                if let Some(times) = y.in_terms_of(*x) {
+                    return Some((a, scaled(b, times), at));
+                }
+                self.apart(span, &at, &bt);
+                None
+            }
+            (Type::Measured(_), Type::Int) if is_zero(&b) => Some((a, b, at)),
+            (Type::Int, Type::Measured(_)) if is_zero(&a) => Some((a, b, bt)),
+            (Type::Measured(_), Type::Number(_)) => {
+                let b = self.fitted(span, (b, bt), &at)?;
+                Some((a, b, at))
+            }
+            (Type::Number(_), Type::Measured(_)) => {
+                let a = self.fitted(span, (a, at), &bt)?;
+                Some((a, b, bt))
+            }
+            (Type::Measured(_), _) | (_, Type::Measured(_)) => {
+                self.apart(span, &at, &bt);
+                None
+            }
+            _ => {
+                let dimension = self.same_dimension(span, &at, &a, &bt, &b)?;
+                let ty = match (at, bt) {
+                    (Type::Int, Type::Int) => Type::Int,
+                    _ => Type::Number(dimension),
+                };
+                Some((a, b, ty))
+            }
+        }
+    }
+
+    /// A scalar as one of the wanted type; reports what does not fit.
+    pub(in crate::contract) fn fitted(
+        &mut self,
+        span: Span,
+        (term, found): (Term, Type),
+        wanted: &Type,
+    ) -> Option<Term> {
+        match (wanted, &found) {
+            _ if *wanted == found => Some(term),
+            (Type::Number(_), Type::Int) => Some(term),
+            (Type::Measured(_), Type::Int) if is_zero(&term) => Some(term),
+            (Type::Measured(unit), Type::Measured(other)) => match other.in_terms_of(*unit) {
+                Some(times) => Some(scaled(term, times)),
+                None => {
+                    self.apart(span, &found, wanted);
+                    None
+                }
+            },
+            (Type::Measured(unit), Type::Number(dimension)) => {
+                self.counted(span, &term, *dimension, *unit)
+            }
+            _ => {
+                self.mismatch(span, &wanted.describe(), &found);
+                None
+            }
+        }
+    }
+
+    /// A value of whatever shape as one of the wanted type.
+    pub(in crate::contract) fn fitted_value(
+        &mut self,
+        span: Span,
+        value: Value,
+        wanted: &Type,
+    ) -> Option<Value> {
+        match (value, wanted) {
+            (Value::Scalar(term, found), _) => {
+                let term = self.fitted(span, (term, found), wanted)?;
+                Some(Value::Scalar(term, wanted.clone()))
+            }
+            (Value::Array(values), Type::Array(of, n)) if values.len() == *n => {
+                let values = values.into_iter().map(|v| self.fitted_value(span, v, of));
+                Some(Value::Array(values.collect::<Option<_>>()?))
+            }
+            (Value::Record(members), Type::Record(types))
+                if members.len() == types.len()
+                    && members.iter().zip(types).all(|((a, _), (b, _))| a == b) =>
+            {
+                let members = members.into_iter().zip(types);
+                let members = members
+                    .map(|((name, v), (_, ty))| self.fitted_value(span, v, ty).map(|v| (name, v)));
+                Some(Value::Record(members.collect::<Option<_>>()?))
+            }
+            (value, _) => {
+                self.mismatch(span, &wanted.describe(), &value.ty());
+                None
+            }
+        }
+    }
+
+    /// A quantity of the file as a whole number of a unit.
+    fn counted(
+        &mut self,
+        span: Span,
+        term: &Term,
+        dimension: Dimension,
+        unit: Unit,
+    ) -> Option<Term> {
+        if dimension != unit.dimension() {
+            self.apart(span, &Type::Number(dimension), &Type::Measured(unit));
+            return None;
+        }
+        let Some(base) = super::constant_real(term) else {
+            self.error_with(
+                codes::NOT_CONSTANT,
+                span,
+                "a quantity of the plant has to be known here beforehand",
+                "use numbers, constants and parameters only",
+            );
+            return None;
+        };
+        let count = unit.count(base);
+        if count.is_none() {
+            self.error_with(
+                codes::TYPE_MISMATCH,
+                span,
+                format!("this is no whole number of `{}`", unit.name()),
+                "a contract counts in whole numbers: round it, or declare the variable in a finer unit",
+            );
+        }
+        count.map(Term::Int)
+    }
+
+    fn apart(&mut self, span: Span, a: &Type, b: &Type) {
+        let help = if a.dimension() == b.dimension() {
+            "neither unit is a multiple of the other: give both the same one"
+        } else {
+            "give both sides the same kind of unit; a bare number gets one by being written with it, `5 mm`"
+        };
+        let word = |t: &Type| match t {
+            Type::Int => "a bare number".to_owned(),
+            other => other.describe(),
+        };
+        let message = format!("{} does not go together with {}", word(a), word(b));
+        self.error_with(codes::TYPE_MISMATCH, span, message, help);
+    }
+}
+
+fn scaled(term: Term, times: i64) -> Term {
+    if times == 1 {
+        term
+    } else {
+        Term::binary(BinaryOp::Mul, term, Term::Int(times))
+    }
+}

@@ -1,0 +1,151 @@
+//! Units of length, time, angle and the like.
+//!
+//! The plant computes with real numbers in base units. A contract counts in whole numbers, each in the unit of its declaration.
+
+/// What a physical quantity measures. Values are held in the base unit named here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Dimension {
+    /// A bare number.
+    None,
+    /// Hundredths (`%`) as a share of 1. It may stand where a bare number is asked for, but does not mix with one: `1 - 5 %` would
+    /// leave open whether 1 is a hundredth.
+    Share,
+    /// Seconds.
+    Time,
+    /// Metres.
+    Length,
+    /// Degrees.
+    Angle,
+    /// Watts.
+    Power,
+    /// Joules.
+    Energy,
+    /// Kilograms.
+    Mass,
+    /// Metres a second.
+    Speed,
+}
+
+impl Dimension {
+    /// The dimension of a product. `None` where it has none that is known here.
+    pub fn times(self, other: Self) -> Option<Self> {
+        use Dimension as D;
+        match (self, other) {
+            // Twice a share is a share.
+            (D::Share, D::None) => Some(D::Share),
+            (D::None | D::Share, d) | (d, D::None | D::Share) => Some(d),
+            (D::Speed, D::Time) | (D::Time, D::Speed) => Some(D::Length),
+            (D::Power, D::Time) | (D::Time, D::Power) => Some(D::Energy),
+            _ => None,
+        }
+    }
+
+    /// The dimension of a quotient.
+    pub fn over(self, other: Self) -> Option<Self> {
+        use Dimension as D;
+        match (self, other) {
+            (d, D::None) => Some(d),
+            (a, b) if a == b => Some(D::None),
+            (d, D::Share) => Some(d),
+            (D::Length, D::Speed) | (D::Energy, D::Power) => Some(D::Time),
+            (D::Length, D::Time) => Some(D::Speed),
+            (D::Energy, D::Time) => Some(D::Power),
+            _ => None,
+        }
+    }
+
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::None => "a bare number",
+            Self::Share => "a share (`%`)",
+            Self::Time => "a time (`s`, `min`, `h`)",
+            Self::Length => "a length (`mm`, `m`)",
+            Self::Angle => "an angle (`deg`)",
+            Self::Power => "a power (`W`, `kW`)",
+            Self::Energy => "an energy (`J`, `kWh`)",
+            Self::Mass => "a mass (`g`, `kg`)",
+            Self::Speed => "a speed (`m/s`, `mm/s`)",
+        }
+    }
+}
+
+/// The dimension of a unit, and how many base units it is.
+pub(super) fn unit(name: &str) -> (Dimension, f64) {
+    use Dimension as D;
+    match name {
+        "ms" => (D::Time, 0.001),
+        "s" => (D::Time, 1.0),
+        "min" => (D::Time, 60.0),
+        "h" => (D::Time, 3600.0),
+        "d" => (D::Time, 86_400.0),
+        "mm" => (D::Length, 0.001),
+        "cm" => (D::Length, 0.01),
+        "m" => (D::Length, 1.0),
+        "deg" => (D::Angle, 1.0),
+        "rad" => (D::Angle, 180.0 / std::f64::consts::PI),
+        "W" => (D::Power, 1.0),
+        "kW" => (D::Power, 1000.0),
+        "J" => (D::Energy, 1.0),
+        "Wh" => (D::Energy, 3600.0),
+        "kWh" => (D::Energy, 3.6e6),
+        "g" => (D::Mass, 0.001),
+        "kg" => (D::Mass, 1.0),
+        "mm/s" => (D::Speed, 0.001),
+        "m/s" => (D::Speed, 1.0),
+        "%" => (D::Share, 0.01),
+        _ => (D::None, 1.0),
+    }
+}
+
+/// The units by name.
+const UNITS: &[&str] = &[
+    "ms", "s", "min", "h", "d", "mm", "cm", "m", "deg", "rad", "W", "kW", "J", "Wh", "kWh", "g",
+    "kg", "mm/s", "m/s", "%",
+];
+
+/// A unit in which a contract counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Unit(&'static str);
+
+impl Unit {
+    /// The unit of a name; `None` for a bare number, and for `%`, which is a number itself.
+    pub fn named(name: &str) -> Option<Self> {
+        let known = UNITS.iter().find(|u| **u == name && **u != "%")?;
+        Some(Self(known))
+    }
+
+    /// As it is written.
+    pub fn name(self) -> &'static str {
+        self.0
+    }
+
+    /// What it measures.
+    pub fn dimension(self) -> Dimension {
+        unit(self.0).0
+    }
+
+    /// How many base units it is.
+    pub fn factor(self) -> f64 {
+        unit(self.0).1
+    }
+
+    /// How many of `other` it is, where that is a whole number.
+    pub fn in_terms_of(self, other: Self) -> Option<i64> {
+        if self.dimension() == other.dimension() {
+            whole(self.factor() / other.factor())
+        } else {
+            None
+        }
+    }
+
+    /// How many of it a quantity in base units is, where that is a whole number.
+    pub fn count(self, base: f64) -> Option<i64> {
+        whole(base / self.factor())
+    }
+}
+
+/// A whole number that a quotient of rounded numbers stands for.
+fn whole(x: f64) -> Option<i64> {
+    let near = x.round();
+    ((x - near).abs() <= 1e-9 * near.abs().max(1.0) && near.abs() < 9e15).then_some(near as i64)
+}
