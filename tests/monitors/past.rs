@@ -1,0 +1,1 @@
+//! Past operators and counters, step by step.
