@@ -13,12 +13,12 @@ mod play;
 #[path = "monitors/words.rs"]
 mod words;
 
-use linewright::gr1::VarId;
-use linewright::gr1::monitors::{Monitors, Origin};
+use linewright::gr1::monitors::{Monitors, Origin, Pattern, Scope};
+use linewright::gr1::{Expr, VarId};
 use patterns::{Case, cases};
 use play::Player;
 use rayon::prelude::*;
-use words::{every_lasso, same};
+use words::{Lanes, every_lasso, same};
 
 /// No lasso has more positions.
 const LONGEST: usize = 6;
@@ -63,4 +63,95 @@ fn patterns_mean_their_formulas() {
     let lassos: u64 = cases.par_iter().map(count).sum();
     println!("{} formulas, {lassos} lassos", cases.len());
     assert_eq!(cases.len(), 25 + 10 * 4);
+}
+
+/// What the table in the module's text says.
+#[test]
+fn monitors_have_few_bits() {
+    let bits = |case: &Case| -> u32 {
+        let (monitors, _) = monitors_of(case);
+        let sizes = monitors.variables().map(|v| v.domain.size());
+        sizes.map(|size| (size - 1).ilog2() + 1).sum()
+    };
+    let all = cases(0..=0);
+    let bits: Vec<u32> = all[..25].iter().map(bits).collect();
+    let absence = [0, 2, 1, 2, 1];
+    let expected = [
+        absence,
+        [1, 1, 2, 1, 1],
+        absence,
+        [1, 2, 2, 2, 1],
+        [1, 2, 2, 2, 2],
+    ];
+    assert_eq!(bits, expected.concat());
+    // A bound needs one counter, and a bit if the scope has to be known.
+    let bits = |pattern: &Pattern, scope: &Scope| {
+        let mut monitors = Monitors::new(VarId(9), []);
+        monitors.pattern(pattern, scope, &Origin::default());
+        monitors
+            .variables()
+            .map(|v| v.domain.size())
+            .product::<u64>()
+    };
+    let var = |v| Expr::now(VarId(v));
+    let response = Pattern::Response {
+        trigger: var(0),
+        answer: var(1),
+        within: Some(6),
+    };
+    assert_eq!(bits(&response, &Scope::Globally), 7);
+    assert_eq!(bits(&response, &Scope::After(var(2))), 2 * 7);
+    assert_eq!(bits(&response, &Scope::Between(var(2), var(3))), 2 * 8);
+}
+
+/// Equal pieces of different formulas are one monitor; names are those that are free.
+#[test]
+fn equal_pieces_are_shared() {
+    let taken = ["once_1", "waiting_2"].map(str::to_owned);
+    let mut monitors = Monitors::new(VarId(3), taken);
+    let origin = Origin::default();
+    let [p, q, r] = [0, 1, 2].map(|v| Expr::now(VarId(v)));
+    let scope = Scope::After(q.clone());
+    monitors.pattern(&Pattern::Absence(p.clone()), &scope, &origin);
+    monitors.pattern(&Pattern::Universality(r.clone()), &scope, &origin);
+    assert_eq!(monitors.made().len(), 1);
+    let once = monitors.once(&q, &origin);
+    assert_eq!(monitors.previous(&once, &origin), Expr::now(VarId(3)));
+    assert_eq!(monitors.made().len(), 1);
+    monitors.pattern(&Pattern::Existence(p.clone(), None), &scope, &origin);
+    monitors.pattern(&Pattern::Existence(r, None), &scope, &origin);
+    let names: Vec<&str> = monitors.variables().map(|v| v.name.as_str()).collect();
+    assert_eq!(names, ["once_2", "waiting_1", "waiting_3"]);
+    // Where the past does not matter, nothing is remembered.
+    for constant in [Expr::TRUE, Expr::FALSE] {
+        assert_eq!(monitors.once(&constant, &origin), constant);
+        assert_eq!(monitors.historically(&constant, &origin), constant);
+        assert_eq!(monitors.since(&p, &constant, &origin), constant);
+    }
+    assert_eq!(monitors.since(&Expr::FALSE, &p, &origin), p);
+    assert_eq!(monitors.made().len(), 3);
+}
+
+/// Precedence after q is not Dwyer's formula, but never less, and the same where q holds once.
+#[test]
+fn after_q_the_first_q_is_meant() {
+    let names = ['p', 'q', 's'];
+    let ours = logic::read("!q W (q & (!p W s))", &names);
+    let dwyers = logic::read("G !q or F (q & (!p W s))", &names);
+    let mut different = false;
+    every_lasso(3, LONGEST, &mut |lassos| {
+        let [ours, dwyers] = [&ours, &dwyers].map(|f| f.on(lassos)[0]);
+        assert_eq!((ours & !dwyers).first(), None);
+        different |= (dwyers & !ours).first().is_some();
+        let cycle = lassos.letters[lassos.back..].iter();
+        let often = cycle.fold(Lanes::NONE, |often, letter| often | letter[1]);
+        let mut twice = often;
+        let mut once = Lanes::NONE;
+        for letter in &lassos.letters[..lassos.back] {
+            twice = twice | (once & letter[1]);
+            once = once | letter[1];
+        }
+        assert_eq!((!twice & !same(ours, dwyers)).first(), None);
+    });
+    assert!(different);
 }

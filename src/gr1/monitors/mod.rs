@@ -298,13 +298,6 @@ impl Monitors {
         origin: &Origin,
     ) -> Remembered {
         let (initial, definition) = (i64::from(initially), now(Expr::now(ITSELF)).simplify());
-        if definition == Expr::Const(initial) {
-            let before = definition.clone();
-            return Remembered {
-                before,
-                now: definition,
-            };
-        }
         let before = self.make(stem, Domain::Bool, initial, &definition, origin);
         let now = put(&definition, &before);
         Remembered { before, now }
@@ -328,7 +321,8 @@ impl Monitors {
         }
     }
 
-    /// The variable with this domain, initial value and update, in which [`ITSELF`] stands for it; a new one if there is none.
+    /// The variable with this domain, initial value and update, in which [`ITSELF`] stands for it; a new one if there is none, and
+    /// none at all for what never changes.
     fn make(
         &mut self,
         stem: &'static str,
@@ -342,6 +336,10 @@ impl Monitors {
             "a monitor of next values: {definition:?}"
         );
         debug_assert!(domain.contains(initial));
+        let constant = Expr::Const(initial);
+        if put(definition, &constant) == constant {
+            return constant;
+        }
         let key = (domain, initial, definition.clone());
         if let Some(id) = self.known.get(&key) {
             return Expr::now(*id);
@@ -385,13 +383,14 @@ impl Monitors {
 
 /// A definition with a monitor's value for [`ITSELF`].
 fn put(definition: &Expr, value: &Expr) -> Expr {
-    definition.substitute(&mut |v, time| {
+    let replaced = definition.substitute(&mut |v, time| {
         if v == ITSELF {
             value.clone()
         } else {
             Expr::Var(v, time)
         }
-    })
+    });
+    replaced.simplify()
 }
 
 /// `if c then a else b`
