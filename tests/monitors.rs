@@ -2,6 +2,8 @@
 
 #[path = "monitors/circuit.rs"]
 mod circuit;
+#[path = "monitors/games.rs"]
+mod games;
 #[path = "monitors/logic.rs"]
 mod logic;
 #[path = "monitors/past.rs"]
