@@ -20,7 +20,8 @@ use linewright::gr1::{Expr, VarId};
 use patterns::{Case, cases};
 use play::Player;
 use rayon::prelude::*;
-use words::{Lanes, every_lasso, same};
+use std::collections::BTreeSet;
+use words::{Lanes, Lassos, every_lasso, same};
 
 /// No lasso has more positions.
 const LONGEST: usize = 6;
@@ -67,7 +68,8 @@ fn patterns_mean_their_formulas() {
     assert_eq!(cases.len(), 25 + 10 * 4);
 }
 
-/// What the table in the module's text says.
+/// What the table in the module's text says, and that it cannot be less: so many pasts have to be told apart, since some future is
+/// right after one of them and wrong after the other. (A past after which every future is wrong needs no state.)
 #[test]
 fn monitors_have_few_bits() {
     let bits = |case: &Case| -> u32 {
@@ -76,7 +78,7 @@ fn monitors_have_few_bits() {
         sizes.map(|size| (size - 1).ilog2() + 1).sum()
     };
     let all = cases(0..=0);
-    let bits: Vec<u32> = all[..25].iter().map(bits).collect();
+    let plain = &all[..25];
     let absence = [0, 2, 1, 2, 1];
     let expected = [
         absence,
@@ -85,7 +87,12 @@ fn monitors_have_few_bits() {
         [1, 2, 2, 2, 1],
         [1, 2, 2, 2, 2],
     ];
-    assert_eq!(bits, expected.concat());
+    for (case, expected) in plain.iter().zip(expected.concat()) {
+        assert_eq!(bits(case), expected, "{}", case.name);
+        let pasts = pasts_that_differ(case);
+        let needed = pasts.next_power_of_two().ilog2();
+        assert_eq!(needed, expected, "{}: {pasts} pasts", case.name);
+    }
     // A bound needs one counter, and a bit if the scope has to be known.
     let bits = |pattern: &Pattern, scope: &Scope| {
         let mut monitors = Monitors::new(VarId(9), []);
@@ -104,6 +111,34 @@ fn monitors_have_few_bits() {
     assert_eq!(bits(&response, &Scope::Globally), 7);
     assert_eq!(bits(&response, &Scope::After(var(2))), 2 * 7);
     assert_eq!(bits(&response, &Scope::Between(var(2), var(3))), 2 * 8);
+}
+
+/// How many pasts of at most two steps have different futures, as far as short lassos show it.
+fn pasts_that_differ(case: &Case) -> usize {
+    let variables = case.names.len();
+    let meaning = logic::read(&case.meaning, &case.names);
+    let letters = 1 << variables;
+    let letter = |number: usize| -> Vec<Lanes> {
+        let lanes = |v: usize| [Lanes::NONE, Lanes::ALL][number >> v & 1];
+        (0..variables).map(lanes).collect()
+    };
+    let mut pasts = vec![Vec::new()];
+    pasts.extend((0..letters).map(|a| vec![letter(a)]));
+    pasts.extend((0..letters * letters).map(|n| vec![letter(n % letters), letter(n / letters)]));
+    let futures = |past: &Vec<Vec<Lanes>>| {
+        let mut right = Vec::new();
+        every_lasso(variables, 2, &mut |lassos| {
+            let whole = Lassos {
+                letters: [past.clone(), lassos.letters.clone()].concat(),
+                back: past.len() + lassos.back,
+            };
+            right.push(meaning.on(&whole)[0].0);
+        });
+        right
+    };
+    let different: BTreeSet<Vec<[u64; 4]>> = pasts.iter().map(futures).collect();
+    let possible = different.iter().filter(|f| f.iter().any(|x| *x != [0; 4]));
+    possible.count()
 }
 
 /// Equal pieces of different formulas are one monitor; names are those that are free.

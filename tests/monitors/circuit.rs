@@ -44,13 +44,12 @@ impl Circuit {
 
     fn gate(&mut self, gate: Gate) -> Wire {
         match gate {
-            Gate::False => return 0,
             Gate::Not(a) => {
                 if let Gate::Not(b) = self.gates[a] {
                     return b;
                 }
             }
-            Gate::And(0, _) | Gate::And(_, 0) => return 0,
+            Gate::False | Gate::And(0, _) | Gate::And(_, 0) => return 0,
             Gate::Or(0, a) | Gate::Or(a, 0) => return a,
             Gate::And(a, b) | Gate::Or(a, b) if a == b => return a,
             _ => {}

@@ -131,12 +131,15 @@ fn past_operators_can_be_nested() {
     assert_eq!((ones.len(), twos.len()), (20, 280));
 }
 
-/// Compares an expression's value with `expected`, which is given the truth of p and q in the steps before and in this one.
+/// The truth of p and q in the steps before and in this one.
+type Steps<'a> = &'a [(bool, bool)];
+
+/// Compares an expression's value with what is expected.
 fn agree_with(
     monitors: &Monitors,
     expr: &Expr,
     rounds: usize,
-    expected: &dyn Fn(&[(bool, bool)]) -> i64,
+    expected: &dyn Fn(Steps<'_>) -> i64,
 ) {
     let player = Player::new(2, monitors, &[], Some(expr));
     every_lasso(2, LONGEST, &mut |lassos| {

@@ -30,8 +30,10 @@
 //! | precedence | 1 | 2 | 2 | 2 | 1 |
 //! | response | 1 | 2 | 2 | 2 | 2 |
 //!
-//! No deterministic monitor has fewer: where two bits are, three states must be told apart. Bits that only say whether the scope
-//! is open are shared by all formulas with the same scope, and `once p` by all that ask for it.
+//! No deterministic monitor has fewer: where two bits are, three pasts must be told apart. Bits that only say whether the scope is
+//! open are shared by all formulas with the same scope, and `once p` by all that ask for it. A response or existence within *n*
+//! steps needs a counter up to *n*, up to *n* + 1 where only a scope that closes counts (an existence that is due from the
+//! beginning one more), and the bit for the scope where a response needs one above.
 //!
 //! # Assumptions
 //!
