@@ -34,14 +34,6 @@ fn specification(
     }
 }
 
-/// Adds the monitors' variables and what makes them what they are.
-fn add(monitors: &Monitors, specification: &mut Specification) {
-    specification
-        .variables
-        .extend(monitors.variables().cloned());
-    monitors.define(&mut specification.guarantees);
-}
-
 fn add_obligations(obligations: &[Obligation], side: &mut Side) {
     for obligation in obligations {
         obligation.add_to(side, &Origin::default());
@@ -146,7 +138,7 @@ fn machines_keep_the_patterns_they_guarantee() {
             let mut specification = specification(&names, timing, &|v| outputs[v]);
             let mut monitors = Monitors::new(VarId(count as u32), names.clone());
             let obligations = monitors.pattern(&case.pattern, &case.scope, &Origin::default());
-            add(&monitors, &mut specification);
+            monitors.add_to(&mut specification);
             add_obligations(&obligations, &mut specification.guarantees);
             if lively {
                 enliven(&mut specification, &outputs);
@@ -222,7 +214,7 @@ fn machines_can_rely_on_the_patterns_they_assume() {
                     text: String::new(),
                 });
             }
-            add(&monitors, &mut specification);
+            monitors.add_to(&mut specification);
             add_obligations(&owed, &mut specification.guarantees);
             assert!(machine_of(&specification).is_none(), "{}", case.name);
             for obligation in promised {

@@ -84,7 +84,16 @@ fn agree(formula: &Logic, rounds: usize) {
 
 #[test]
 fn past_operators_have_the_value_of_their_definition() {
-    for text in ["Y p", "O p", "H p", "p S q", "q S p", "!p S (q & !p)"] {
+    for text in [
+        "Y p",
+        "O p",
+        "H p",
+        "p S q",
+        "q S p",
+        "!p S (q & !p)",
+        "Y p & H<=1 p",
+        "H<=1 p or Y Y p",
+    ] {
         agree(&read(text, &['p', 'q']), 4);
     }
     for n in 0..=5 {

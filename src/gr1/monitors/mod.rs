@@ -57,7 +57,7 @@ mod unroll;
 pub use scope::Scope;
 pub use unroll::Unrolled;
 
-use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, VarId, Variable};
+use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, VarId, Variable};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -260,6 +260,13 @@ impl Monitors {
         guarantees
             .safety
             .extend(self.made.iter().map(Monitor::step));
+    }
+
+    /// Appends the monitors to a specification: variables and guarantees. Its variables end where the monitors' ids begin.
+    pub fn add_to(&self, specification: &mut Specification) {
+        debug_assert_eq!(specification.variables.len(), self.first as usize);
+        specification.variables.extend(self.variables().cloned());
+        self.define(&mut specification.guarantees);
     }
 
     /// The formulas that hold exactly if the pattern holds in the scope. Each file of this folder that is named after a pattern
