@@ -9,15 +9,11 @@ use crate::gr1::{BinaryOp, Domain, Expr};
 impl Monitors {
     /// How many of the steps before this one, after the last in which `resets` held, had `counts`; `high` stands for `high` or more.
     pub fn counter(&mut self, counts: &Expr, resets: &Expr, high: u32, origin: &Origin) -> Expr {
-        let (counts, resets) = (counts.simplify(), resets.simplify());
-        if high == 0 || counts == Expr::FALSE || resets == Expr::TRUE {
-            return Expr::Const(0);
-        }
         let high = i64::from(high);
         let more = Expr::binary(BinaryOp::Add, Expr::now(ITSELF), Expr::Const(1));
         let more = Expr::binary(BinaryOp::Min, more, Expr::Const(high));
-        let counted = choose(counts, more, Expr::now(ITSELF));
-        let update = choose(resets, Expr::Const(0), counted).simplify();
+        let counted = choose(counts.clone(), more, Expr::now(ITSELF));
+        let update = choose(resets.clone(), Expr::Const(0), counted).simplify();
         self.make(
             "counter",
             Domain::Range { low: 0, high },

@@ -2,7 +2,7 @@
 //!
 //! One counter is enough for all requests, since an answer answers all of them: it stores how old the oldest open one is. Age 0
 //! can be left out, as a request of this step is seen in this step. In scopes that count only if they are closed one more value
-//! says that a deadline has passed; it stays till the scope closes.
+//! says that a deadline has passed. A request that is open when the scope closes has broken the pattern for good.
 
 use super::scope::{invariant, is};
 use super::{BinaryOp, Domain, Expr, ITSELF, Monitors, Obligation, Origin, Scope, choose};
@@ -41,9 +41,6 @@ impl Deadline<'_> {
         let mut update = choose(self.answer.clone(), Expr::Const(0), unanswered);
         if remembers {
             update = choose(is(&age, high), age, update);
-        }
-        if let Some(r) = scope.end() {
-            update = choose(r.clone(), Expr::Const(0), update);
         }
         let domain = Domain::Range { low: 0, high };
         let age = monitors.make("age", domain, initial, &update.simplify(), origin);

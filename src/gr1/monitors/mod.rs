@@ -30,8 +30,10 @@
 //! | precedence | 1 | 2 | 2 | 2 | 1 |
 //! | response | 1 | 2 | 2 | 2 | 2 |
 //!
-//! No deterministic monitor has fewer: where two bits are, three states must be told apart. Bits that only say whether the scope
-//! is open are shared by all formulas with the same scope, and `once p` by all that ask for it.
+//! No deterministic monitor has fewer: where two bits are, three pasts must be told apart. Bits that only say whether the scope is
+//! open are shared by all formulas with the same scope, and `once p` by all that ask for it. A response or existence within *n*
+//! steps needs a counter up to *n*, up to *n* + 1 where only a scope that closes counts (an existence that is due from the
+//! beginning one more), and the bit for the scope where a response needs one above.
 //!
 //! # Assumptions
 //!
@@ -55,7 +57,7 @@ mod unroll;
 pub use scope::Scope;
 pub use unroll::Unrolled;
 
-use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, Time, VarId, Variable};
+use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, VarId, Variable};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -270,6 +272,13 @@ impl Monitors {
             .extend(self.made.iter().map(Monitor::step));
     }
 
+    /// Appends the monitors to a specification: variables and guarantees. Its variables end where the monitors' ids begin.
+    pub fn add_to(&self, specification: &mut Specification) {
+        debug_assert_eq!(specification.variables.len(), self.first as usize);
+        specification.variables.extend(self.variables().cloned());
+        self.define(&mut specification.guarantees);
+    }
+
     /// The formulas that hold exactly if the pattern holds in the scope. Each file of this folder that is named after a pattern
     /// says which formula of temporal logic is meant.
     pub fn pattern(
@@ -308,13 +317,6 @@ impl Monitors {
         origin: &Origin,
     ) -> Remembered {
         let (initial, definition) = (i64::from(initially), now(Expr::now(ITSELF)).simplify());
-        if definition == Expr::Const(initial) {
-            let before = definition.clone();
-            return Remembered {
-                before,
-                now: definition,
-            };
-        }
         let before = self.make(stem, Domain::Bool, initial, &definition, origin);
         let now = put(&definition, &before);
         Remembered { before, now }
@@ -338,7 +340,8 @@ impl Monitors {
         }
     }
 
-    /// The variable with this domain, initial value and update, in which [`ITSELF`] stands for it; a new one if there is none.
+    /// The variable with this domain, initial value and update, in which [`ITSELF`] stands for it; a new one if there is none, and
+    /// none at all for what never changes.
     fn make(
         &mut self,
         stem: &'static str,
@@ -352,6 +355,10 @@ impl Monitors {
             "a monitor of next values: {definition:?}"
         );
         debug_assert!(domain.contains(initial));
+        let constant = Expr::Const(initial);
+        if put(definition, &constant) == constant {
+            return constant;
+        }
         let key = (domain, initial, definition.clone());
         if let Some(id) = self.known.get(&key) {
             return Expr::now(*id);
@@ -396,13 +403,14 @@ impl Monitors {
 
 /// A definition with a monitor's value for [`ITSELF`].
 fn put(definition: &Expr, value: &Expr) -> Expr {
-    definition.substitute(&mut |v, time| {
+    let replaced = definition.substitute(&mut |v, time| {
         if v == ITSELF {
             value.clone()
         } else {
             Expr::Var(v, time)
         }
-    })
+    });
+    replaced.simplify()
 }
 
 /// `if c then a else b`

@@ -3,7 +3,7 @@
 //! The monitor's update is p itself. Where some monitor already stores the last value of p, as that of `once q` does for
 //! `previous (once q)`, it is taken.
 
-use super::{ITSELF, Monitors, Origin};
+use super::{Monitors, Origin};
 use crate::gr1::{Domain, Expr};
 
 impl Monitors {
@@ -27,11 +27,6 @@ impl Monitors {
         initial: i64,
         origin: &Origin,
     ) -> Expr {
-        let x = x.simplify();
-        if x == Expr::Const(initial) {
-            return x;
-        }
-        debug_assert_ne!(x, Expr::now(ITSELF));
-        self.make("previous", domain, initial, &x, origin)
+        self.make("previous", domain, initial, &x.simplify(), origin)
     }
 }

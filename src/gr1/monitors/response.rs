@@ -22,15 +22,9 @@ pub(super) fn lower(
     origin: &Origin,
 ) -> Vec<Obligation> {
     let inside = scope.inside(monitors, origin);
-    let asked = inside.clone().and(trigger.clone());
-    let open = |before: Expr| {
-        let asked = asked.clone().or(before);
-        // A request is open only within the scope; where that has no end, this needs no saying.
-        match scope.end() {
-            Some(r) => r.clone().or(answer.clone()).not().and(asked),
-            None => answer.clone().not().and(asked),
-        }
-    };
+    let asked = inside.and(trigger.clone());
+    // What is unanswered when the scope closes has broken the pattern for good, so nothing is to be forgotten then.
+    let open = |before: Expr| answer.clone().not().and(asked.clone().or(before));
     let open = monitors.remember("unanswered", false, open, origin);
     scope.some_day(&open)
 }

@@ -98,7 +98,8 @@ impl Scope {
         monitors.remember("waiting", opening.is_none(), waits, origin)
     }
 
-    /// `mistake`, which is false outside the scope, must not happen in a scope that counts.
+    /// `mistake`, which is false outside the scope, must not happen in a scope that counts. Nothing has to be forgotten at r: if
+    /// there is something to forget, the pattern is broken for good.
     pub(super) fn never(
         &self,
         monitors: &mut Monitors,
@@ -107,7 +108,7 @@ impl Scope {
     ) -> Vec<Obligation> {
         match self.end() {
             Some(r) if self.counts_if_closed() => {
-                let broken = |before: Expr| r.clone().not().and(mistake.clone().or(before));
+                let broken = |before: Expr| mistake.clone().or(before);
                 let broken = monitors.remember("broken", false, broken, origin);
                 invariant(&r.clone().implies(broken.before.not()))
             }
