@@ -1,6 +1,6 @@
 //! Components in their places: every input bound, no loop within a step.
 
-use super::Parts;
+use super::{Parts, jobs, plant};
 use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::machine::{ActionTime, Component, RealExpr, Role};
 use crate::contract::shape::{Segment, entries, measured, way};
@@ -278,93 +278,34 @@ pub(super) fn binding<'a>(
     variable: &crate::gr1::Variable,
 ) -> Option<Expr> {
     let (name, path) = way(&variable.name);
-    let ty = measured(&variable.domain, Unit::named(&variable.unit));
-    // The binding that says most about this leaf.
-    let explicit = decl
-        .bindings
-        .iter()
-        .rev()
-        .filter_map(|b| {
-            let target = target(b);
-            let (root, part) = way(&target);
-            (root == name && path.starts_with(&part)).then_some((part.len(), b))
-        })
-        .max_by_key(|(length, _)| *length);
-    let (term, span) = if let Some((length, b)) = explicit {
-        let rest = &path[length..];
-        let expected = expected(specification, name, &path[..length]);
-        let value = wires.value(&b.value, expected.as_ref(), Time::Now)?;
-        let Some((term, found)) = leaf(value.clone(), rest) else {
-            let message = format!(
-                "`{}` is {}, and this is {}",
-                target(b),
-                expected.map_or_else(|| ty.describe(), |t| t.describe()),
-                value.ty().describe()
-            );
-            wires.error_with(codes::TYPE_MISMATCH, b.value.span, message, PARTS);
-            return None;
-        };
-        if rest.is_empty() || found.is_numeric() && ty.is_numeric() {
-            (
-                wires.fitted(b.value.span, (term, found), &ty)?,
-                b.value.span,
-            )
-        } else if found == ty {
-            (term, b.value.span)
-        } else {
-            let message = format!(
-                "`{}` is {}, not {}",
-                variable.name,
-                ty.describe(),
-                found.describe()
-            );
-            wires.error_with(codes::TYPE_MISMATCH, b.value.span, message, PARTS);
+    let mut jobs = Vec::new();
+    let mut missing = None;
+    for job in jobs::jobs(parts.machine, &decl.name.text) {
+        match job.arguments.iter().find(|a| a.name.text == name) {
+            Some(argument) => jobs.push((job.operation, &argument.value)),
+            None => missing = Some(job.operation),
+        }
+    }
+    let bound = match otherwise(wires, parts, decl, specification, variable)? {
+        None if jobs.is_empty() || missing.is_some() => {
+            unbound(wires, decl, variable, missing.filter(|_| !jobs.is_empty()));
             return None;
         }
-    } else {
-        let coordinator = parts
-            .components
-            .first()
-            .filter(|(c, _)| c.coordinator && c.name.text != decl.name.text)
-            .map(|(c, _)| format!("{}.{name}", c.name.text));
-        let entry = wires
-            .variables
-            .get(name)
-            .cloned()
-            .or_else(|| coordinator.and_then(|c| wires.variables.get(&c).cloned()));
-        let Some(id) = entry.and_then(|e| e.at(&path)) else {
-            if decl.broken {
-                // It may be bound by what could not be understood.
-                wires.tainted = true;
-                return None;
-            }
-            wires.error_with(
-                codes::INPUT_UNBOUND,
-                decl.name.span,
-                format!("the input `{}` of `{}` is bound to nothing", variable.name, decl.name.text),
-                format!("write `{name} = ...` in `{}`: another component's output, a `signal`, an `abstract` of a property, or `operation`", decl.name.text),
-            );
-            return None;
-        };
-        let domain = wires.domains[id.index()].clone()?;
-        let found = measured(&domain, wires.measures.get(&id).copied());
-        if found != ty {
-            wires.error_with(
-                codes::TYPE_MISMATCH,
-                decl.name.span,
-                format!(
-                    "the input `{}` of `{}` is {}, but what has its name is {}",
-                    variable.name,
-                    decl.name.text,
-                    ty.describe(),
-                    found.describe()
-                ),
-                format!("bind it: `{name} = ...`"),
-            );
-            return None;
-        }
-        (Term::Var(id, Time::Now), decl.name.span)
+        bound => bound,
     };
+    let whole = expected(specification, name, &[]);
+    let mut chosen = bound;
+    for (operation, value) in jobs.into_iter().rev() {
+        let term = part_of(wires, value, whole.as_ref(), variable, &path, name)?;
+        chosen = Some(match chosen {
+            None => (term, value.span),
+            Some((other, _)) => {
+                let runs = jobs::runs(wires, &operation.text)?;
+                (Term::choose(runs, term, other), value.span)
+            }
+        });
+    }
+    let (term, span) = chosen?;
     let expr = wires.formula(&term, span)?;
     let range = interval(&expr, &|v| {
         wires.domains[v.index()]
@@ -454,4 +395,145 @@ fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
         }
         _ => None,
     }
+}
+
+/// What an input is bound to where no job says otherwise. The outer `None`: what is wrong was reported; the inner: nothing.
+#[expect(clippy::option_option, reason = "bound to nothing, or wrongly")]
+fn otherwise<'a>(
+    wires: &mut Elaborator<'a>,
+    parts: &Parts<'a>,
+    decl: &'a ast::Component,
+    specification: &Specification,
+    variable: &crate::gr1::Variable,
+) -> Option<Option<(Term, Span)>> {
+    let (name, path) = way(&variable.name);
+    let ty = measured(&variable.domain, Unit::named(&variable.unit));
+    // The binding that says most about this leaf.
+    let explicit = decl
+        .bindings
+        .iter()
+        .rev()
+        .filter_map(|b| {
+            let target = target(b);
+            let (root, part) = way(&target);
+            (root == name && path.starts_with(&part)).then_some((part.len(), b))
+        })
+        .max_by_key(|(length, _)| *length);
+    if let Some((length, b)) = explicit {
+        let whole = expected(specification, name, &path[..length]);
+        let rest = &path[length..];
+        let term = part_of(wires, &b.value, whole.as_ref(), variable, rest, &target(b))?;
+        return Some(Some((term, b.value.span)));
+    }
+    // Of several coordinators with an output of that name none is meant.
+    let led = parts.components.iter().filter(|(c, _)| c.coordinator);
+    let mut outputs = led
+        .filter(|(c, _)| c.name.text != decl.name.text)
+        .filter_map(|(c, _)| wires.variables.get(&format!("{}.{name}", c.name.text)));
+    let entry = match (wires.variables.get(name), outputs.next(), outputs.next()) {
+        (Some(entry), ..) | (None, Some(entry), None) => Some(entry.clone()),
+        _ => None,
+    };
+    let Some(id) = entry.and_then(|e| e.at(&path)) else {
+        return Some(None);
+    };
+    let domain = wires.domains[id.index()].clone()?;
+    let found = measured(&domain, wires.measures.get(&id).copied());
+    if found != ty {
+        wires.error_with(
+            codes::TYPE_MISMATCH,
+            decl.name.span,
+            format!(
+                "the input `{}` of `{}` is {}, but what has its name is {}",
+                variable.name,
+                decl.name.text,
+                ty.describe(),
+                found.describe()
+            ),
+            format!("bind it: `{name} = ...`"),
+        );
+        return None;
+    }
+    Some(Some((Term::Var(id, Time::Now), decl.name.span)))
+}
+
+/// The part of a value that a leaf of an input gets: `way` leads to it. `whole` is the type of all of it, `target` what it is called.
+fn part_of<'a>(
+    wires: &mut Elaborator<'a>,
+    value: &'a ast::Expr,
+    whole: Option<&Type>,
+    variable: &crate::gr1::Variable,
+    way: &[Segment<'_>],
+    target: &str,
+) -> Option<Term> {
+    let ty = measured(&variable.domain, Unit::named(&variable.unit));
+    if plant::is_operation(value)
+        && let Some(term) = jobs::job_of(wires, &ty)
+    {
+        return Some(term);
+    }
+    let given = wires.value(value, whole, Time::Now)?;
+    let Some((term, found)) = leaf(given.clone(), way) else {
+        let message = format!(
+            "`{target}` is {}, and this is {}",
+            whole.map_or_else(|| ty.describe(), Type::describe),
+            given.ty().describe()
+        );
+        wires.error_with(codes::TYPE_MISMATCH, value.span, message, PARTS);
+        return None;
+    };
+    if way.is_empty() || found.is_numeric() && ty.is_numeric() {
+        return wires.fitted(value.span, (term, found), &ty);
+    }
+    if found == ty {
+        return Some(term);
+    }
+    let message = format!(
+        "`{}` is {}, not {}",
+        variable.name,
+        ty.describe(),
+        found.describe()
+    );
+    wires.error_with(codes::TYPE_MISMATCH, value.span, message, PARTS);
+    None
+}
+
+/// Reports that an input is bound to nothing, at all or while an operation runs.
+fn unbound(
+    wires: &mut Elaborator<'_>,
+    decl: &ast::Component,
+    variable: &crate::gr1::Variable,
+    operation: Option<&ast::Name>,
+) {
+    if decl.broken {
+        // It may be bound by what could not be understood.
+        wires.tainted = true;
+        return;
+    }
+    let (name, action) = (way(&variable.name).0, &decl.name.text);
+    let (span, during, help) = match operation {
+        Some(operation) => (
+            operation.span,
+            format!(" while `{}` runs", operation.text),
+            format!(
+                "write `{action}({name} = ...)` in the operation, or `{name} = ...` in `{action}`"
+            ),
+        ),
+        None => (
+            decl.name.span,
+            String::new(),
+            format!(
+                "write `{name} = ...` in `{action}`: another component's output, a `signal`, an `abstract` of a property, or `operation`"
+            ),
+        ),
+    };
+    wires.error_with(
+        codes::INPUT_UNBOUND,
+        span,
+        format!(
+            "the input `{}` of `{action}` is bound to nothing{during}",
+            variable.name
+        ),
+        help,
+    );
 }

@@ -1,6 +1,7 @@
 //! From a machine's syntax tree and arguments to its model: contracts instantiated, wires laid, expressions resolved.
 
 mod component;
+mod jobs;
 mod plant;
 mod properties;
 mod settings;
@@ -84,6 +85,7 @@ fn build<'a>(
     declare_properties(e, parts);
     instantiate_components(e, parts, scope, sources);
     let operations = operations(e, parts);
+    jobs::check(e, parts, sources);
     declare_plant(e, parts);
     let mut model = Machine {
         name: machine.header.name.text.clone(),
@@ -264,17 +266,6 @@ fn instantiate_components<'a>(
         _ => None,
     });
     let mut ordered: Vec<&'a ast::Component> = items.collect();
-    let coordinators = ordered.iter().filter(|c| c.coordinator).count();
-    if coordinators > 1
-        && let Some(second) = ordered.iter().filter(|c| c.coordinator).nth(1)
-    {
-        e.error_with(
-            codes::COORDINATOR_KIND,
-            second.name.span,
-            "a machine has one coordinator",
-            "make the second one an `action`, or put it into a machine of its own",
-        );
-    }
     ordered.sort_by_key(|c| !c.coordinator);
     if ordered.is_empty() {
         e.error_with(

@@ -9,7 +9,8 @@ use crate::contract::shape::measured;
 use crate::contract::value::Term;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::Domain;
-use crate::syntax::ast::{ExprKind, Machine, MachineItem, Performed};
+use crate::source::Span;
+use crate::syntax::ast::{self, ExprKind, Machine, MachineItem, Performed};
 
 /// The jobs, and the plant wire that selects one: wire 0.
 pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> Vec<Operation> {
@@ -27,31 +28,50 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
     if declared.is_empty() {
         return Vec::new();
     }
-    // The type of the input that is bound to `operation` is the type of the wire.
-    let bound = parts.components.iter().find_map(|(c, s)| {
-        c.bindings.iter().find_map(|b| {
-            let is_operation = matches!(&b.value.kind, ExprKind::Path(p) if p.len() == 1 && p[0].text == "operation");
-            let input = s.inputs().map(|id| s.variable(id)).find(|v| v.name == b.name.text)?;
-            match (&input.domain, is_operation) {
-                (Domain::Enum { labels, .. }, true) => Some((input.domain.clone(), labels.clone(), input.span)),
-                _ => None,
+    // The type of the input that is bound to `operation` is the type of the wire; where several coordinators have jobs, the wire
+    // has those of all.
+    let mut bound: Vec<(Domain, Span)> = Vec::new();
+    for (c, s) in &parts.components {
+        let chosen = c.bindings.iter().filter(|b| is_operation(&b.value));
+        for b in chosen {
+            let mut inputs = s.inputs().map(|id| s.variable(id));
+            if let Some(input) = inputs.find(|v| v.name == b.name.text)
+                && matches!(input.domain, Domain::Enum { .. })
+                && !bound.iter().any(|(d, _)| *d == input.domain)
+            {
+                bound.push((input.domain.clone(), input.span));
             }
-        })
-    });
-    let (domain, labels) = if let Some((domain, labels, _)) = &bound {
-        (domain.clone(), labels.clone())
-    } else {
-        let labels: Vec<String> = std::iter::once("none".to_owned())
-            .chain(declared.iter().map(|(n, ..)| n.text.clone()))
-            .collect();
-        (
+        }
+    }
+    let mut labels: Vec<String> = vec!["none".to_owned()];
+    for (domain, _) in &bound {
+        if let Domain::Enum { labels: known, .. } = domain {
+            labels.extend(
+                known
+                    .iter()
+                    .filter(|l| !labels.contains(l))
+                    .cloned()
+                    .collect::<Vec<_>>(),
+            );
+        }
+    }
+    let domain = match bound.as_slice() {
+        [(domain, _)] => domain.clone(),
+        [] => {
+            labels.extend(declared.iter().map(|(n, ..)| n.text.clone()));
             Domain::Enum {
                 name: None,
                 labels: labels.clone(),
-            },
-            labels,
-        )
+            }
+        }
+        _ => Domain::Enum {
+            name: None,
+            labels: labels.clone(),
+        },
     };
+    if let ([(_, _)], Domain::Enum { labels: own, .. }) = (bound.as_slice(), &domain) {
+        labels.clone_from(own);
+    }
     let span = declared[0].0.span;
     parts.plant.push(PlantInput {
         name: "operation".to_owned(),
@@ -67,10 +87,13 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
             let mut finding = Diagnostic::error(
                 codes::OPERATION,
                 name.span,
-                format!("the coordinator does not know the job `{}`", name.text),
+                match bound.len() {
+                    0 | 1 => format!("the coordinator does not know the job `{}`", name.text),
+                    _ => format!("no coordinator knows the job `{}`", name.text),
+                },
             )
             .with_help(format!("its jobs are {}", labels.join(", ")));
-            if let Some((_, _, span)) = &bound
+            if let [(_, span)] = bound.as_slice()
                 && span.file == name.span.file
             {
                 finding = finding.with_label(*span, "the job is chosen here");
@@ -120,6 +143,11 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
         });
     }
     result
+}
+
+/// Whether a binding is the wire that says which operation runs.
+pub(super) fn is_operation(value: &ast::Expr) -> bool {
+    matches!(&value.kind, ExprKind::Path(p) if p.len() == 1 && p[0].text == "operation")
 }
 
 pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
