@@ -12,6 +12,8 @@ mod past;
 mod patterns;
 #[path = "monitors/play.rs"]
 mod play;
+#[path = "monitors/text.rs"]
+mod text;
 #[path = "monitors/words.rs"]
 mod words;
 
