@@ -59,7 +59,7 @@ fn situation(specification: &Specification, values: &[i64]) -> String {
         .variables
         .iter()
         .zip(values)
-        .map(|(v, x)| format!("{} = {}", v.name, v.domain.show(*x)))
+        .map(|(v, x)| format!("{} = {}", v.name, v.show(*x)))
         .collect();
     shown.join(", ")
 }

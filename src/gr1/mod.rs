@@ -141,6 +141,21 @@ impl Variable {
     pub fn show(&self, value: i64) -> String {
         shown(&self.domain, value, &self.unit)
     }
+
+    /// The domain as a person writes it, with its unit: `0..359 deg`.
+    pub fn describe(&self) -> String {
+        described(&self.domain, &self.unit)
+    }
+}
+
+/// A domain with its unit.
+pub fn described(domain: &Domain, unit: &str) -> String {
+    let domain = domain.describe();
+    if unit.is_empty() {
+        domain
+    } else {
+        format!("{domain} {unit}")
+    }
 }
 
 /// A value with its unit.

@@ -5,8 +5,8 @@
 //! Transitions between the same two states are one edge, and long guards are broken into lines.
 
 use super::text::guard_parts;
-use super::{Guard, Machine, Transition};
-use crate::gr1::Domain;
+use super::{Guard, Machine, Port, Transition};
+use crate::gr1::{Domain, shown};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -46,8 +46,7 @@ pub fn graph(machine: &Machine) -> Graph {
     for (number, values) in common.iter().enumerate() {
         let mut label = vec![format!("S{number}")];
         let pairs = machine.outputs.iter().zip(values);
-        let shown =
-            pairs.filter_map(|(port, v)| v.map(|v| assignment(&port.name, &port.domain, v)));
+        let shown = pairs.filter_map(|(port, v)| v.map(|v| assignment(port, v)));
         label.extend(wrap(&shown.collect::<Vec<_>>(), ", "));
         states.push(label);
     }
@@ -68,9 +67,7 @@ pub fn graph(machine: &Machine) -> Graph {
                 label.extend(guard_lines(machine, &guards));
                 let pairs = machine.outputs.iter().zip(output).zip(&common[to]);
                 let own = pairs.filter(|(_, known)| known.is_none());
-                let own: Vec<String> = own
-                    .map(|((port, v), _)| assignment(&port.name, &port.domain, *v))
-                    .collect();
+                let own: Vec<String> = own.map(|((port, v), _)| assignment(port, *v)).collect();
                 if !own.is_empty() {
                     let mut lines = wrap(&own, ", ");
                     lines[0].insert_str(0, "/ ");
@@ -146,11 +143,12 @@ fn common_outputs(machine: &Machine) -> Vec<Vec<Option<i64>>> {
 }
 
 /// `turning`, `!turning`, `angle = 3`
-fn assignment(name: &str, domain: &Domain, value: i64) -> String {
-    match domain {
+fn assignment(port: &Port, value: i64) -> String {
+    let name = &port.name;
+    match &port.domain {
         Domain::Bool if value == 0 => format!("!{name}"),
         Domain::Bool => name.to_owned(),
-        _ => format!("{name} = {}", domain.show(value)),
+        domain => format!("{name} = {}", shown(domain, value, &port.unit)),
     }
 }
 

@@ -17,7 +17,7 @@ pub mod svg;
 mod text;
 pub mod verify;
 
-use crate::gr1::{Domain, Timing};
+use crate::gr1::{Domain, Timing, shown};
 use serde::{Deserialize, Serialize};
 
 /// An input or output.
@@ -156,14 +156,20 @@ impl Machine {
             Domain::Bool if test.low == test.high => {
                 format!("{}{name}", if test.low == 0 { "!" } else { "" })
             }
-            domain if test.low == test.high => format!("{name} = {}", domain.show(test.low)),
+            domain if test.low == test.high => {
+                format!("{name} = {}", shown(domain, test.low, &port.unit))
+            }
             Domain::Enum { .. } => {
                 let labels: Vec<String> = (test.low..=test.high)
                     .map(|v| port.domain.show(v))
                     .collect();
                 format!("{name} in {{{}}}", labels.join(", "))
             }
-            _ => format!("{} <= {name} <= {}", test.low, test.high),
+            domain => format!(
+                "{} <= {name} <= {}",
+                shown(domain, test.low, &port.unit),
+                shown(domain, test.high, &port.unit)
+            ),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! together, so that `cmd in {none, pick} & grip | cmd = move & grip` becomes `cmd != turn & grip`.
 
 use super::{Cube, Guard, Machine, Port};
-use crate::gr1::Domain;
+use crate::gr1::{Domain, shown};
 
 /// Values of one input: ascending intervals with gaps between them.
 type Values = Vec<(i64, i64)>;
@@ -68,35 +68,36 @@ fn put_together(cubes: &mut Vec<Vec<Values>>) -> bool {
 fn show_test(port: &Port, values: &Values) -> Option<String> {
     let (name, domain) = (&port.name, &port.domain);
     let (low, high) = (domain.low(), domain.high());
+    let show = |value: i64| shown(domain, value, &port.unit);
     if values[..] == [(low, high)] {
         return None;
     }
     if let Some(hole) = only_hole(values, low, high)
         && high - low > 1
     {
-        return Some(format!("{name} != {}", domain.show(hole)));
+        return Some(format!("{name} != {}", show(hole)));
     }
     Some(match (values[..].as_ref(), domain) {
         ([(a, b)], Domain::Bool) if a == b => {
             format!("{}{name}", if *a == 0 { "!" } else { "" })
         }
-        ([(a, b)], _) if a == b => format!("{name} = {}", domain.show(*a)),
+        ([(a, b)], _) if a == b => format!("{name} = {}", show(*a)),
         (_, Domain::Enum { .. }) => {
             let all = values.iter().flat_map(|(a, b)| *a..=*b);
             let labels: Vec<String> = all.map(|v| domain.show(v)).collect();
             format!("{name} in {{{}}}", labels.join(", "))
         }
-        ([(a, b)], _) if *a == low => format!("{name} <= {b}"),
-        ([(a, b)], _) if *b == high => format!("{name} >= {a}"),
-        ([(a, b)], _) => format!("{a} <= {name} <= {b}"),
+        ([(a, b)], _) if *a == low => format!("{name} <= {}", show(*b)),
+        ([(a, b)], _) if *b == high => format!("{name} >= {}", show(*a)),
+        ([(a, b)], _) => format!("{} <= {name} <= {}", show(*a), show(*b)),
         _ => {
             let pieces = values.iter();
             let pieces: Vec<String> = pieces
                 .map(|(a, b)| {
                     if a == b {
-                        a.to_string()
+                        show(*a)
                     } else {
-                        format!("{a}..{b}")
+                        format!("{a}..{}", show(*b))
                     }
                 })
                 .collect();

@@ -219,14 +219,14 @@ fn overflows(specification: &Specification) -> Vec<Diagnostic> {
                 .iter()
                 .map(|(v, value)| {
                     let variable = specification.variable(*v);
-                    format!("{} = {}", variable.name, variable.domain.show(*value))
+                    format!("{} = {}", variable.name, variable.show(*value))
                 })
                 .collect();
             let message = format!(
                 "the next value of `{}` can be {}, but its domain is {}",
                 variable.name,
                 o.value,
-                variable.domain.describe()
+                variable.describe()
             );
             let finding = Diagnostic::warning(codes::DOMAIN_LEFT, o.formula.span, message);
             finding.with_help(format!(

@@ -322,7 +322,7 @@ pub(super) fn binding<'a>(
                 range.low,
                 range.high,
                 variable.name,
-                variable.domain.describe()
+                variable.describe()
             ),
             "hold it there with `min` and `max`, or give both the same range",
         );
