@@ -437,7 +437,14 @@ impl Printer<'_> {
             ExprKind::Within(a, low, high) => {
                 self.operand(a, binds::ADDITIVE, Behind::Operator);
                 self.put(" in ");
-                self.limits(low, high, false);
+                // A brace here would begin a list of values.
+                if begins_with_brace(low) {
+                    self.operand(low, APART, Behind::Nothing);
+                    self.put("..");
+                    self.limit(high, false);
+                } else {
+                    self.limits(low, high, false);
+                }
             }
             ExprKind::Pattern(pattern) => self.pattern(pattern, behind),
         }
@@ -649,6 +656,17 @@ impl Printer<'_> {
                 Behind::Operator,
             ),
         }
+    }
+}
+
+/// Whether the first sign of an expression may be that of a record.
+fn begins_with_brace(e: &Expr) -> bool {
+    match &e.kind {
+        ExprKind::Record(_) => true,
+        ExprKind::Binary(_, a, _) | ExprKind::Index(a, _) | ExprKind::Field(a, _) => {
+            begins_with_brace(a)
+        }
+        _ => false,
     }
 }
 

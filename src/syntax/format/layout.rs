@@ -44,6 +44,8 @@ pub(super) struct Writer {
     text: String,
     pending: Pending,
     row: usize,
+    /// Whether the last line ends with a comment that takes all of it.
+    closed: bool,
 }
 
 impl Writer {
@@ -52,6 +54,7 @@ impl Writer {
             text: String::new(),
             pending: Pending::Nothing,
             row: 0,
+            closed: false,
         }
     }
 
@@ -92,14 +95,20 @@ impl Writer {
         }
         self.row += text.matches('\n').count();
         self.text.push_str(text);
+        self.closed = false;
     }
 
     /// Writes a comment at the end of the line that is being written, also when a new one is due.
-    pub fn behind(&mut self, comment: &str) {
-        self.trim();
-        self.text.push(' ');
-        self.row += comment.matches('\n').count();
-        self.text.push_str(comment);
+    pub fn behind(&mut self, comment: &Comment) {
+        if self.closed {
+            self.text(&comment.text);
+        } else {
+            self.trim();
+            self.text.push(' ');
+            self.row += comment.text.matches('\n').count();
+            self.text.push_str(&comment.text);
+        }
+        self.closed = comment.line;
     }
 
     fn trim(&mut self) {
@@ -180,8 +189,9 @@ pub(super) fn render(mut pieces: Vec<Piece>, out: &mut Writer) {
                 if comment.own_line {
                     out.line(indent, false);
                     out.text(&comment.text);
+                    out.closed = true;
                 } else {
-                    out.behind(&comment.text);
+                    out.behind(&comment);
                 }
                 if out.pending == Pending::Nothing {
                     out.line(indent, false);

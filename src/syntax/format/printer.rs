@@ -20,6 +20,8 @@ enum After {
 pub(super) struct Printer<'t> {
     text: &'t str,
     comments: std::iter::Peekable<std::vec::IntoIter<Comment>>,
+    /// Where comments of several lines begin, and how many lines end within each.
+    long: Vec<(usize, usize)>,
     tokens: Vec<Token>,
     places: &'t [Span],
     pieces: Vec<Piece>,
@@ -43,6 +45,11 @@ impl<'t> Printer<'t> {
         let Cut { comments, tokens } = cut(text);
         Self {
             text,
+            long: comments
+                .iter()
+                .filter(|c| c.text.contains('\n'))
+                .map(|c| (c.start, newlines(&c.text)))
+                .collect(),
             comments: comments.into_iter().peekable(),
             tokens,
             places: if text.is_empty() { &[] } else { &file.places },
@@ -103,7 +110,10 @@ impl<'t> Printer<'t> {
             .comments
             .next_if(|c| !c.own_line && !c.doc && c.start < end)
         {
-            self.out.behind(&c.text);
+            self.out.behind(&c);
+            if c.line {
+                break;
+            }
         }
     }
 
@@ -136,7 +146,7 @@ impl<'t> Printer<'t> {
             && !comment
             && self.on_one_line(close)
         {
-            let (places, length) = (self.places, self.pieces.len());
+            let (places, pieces) = (self.places, self.pieces.clone());
             self.put(" { ");
             let place = self.take_place();
             print(self, place, only);
@@ -145,8 +155,7 @@ impl<'t> Printer<'t> {
             if flat(&self.pieces, room).is_some() {
                 return;
             }
-            self.pieces.truncate(length);
-            self.places = places;
+            (self.places, self.pieces) = (places, pieces);
         }
         self.put(" {");
         self.ends.push(close);
@@ -302,11 +311,19 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// Whether the author ended a line between two things.
+    /// Whether the author ended a line between two things, not counting those within a comment.
     pub fn broken(&self, before: Span, after: Span) -> bool {
-        self.text
-            .get(before.end as usize..after.start as usize)
-            .is_some_and(|t| newlines(t) > 0)
+        let gap = before.end as usize..after.start as usize;
+        let ends = self.text.get(gap.clone()).map_or(0, newlines);
+        let within = |list: &[(usize, usize)]| -> usize {
+            let first = list.partition_point(|(start, _)| *start < gap.start);
+            let comments = list[first..].iter();
+            comments
+                .take_while(|(start, _)| *start < gap.end)
+                .map(|(_, lines)| lines)
+                .sum()
+        };
+        ends > 0 && ends > within(&self.long)
     }
 
     /// What the author wrote there, where there is a text.
