@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         });
     }
     work.print(
-        &console,
+        console,
         entries,
         &result,
         standard_input && !arguments.check,
@@ -141,7 +141,9 @@ impl Work {
         let file = self.sources.add(name, text);
         let (tree, findings) = parse(file, text);
         if !findings.is_empty() {
-            findings.into_iter().for_each(|f| self.finding(f));
+            for finding in findings {
+                self.finding(finding);
+            }
             return None;
         }
         match format::checked(&tree, text) {
@@ -163,7 +165,7 @@ impl Work {
 
     fn print(
         &self,
-        console: &Console,
+        console: Console,
         files: Vec<Entry>,
         result: &str,
         text: bool,

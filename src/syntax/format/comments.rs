@@ -3,6 +3,14 @@
 //! Texts, comments and words are cut as the grammar cuts them: `//` within quotes is no comment, and neither is what stands behind one
 //! on its line. What is found is put back by the printer: the tree holds no comment but some doc comments.
 
+/// The kinds of comments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Line,
+    Doc,
+    Block,
+}
+
 /// A comment.
 #[derive(Debug, Clone)]
 pub(super) struct Comment {
@@ -10,16 +18,25 @@ pub(super) struct Comment {
     pub text: String,
     /// Where it begins.
     pub start: usize,
-    /// Whether it ends with its line.
-    pub line: bool,
-    /// Whether it is `///`, which belongs to what follows.
-    pub doc: bool,
+    kind: Kind,
     /// Whether nothing stands before it on its line.
     pub own_line: bool,
     /// Whether an empty line stands before it.
     pub blank_before: bool,
     /// Whether nothing stands behind it on its line.
     pub newline_after: bool,
+}
+
+impl Comment {
+    /// Whether it ends with its line.
+    pub fn line(&self) -> bool {
+        self.kind != Kind::Block
+    }
+
+    /// Whether it is `///`, which belongs to what follows.
+    pub fn doc(&self) -> bool {
+        self.kind == Kind::Doc
+    }
 }
 
 /// A word, number, text or sign.
@@ -72,8 +89,11 @@ pub(super) fn cut(text: &str) -> Cut {
                     .replace("\r\n", "\n")
                     .replace('\r', "\n"),
                 start: i,
-                line,
-                doc: rest.starts_with("///") && !rest.starts_with("////"),
+                kind: match line {
+                    true if rest.starts_with("///") && !rest.starts_with("////") => Kind::Doc,
+                    true => Kind::Line,
+                    false => Kind::Block,
+                },
                 own_line: breaks > 0 || gap == 0,
                 blank_before: breaks > 1,
                 newline_after: after.is_empty() || after.starts_with(['\n', '\r']),
@@ -149,7 +169,7 @@ mod tests {
         assert_eq!(comments, ["// c \"d", "/* e\n// f */", "/// h"]);
         let own: Vec<_> = cut.comments.iter().map(|c| c.own_line).collect();
         assert_eq!(own, [false, true, false]);
-        assert!(cut.comments[1].blank_before && cut.comments[2].doc);
+        assert!(cut.comments[1].blank_before && cut.comments[2].doc());
         assert_eq!(words(text, &cut), ["import", "\"a//b\"", "g"]);
     }
 }

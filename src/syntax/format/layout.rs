@@ -108,7 +108,7 @@ impl Writer {
             self.row += comment.text.matches('\n').count();
             self.text.push_str(&comment.text);
         }
-        self.closed = comment.line;
+        self.closed = comment.line();
     }
 
     fn trim(&mut self) {
@@ -135,7 +135,7 @@ pub(super) fn flat(pieces: &[Piece], most: usize) -> Option<usize> {
             Piece::Text(text) => text.chars().count(),
             Piece::Break { forced: true, .. } => return None,
             Piece::Break { blank, .. } => usize::from(*blank),
-            Piece::Comment { comment, .. } if comment.line || comment.text.contains('\n') => {
+            Piece::Comment { comment, .. } if comment.line() || comment.text.contains('\n') => {
                 return None;
             }
             Piece::Comment { comment, .. } => comment.text.chars().count() + 1,
@@ -185,7 +185,7 @@ pub(super) fn render(mut pieces: Vec<Piece>, out: &mut Writer) {
                 }
                 began(&mut rows, level, out.row);
             }
-            Piece::Comment { comment, indent } if comment.line => {
+            Piece::Comment { comment, indent } if comment.line() => {
                 if comment.own_line {
                     out.line(indent, false);
                     out.text(&comment.text);

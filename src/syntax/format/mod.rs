@@ -10,6 +10,7 @@ mod expression;
 mod layout;
 mod line;
 mod machine;
+mod parts;
 mod printer;
 
 use super::ast::{File, Item};

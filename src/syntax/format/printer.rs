@@ -108,10 +108,10 @@ impl<'t> Printer<'t> {
         let end = self.ends.last().copied().unwrap_or(usize::MAX).min(next);
         while let Some(c) = self
             .comments
-            .next_if(|c| !c.own_line && !c.doc && c.start < end)
+            .next_if(|c| !c.own_line && !c.doc() && c.start < end)
         {
             self.out.behind(&c);
-            if c.line {
+            if c.line() {
                 break;
             }
         }
@@ -231,9 +231,9 @@ impl<'t> Printer<'t> {
             }
             self.out.text(&c.text);
             self.fresh = false;
-            after = if c.doc {
+            after = if c.doc() {
                 After::Doc
-            } else if c.line || c.newline_after {
+            } else if c.line() || c.newline_after {
                 After::Line
             } else {
                 After::Same
@@ -267,7 +267,7 @@ impl<'t> Printer<'t> {
         self.put(&name.text);
     }
 
-    /// A break between two things, which stands where the author broke between them; `nest` lines are indented less or more.
+    /// A break: a blank or nothing, where the line does not end; with `forced` it does.
     pub fn gap(&mut self, level: usize, blank: bool, forced: bool) {
         self.pieces.push(Piece::Break {
             level,
