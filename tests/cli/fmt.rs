@@ -28,7 +28,7 @@ fn check_writes_nothing_and_says_what_would_change() {
     assert_eq!(printed.code, 1);
     assert_eq!(
         printed.out,
-        "plant/deep/rough.lw is not formatted\n    1 - contract A{input a:bool // one\n    2 - }\n    1 + contract A {\n    2 +     input a: bool // one\n    3 + }\n"
+        "plant/deep/rough.lw is not formatted\n    1 - contract A{input a:bool // one\n    1 + contract A {\n    2 +     input a: bool // one\n"
     );
     assert_eq!(read(&session, "plant/deep/rough.lw"), ROUGH);
     assert_eq!(session.run("fmt --check plant/smooth.lw").code, 0);
