@@ -76,7 +76,7 @@ pub enum Fault {
     Unstable,
 }
 
-/// [`format`], and a look at the result before anyone writes it over the file: it must be read as the same tree, hold the same comments
+/// [`format()`], and a look at the result before anyone writes it over the file: it must be read as the same tree, hold the same comments
 /// and the same words in the same order, and stay as it is when it is formatted again.
 pub fn checked(file: &File, text: &str) -> Result<String, Fault> {
     let mut formatted = format(file, text);
