@@ -9,6 +9,8 @@ mod cache;
 mod disk;
 #[path = "cli/exits.rs"]
 mod exits;
+#[path = "cli/fmt.rs"]
+mod fmt;
 #[path = "cli/inputs.rs"]
 mod inputs;
 #[path = "cli/libraries.rs"]

@@ -214,6 +214,34 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
 
 type Found = Result<(String, String), (String, String)>;
 
+/// A file that was read, as its name and text, or why it could not be, as a finding.
+pub type Read = Result<(String, String), Diagnostic>;
+
+/// The files that some paths name, each once: a file itself, and every `.lw` file below a folder.
+pub fn every(paths: &[String]) -> Vec<Read> {
+    let mut files: Vec<Read> = Vec::new();
+    for path in paths {
+        let place = Path::new(path);
+        let found = if place.is_dir() {
+            search(place).map_err(|why| (shown(place), why))
+        } else {
+            Ok(vec![place.to_owned()])
+        };
+        let found: Vec<Found> = match found {
+            Ok(list) => list.iter().map(|f| read_named(f)).collect(),
+            Err(why) => vec![Err(why)],
+        };
+        for file in found {
+            let file = file.map_err(|(name, why)| unreadable(&name, &why));
+            let known = |f: &Read| matches!((f, &file), (Ok(a), Ok(b)) if a.0 == b.0);
+            if !files.iter().any(known) {
+                files.push(file);
+            }
+        }
+    }
+    files
+}
+
 /// The files of one path: itself, or every `.lw` below it.
 fn collect(path: &str, standard: &StandardLibrary) -> Vec<Found> {
     let place = Path::new(path);

@@ -15,6 +15,7 @@ pub mod environment;
 pub mod exit;
 pub mod explain;
 pub mod files;
+pub mod fmt;
 pub mod import;
 pub mod interrupt;
 pub mod libraries;
@@ -65,6 +66,8 @@ pub enum Command {
     Build(build::Arguments),
     /// Run a line in the bundled runner
     Run(run::Arguments),
+    /// Lay files out in the one way that all files are laid out
+    Fmt(fmt::Arguments),
     /// Print another tool's specification as a contract
     Import(import::Arguments),
     /// Say what a finding means, with a minimal contract that shows it
@@ -112,6 +115,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Synth(a) => synth::run(a, options),
         Command::Build(a) => build::run(a, options),
         Command::Run(a) => run::run(a, options),
+        Command::Fmt(a) => fmt::run(a, options),
         Command::Import(a) => import::run(a, options),
         Command::Explain(a) => explain::run(a, options),
         Command::Din(a) => din::run(a, options),

@@ -16,6 +16,8 @@ pub struct Name {
 pub struct File {
     /// Its items, in order.
     pub items: Vec<Item>,
+    /// Where they and the items within them stand, each before those within it, all in the order in which they were written.
+    pub places: Vec<Span>,
 }
 
 /// A top-level item.

@@ -5,7 +5,9 @@
 
 pub mod ast;
 mod build;
+pub mod format;
 mod mend;
 mod parser;
+mod spans;
 
 pub use parser::parse;

@@ -13,6 +13,7 @@ impl Builder {
         let header = self.header(doc, &mut c);
         let mut items = Vec::new();
         for item in c.rest() {
+            self.place(&item);
             match item.as_rule() {
                 Rule::variables => items.push(self.variables(item)),
                 Rule::define => items.push(ContractItem::Define(self.define(item))),

@@ -268,7 +268,7 @@ impl Builder {
         let mut left = first;
         while let Some(op) = c.take(Rule::compare_op) {
             // What stands in the middle is compared twice, so it is copied; nested copies would grow without bound.
-            if !links.is_empty() && !smaller_than(&left, MAX_MIDDLE) {
+            if !links.is_empty() && !small_enough_for_the_middle(&left) {
                 self.findings.push(
                     Diagnostic::error(
                         codes::SYNTAX,
@@ -393,7 +393,7 @@ impl Builder {
 }
 
 /// Left-grouping chains have at most so many operands.
-const MAX_CHAIN: usize = 200;
+pub(in crate::syntax) const MAX_CHAIN: usize = 200;
 /// So many `not`, signs, indices or primes may follow each other.
 const MAX_PREFIXES: usize = 100;
 /// An expression's tree is at most so deep.
@@ -410,6 +410,11 @@ fn deeper_than(e: &Expr, levels: usize) -> bool {
         open.extend(e.children().into_iter().map(|c| (c, depth + 1)));
     }
     false
+}
+
+/// Whether an expression may stand in the middle of `a < b < c`.
+pub(in crate::syntax) fn small_enough_for_the_middle(e: &Expr) -> bool {
+    smaller_than(e, MAX_MIDDLE)
 }
 
 fn smaller_than(e: &Expr, nodes: usize) -> bool {

@@ -13,6 +13,7 @@ impl Builder {
         let name = self.name(&c.next());
         let mut items = Vec::new();
         for item in c.rest() {
+            self.place(&item);
             let rule = item.as_rule();
             match rule {
                 Rule::bad_line_item => self.bad(&item),
@@ -55,7 +56,13 @@ impl Builder {
                 LineItem::Part {
                     name,
                     bill,
-                    properties: properties.into_iter().map(|p| self.typed(p)).collect(),
+                    properties: properties
+                        .into_iter()
+                        .map(|p| {
+                            self.place(&p);
+                            self.typed(p)
+                        })
+                        .collect(),
                 }
             }
             Rule::l_source => {
@@ -150,6 +157,7 @@ impl Builder {
         let arguments = self.arguments(arguments);
         let mut items = Vec::new();
         for item in c.rest() {
+            self.place(&item);
             let rule = item.as_rule();
             if rule == Rule::bad_station_item {
                 self.bad(&item);

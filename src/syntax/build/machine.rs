@@ -3,6 +3,7 @@
 use super::super::ast::{Binding, Component, Machine, MachineItem, Performed, Typed};
 use super::super::parser::Rule;
 use super::{Builder, Children};
+use crate::diagnostics::{Diagnostic, codes};
 use pest::iterators::Pair;
 
 impl Builder {
@@ -12,6 +13,7 @@ impl Builder {
         let header = self.header(doc, &mut c);
         let mut items = Vec::new();
         for item in c.rest() {
+            self.place(&item);
             let rule = item.as_rule();
             if rule == Rule::bad_machine_item {
                 self.bad(&item);
@@ -92,6 +94,17 @@ impl Builder {
         }
     }
 
+    /// The tree holds one of these in a component, so a second one is a finding here already.
+    fn once(&mut self, said: bool, word: &str, item: &Pair<'_, Rule>) {
+        if said {
+            let message = format!("`{word}` stands twice");
+            self.findings.push(
+                Diagnostic::error(codes::NAME_DOUBLE, self.span(item), message)
+                    .with_help("leave one of them out"),
+            );
+        }
+    }
+
     pub(super) fn component(&mut self, pair: Pair<'_, Rule>) -> Component {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
@@ -113,13 +126,18 @@ impl Builder {
             broken: false,
         };
         for item in c.rest() {
+            self.place(&item);
             match item.as_rule() {
                 Rule::c_time => {
+                    self.once(component.time.is_some(), "time", &item);
                     let mut c = Children::of(item);
                     let value = self.expr(c.next());
                     component.time = Some((value, c.take(Rule::per_step).is_some()));
                 }
-                Rule::c_power => component.power = Some(self.expr(Children::of(item).next())),
+                Rule::c_power => {
+                    self.once(component.power.is_some(), "power", &item);
+                    component.power = Some(self.expr(Children::of(item).next()));
+                }
                 Rule::c_binding => {
                     let mut c = Children::of(item);
                     let name = self.name(&c.next());

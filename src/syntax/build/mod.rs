@@ -17,6 +17,8 @@ use crate::diagnostics::{Diagnostic, codes};
 use crate::source::{FileId, Span};
 use pest::iterators::{Pair, Pairs};
 
+pub(super) use expression::{MAX_CHAIN, small_enough_for_the_middle};
+
 pub(super) struct Builder {
     pub tree: File,
     pub findings: Vec<Diagnostic>,
@@ -84,6 +86,7 @@ impl Builder {
 
     pub fn file(&mut self, pairs: Pairs<'_, Rule>) {
         for pair in pairs.flat_map(Pair::into_inner) {
+            self.place(&pair);
             match pair.as_rule() {
                 Rule::import => {
                     let item = self.import(pair);
@@ -136,6 +139,14 @@ impl Builder {
             span.start().min(self.length),
             end.min(self.length),
         )
+    }
+
+    /// Remembers where an item stands.
+    fn place(&mut self, pair: &Pair<'_, Rule>) {
+        if pair.as_rule() != Rule::EOI {
+            let span = self.span(pair);
+            self.tree.places.push(span);
+        }
     }
 
     fn bad(&mut self, pair: &Pair<'_, Rule>) {

@@ -1,0 +1,246 @@
+//! `linewright fmt`: lays `.lw` files out in the one way.
+//!
+//! A file is written only where that changes it, and only after [`format::checked`] has read the new text and found that it says the
+//! same: a mistake of the formatter is reported, and leaves the file as it is.
+
+use super::console::Console;
+use super::exit::ExitCode;
+use super::files;
+use super::options::{Format, GlobalOptions};
+use super::{console, output};
+use crate::diagnostics::{Diagnostic, json};
+use crate::source::SourceMap;
+use crate::syntax::{format, parse};
+use anyhow::Context as _;
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::io::Read as _;
+use std::path::Path;
+
+/// The name under which standard input is shown.
+const STANDARD_INPUT: &str = "<stdin>";
+
+/// The arguments of `fmt`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright fmt contracts
+    linewright fmt --check examples
+    linewright fmt - < contracts/handling/turn.lw
+
+Each file is written anew only where that changes it. Comments, the breaks of lines between operators, \
+single empty lines, line ends and a byte-order mark stay; operators are written as words. A file that does not \
+parse is left as it is (exit code 2). With --check, no file is written, and the exit code is 1 where one would be.")]
+pub struct Arguments {
+    /// Files, folders (every .lw file below them), or - alone for standard input to standard output
+    #[arg(value_name = "PATH", default_value = ".")]
+    pub paths: Vec<String>,
+    /// Write nothing; show what would change
+    #[arg(long)]
+    pub check: bool,
+}
+
+/// The JSON document of the command.
+#[derive(Serialize)]
+struct Document {
+    schema: String,
+    files: Vec<Entry>,
+    findings: Vec<json::Finding>,
+}
+
+/// A file in it.
+#[derive(Serialize)]
+struct Entry {
+    file: String,
+    changed: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let console = options.console();
+    let standard_input = arguments.paths == ["-"];
+    if !standard_input && arguments.paths.iter().any(|p| p == "-") {
+        anyhow::bail!("`-` is standard input: give it alone, or name a file of that name `./-`");
+    }
+    let read = if standard_input {
+        let mut text = String::new();
+        std::io::stdin()
+            .read_to_string(&mut text)
+            .context("standard input cannot be read")?;
+        vec![Ok((STANDARD_INPUT.to_owned(), text))]
+    } else {
+        files::every(&arguments.paths)
+    };
+    let mut work = Work {
+        sources: SourceMap::default(),
+        findings: Vec::new(),
+        code: ExitCode::Success,
+    };
+    let mut entries = Vec::new();
+    let mut result = String::new();
+    for file in read {
+        let (name, text) = match file {
+            Ok(file) => file,
+            Err(finding) => {
+                work.finding(finding);
+                continue;
+            }
+        };
+        let Some(formatted) = work.format(&name, &text) else {
+            continue;
+        };
+        let changed = formatted != text;
+        if arguments.check {
+            if changed {
+                let _ = writeln!(result, "{name} is not formatted");
+                result.push_str(&difference(&text, &formatted));
+                work.code = work.code.and(ExitCode::Findings);
+            }
+        } else if standard_input {
+            result.push_str(&formatted);
+        } else if changed {
+            match output::write(Path::new(&name), &formatted) {
+                Ok(()) => {
+                    let _ = writeln!(result, "formatted {name}");
+                }
+                Err(finding) => {
+                    work.finding(*finding);
+                    continue;
+                }
+            }
+        }
+        entries.push(Entry {
+            file: name,
+            changed,
+        });
+    }
+    work.print(
+        console,
+        entries,
+        &result,
+        standard_input && !arguments.check,
+    )?;
+    Ok(work.code)
+}
+
+/// What is known of the files so far.
+struct Work {
+    sources: SourceMap,
+    findings: Vec<Diagnostic>,
+    code: ExitCode,
+}
+
+impl Work {
+    fn finding(&mut self, finding: Diagnostic) {
+        self.findings.push(finding);
+        self.code = self.code.and(ExitCode::CannotRun);
+    }
+
+    /// A file's text as it should be, or nothing where it does not parse.
+    fn format(&mut self, name: &str, text: &str) -> Option<String> {
+        let file = self.sources.add(name, text);
+        let (tree, findings) = parse(file, text);
+        if !findings.is_empty() {
+            for finding in findings {
+                self.finding(finding);
+            }
+            return None;
+        }
+        match format::checked(&tree, text) {
+            Ok(formatted) => Some(formatted),
+            Err(fault) => {
+                let finding = Diagnostic::error(
+                    crate::diagnostics::codes::SYNTAX,
+                    None,
+                    format!("{name} was left as it is: {fault}"),
+                );
+                self.finding(finding.with_help(format!(
+                    "this is a fault of linewright {}: please report it, with the file",
+                    env!("CARGO_PKG_VERSION")
+                )));
+                None
+            }
+        }
+    }
+
+    fn print(
+        &self,
+        console: Console,
+        files: Vec<Entry>,
+        result: &str,
+        text: bool,
+    ) -> anyhow::Result<()> {
+        match console.format {
+            Format::Json if !text => console.document(&Document {
+                schema: console::schema("fmt"),
+                files,
+                findings: json::findings(&self.sources, &self.findings),
+            }),
+            Format::Sarif if !text => console.failed("fmt", &self.sources, &self.findings),
+            _ => {
+                console.result(result)?;
+                console.findings(&self.sources, &self.findings)
+            }
+        }
+    }
+}
+
+/// The lines that differ, from the first to the last, each with its number; not more than a screen of them.
+fn difference(before: &str, after: &str) -> String {
+    const MOST: usize = 20;
+    let (old, new): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
+    let mut text = String::new();
+    let (mut i, mut j, mut shown) = (0, 0, 0);
+    while i < old.len() || j < new.len() {
+        if old.get(i) == new.get(j) {
+            (i, j) = (i + 1, j + 1);
+            continue;
+        }
+        // The nearest place where the two go on alike.
+        let (a, b) = rejoin(&old[i..], &new[j..]);
+        for (sign, lines, first) in [('-', &old[i..i + a], i), ('+', &new[j..j + b], j)] {
+            for (n, line) in lines.iter().enumerate() {
+                if shown == MOST {
+                    text.push_str("  ...\n");
+                    return text;
+                }
+                let _ = writeln!(text, "{:>5} {sign} {line}", first + n + 1);
+                shown += 1;
+            }
+        }
+        (i, j) = (i + a, j + b);
+    }
+    if text.is_empty() {
+        text.push_str("  only the ends of lines differ\n");
+    }
+    text
+}
+
+/// How many lines of each to skip until the same line follows in both.
+fn rejoin(old: &[&str], new: &[&str]) -> (usize, usize) {
+    const FARTHEST: usize = 200;
+    for sum in 1..=FARTHEST.min(old.len() + new.len()) {
+        for a in 0..=sum.min(old.len()) {
+            let b = sum - a;
+            if b <= new.len() && old.get(a) == new.get(b) {
+                return (a, b);
+            }
+        }
+    }
+    (old.len(), new.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_shown_line_by_line() {
+        assert_eq!(
+            difference("a\nb\nc\n", "a\nx\ny\nc\n"),
+            "    2 - b\n    2 + x\n    3 + y\n"
+        );
+        assert_eq!(difference("a\n\n\nb\n", "a\n\nb\n"), "    3 - \n");
+        assert_eq!(difference("a", "a\n"), "  only the ends of lines differ\n");
+    }
+}

@@ -1,0 +1,243 @@
+//! Expressions taken apart for printing: what the builder halves (`a and b and c`) or copies (`a < b < c`) is put together again, and how
+//! tight each binds is said.
+
+use super::super::ast::{BinaryOp, Expr, ExprKind, Pattern, PatternKind};
+use super::super::build::{MAX_CHAIN, small_enough_for_the_middle};
+
+/// How tight an expression binds: the rule of the grammar that takes it without brackets.
+pub(super) mod binds {
+    pub const PATTERN: u8 = 0;
+    pub const IFF: u8 = 1;
+    pub const IMPLICATION: u8 = 2;
+    pub const DISJUNCTION: u8 = 3;
+    pub const EXCLUSIVE: u8 = 4;
+    pub const CONJUNCTION: u8 = 5;
+    pub const SINCE: u8 = 6;
+    pub const NEGATION: u8 = 7;
+    pub const COMPARISON: u8 = 8;
+    pub const ADDITIVE: u8 = 9;
+    pub const PRODUCT: u8 = 10;
+    pub const SIGNED: u8 = 11;
+    pub const POSTFIX: u8 = 12;
+}
+
+/// An expression taken apart.
+pub(super) enum Parts<'e> {
+    /// Operands with this between them; how tight the whole binds, and what its operands must bind.
+    Chain(Vec<&'e Expr>, Vec<&'static str>, u8, u8),
+    /// Anything else.
+    Single(u8),
+}
+
+/// The operands of a chain of an operator that the builder halves, where the tree is one that it would make of them.
+fn halved<'e>(op: BinaryOp, e: &'e Expr, count: usize, operands: &mut Vec<&'e Expr>) -> bool {
+    if count == 1 {
+        operands.push(e);
+        return true;
+    }
+    // The left half is the largest power of two below the count.
+    let left = count.next_power_of_two() / 2;
+    match sides(e, op) {
+        Some((a, b)) => halved(op, a, left, operands) && halved(op, b, count - left, operands),
+        None => false,
+    }
+}
+
+/// The operands of `a op b`. A chain of comparisons is no `and` here.
+fn sides(e: &Expr, op: BinaryOp) -> Option<(&Expr, &Expr)> {
+    match &e.kind {
+        ExprKind::Binary(o, a, b) if *o == op && (op != BinaryOp::And || links(e).is_none()) => {
+            Some((a, b))
+        }
+        _ => None,
+    }
+}
+
+/// How many operands a chain of this operator can have at most.
+fn leaves(op: BinaryOp, e: &Expr) -> usize {
+    sides(e, op).map_or(1, |(a, b)| leaves(op, a) + leaves(op, b))
+}
+
+/// The comparisons of `a < b < c`, which the builder makes `a < b and b < c`.
+fn links(e: &Expr) -> Option<Vec<&Expr>> {
+    fn collect<'e>(e: &'e Expr, list: &mut Vec<&'e Expr>) -> bool {
+        match &e.kind {
+            ExprKind::Binary(BinaryOp::And, a, b) => collect(a, list) && collect(b, list),
+            ExprKind::Binary(op, a, _) if compares(*op) => {
+                let goes_on = list.last().is_none_or(|last| match &last.kind {
+                    ExprKind::Binary(_, _, middle) => {
+                        middle == a && small_enough_for_the_middle(middle)
+                    }
+                    _ => false,
+                });
+                list.push(e);
+                goes_on
+            }
+            _ => false,
+        }
+    }
+    fn balanced(e: &Expr, count: usize) -> bool {
+        let left = count.next_power_of_two() / 2;
+        match &e.kind {
+            ExprKind::Binary(BinaryOp::And, a, b) if count > 1 => {
+                balanced(a, left) && balanced(b, count - left)
+            }
+            ExprKind::Binary(BinaryOp::And, ..) => false,
+            _ => count == 1,
+        }
+    }
+    if !matches!(e.kind, ExprKind::Binary(BinaryOp::And, ..)) {
+        return None;
+    }
+    let mut list = Vec::new();
+    (collect(e, &mut list) && balanced(e, list.len())).then_some(list)
+}
+
+fn compares(op: BinaryOp) -> bool {
+    use BinaryOp::{Eq, Ge, Gt, Le, Lt, Ne};
+    matches!(op, Eq | Ne | Lt | Le | Gt | Ge)
+}
+
+/// The operands of a chain that groups to the left, from these operators.
+fn to_the_left<'e>(e: &'e Expr, ops: &[BinaryOp]) -> (Vec<&'e Expr>, Vec<BinaryOp>) {
+    let (mut operands, mut between) = (Vec::new(), Vec::new());
+    let mut left = e;
+    while let ExprKind::Binary(op, a, b) = &left.kind {
+        if !ops.contains(op) || operands.len() + 2 > MAX_CHAIN {
+            break;
+        }
+        operands.push(&**b);
+        between.push(*op);
+        left = a;
+    }
+    operands.push(left);
+    operands.reverse();
+    between.reverse();
+    (operands, between)
+}
+
+fn chain_of(op: BinaryOp, e: &Expr, whole: u8, operand: u8) -> Parts<'_> {
+    let mut operands = Vec::new();
+    for count in (2..=leaves(op, e)).rev() {
+        operands.clear();
+        if halved(op, e, count, &mut operands) {
+            break;
+        }
+    }
+    let signs = vec![op.sign(); operands.len().saturating_sub(1)];
+    Parts::Chain(operands, signs, whole, operand)
+}
+
+fn arithmetic<'e>(e: &'e Expr, ops: &[BinaryOp], whole: u8) -> Parts<'e> {
+    let (operands, between) = to_the_left(e, ops);
+    // A chain of one operator that may be grouped in any way is halved.
+    if between.iter().all(|op| *op == ops[0]) {
+        return chain_of(ops[0], e, whole, whole + 1);
+    }
+    let signs = between.into_iter().map(BinaryOp::sign).collect();
+    Parts::Chain(operands, signs, whole, whole + 1)
+}
+
+pub(super) fn parts(e: &Expr) -> Parts<'_> {
+    use BinaryOp::{Add, And, Div, Iff, Implies, Mod, Mul, Or, Sub, Xor};
+    let (op, a, b) = match &e.kind {
+        ExprKind::Binary(op, a, b) => (*op, a, b),
+        ExprKind::Since(..) => {
+            let mut operands = Vec::new();
+            let mut left = e;
+            while let ExprKind::Since(a, b) = &left.kind
+                && operands.len() + 2 <= MAX_CHAIN
+            {
+                operands.push(&**b);
+                left = a;
+            }
+            operands.push(left);
+            operands.reverse();
+            let signs = vec!["since"; operands.len() - 1];
+            return Parts::Chain(operands, signs, binds::SINCE, binds::NEGATION);
+        }
+        kind => return Parts::Single(single(kind)),
+    };
+    match op {
+        Iff => chain_of(Iff, e, binds::IFF, binds::DISJUNCTION),
+        Implies => {
+            let mut operands = vec![&**a];
+            let mut right = &**b;
+            while let ExprKind::Binary(Implies, a, b) = &right.kind
+                && operands.len() + 2 <= MAX_CHAIN
+            {
+                operands.push(a);
+                right = b;
+            }
+            operands.push(right);
+            let signs = vec![op.sign(); operands.len() - 1];
+            Parts::Chain(operands, signs, binds::IMPLICATION, binds::DISJUNCTION)
+        }
+        Or => chain_of(Or, e, binds::DISJUNCTION, binds::NEGATION),
+        Xor => chain_of(Xor, e, binds::EXCLUSIVE, binds::NEGATION),
+        And => match links(e) {
+            None => chain_of(And, e, binds::CONJUNCTION, binds::NEGATION),
+            Some(links) => {
+                let (mut operands, mut signs) = (Vec::new(), Vec::new());
+                for link in links {
+                    if let ExprKind::Binary(op, a, b) = &link.kind {
+                        if operands.is_empty() {
+                            operands.push(&**a);
+                        }
+                        signs.push(op.sign());
+                        operands.push(b);
+                    }
+                }
+                Parts::Chain(operands, signs, binds::COMPARISON, binds::ADDITIVE)
+            }
+        },
+        Add | Sub => arithmetic(e, &[Add, Sub], binds::ADDITIVE),
+        Mul | Div | Mod => arithmetic(e, &[Mul, Div, Mod], binds::PRODUCT),
+        _ => Parts::Chain(
+            vec![a, b],
+            vec![op.sign()],
+            binds::COMPARISON,
+            binds::ADDITIVE,
+        ),
+    }
+}
+
+/// How tight an expression binds that is no chain.
+fn single(kind: &ExprKind) -> u8 {
+    match kind {
+        ExprKind::Pattern(Pattern {
+            kind: PatternKind::Precedence(..) | PatternKind::Response(..),
+            ..
+        }) => binds::PATTERN,
+        ExprKind::Member(..) | ExprKind::Within(..) => binds::COMPARISON,
+        ExprKind::Next(a) if matches!(a.kind, ExprKind::Not(_)) => binds::NEGATION,
+        ExprKind::Next(_) | ExprKind::Neg(_) => binds::SIGNED,
+        ExprKind::Always(_)
+        | ExprKind::Eventually(_)
+        | ExprKind::If(..)
+        | ExprKind::Quantifier(..)
+        | ExprKind::Pattern(_)
+        | ExprKind::Not(_)
+        | ExprKind::Past(..) => binds::NEGATION,
+        _ => binds::POSTFIX,
+    }
+}
+
+/// Whether an expression reaches as far to the right as it can.
+pub(super) fn wide(kind: &ExprKind) -> bool {
+    matches!(
+        kind,
+        ExprKind::Always(_)
+            | ExprKind::Eventually(_)
+            | ExprKind::If(..)
+            | ExprKind::Quantifier(..)
+            | ExprKind::Pattern(_)
+    )
+}
+
+/// How tight something with operators binds; the tightest where it has none.
+pub(super) fn binding(e: &Expr) -> u8 {
+    match parts(e) {
+        Parts::Chain(_, _, whole, _) | Parts::Single(whole) => whole,
+    }
+}
