@@ -114,6 +114,11 @@ impl Unit {
         Some(Self(known))
     }
 
+    /// All of them.
+    pub fn all() -> impl Iterator<Item = Self> {
+        UNITS.iter().filter(|u| **u != "%").map(|u| Self(u))
+    }
+
     /// As it is written.
     pub fn name(self) -> &'static str {
         self.0

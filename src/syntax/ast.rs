@@ -86,7 +86,7 @@ pub enum DomainKind {
     Labels(Vec<Name>),
     /// `0..n-1`; the unit is one written behind the range, `0..(n-1) mm`.
     Range(Expr, Expr, Option<String>),
-    /// `record { x: 0..3, y: 0..3 }`
+    /// `record {x: 0..3, y: 0..3}`
     Record(Vec<(Name, Domain)>),
     /// `array[n] of T`
     Array(Expr, Box<Domain>),

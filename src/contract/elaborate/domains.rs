@@ -153,8 +153,13 @@ impl<'a> Elaborator<'a> {
         high: &'a ast::Expr,
         written: Option<&str>,
     ) -> Option<Shape> {
-        let unit = written.or_else(|| unit_in(high)).or_else(|| unit_in(low));
-        let unit = unit.and_then(Unit::named);
+        // Of two units the finer one counts.
+        let named = |name: Option<&str>| name.and_then(Unit::named);
+        let unit = match (named(written), named(unit_in(low)), named(unit_in(high))) {
+            (Some(unit), ..) | (None, Some(unit), None) | (None, None, Some(unit)) => Some(unit),
+            (None, Some(a), Some(b)) if b.in_terms_of(a).is_some() => Some(a),
+            (None, _, b) => b,
+        };
         let (l, h) = (self.bound_of(low, unit), self.bound_of(high, unit));
         let (low, high) = (l?, h?);
         if low > high {

@@ -29,8 +29,10 @@ impl<'a> Elaborator<'a> {
             (low..=high)
                 .map(|i| Value::Scalar(Term::Int(i), Type::Int))
                 .collect()
-        } else if let ast::DomainKind::Named(name) = &domain.kind
-            && let Some(length) = self.indices(&name.text)
+        } else if let ast::DomainKind::Named(ast::Name { text: name, .. })
+        // An array may be called like a unit: `h`.
+        | ast::DomainKind::Unit(name) = &domain.kind
+            && let Some(length) = self.indices(name)
         {
             let indices = 0..length as i64;
             indices

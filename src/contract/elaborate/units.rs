@@ -29,13 +29,15 @@ impl Elaborator<'_> {
             }
             (Type::Measured(_), Type::Int) if is_zero(&b) => Some((a, b, at)),
             (Type::Int, Type::Measured(_)) if is_zero(&a) => Some((a, b, bt)),
-            (Type::Measured(_), Type::Number(_)) => {
-                let b = self.fitted(span, (b, bt), &at)?;
-                Some((a, b, at))
+            (Type::Measured(unit), Type::Number(_)) => {
+                let (unit, times) = finer(*unit, &b, &bt);
+                let ty = Type::Measured(unit);
+                let b = self.fitted(span, (b, bt), &ty)?;
+                Some((scaled(a, times), b, ty))
             }
             (Type::Number(_), Type::Measured(_)) => {
-                let a = self.fitted(span, (a, at), &bt)?;
-                Some((a, b, bt))
+                let (b, a, ty) = self.aligned(span, (b, bt), (a, at))?;
+                Some((a, b, ty))
             }
             (Type::Measured(_), _) | (_, Type::Measured(_)) => {
                 self.apart(span, &at, &bt);
@@ -158,6 +160,21 @@ impl Elaborator<'_> {
         let message = format!("{} does not go together with {}", word(a), word(b));
         self.error_with(codes::TYPE_MISMATCH, span, message, help);
     }
+}
+
+/// The unit in which a quantity is a whole number: the given one, or the coarsest of those that it is a multiple of; and how many of it
+/// that is. The given one, where there is none.
+fn finer(unit: Unit, quantity: &Term, ty: &Type) -> (Unit, i64) {
+    let known = (unit, 1);
+    let Some(base) = super::constant_real(quantity) else {
+        return known;
+    };
+    if ty.dimension() != unit.dimension() || unit.count(base).is_some() {
+        return known;
+    }
+    let parts = Unit::all().filter(|u| u.count(base).is_some());
+    let multiples = parts.filter_map(|u| unit.in_terms_of(u).map(|times| (u, times)));
+    multiples.min_by_key(|(_, times)| *times).unwrap_or(known)
 }
 
 fn scaled(term: Term, times: i64) -> Term {
