@@ -318,6 +318,8 @@ pub enum Quantifier {
     Count,
     /// Their sum.
     Sum,
+    /// All of them, as an array.
+    Array,
 }
 
 /// `machine ...`

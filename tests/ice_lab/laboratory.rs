@@ -15,7 +15,7 @@ pub const LINES: [&str; 2] = ["examples/ice-lab/line.lw", "examples/ice-lab/mill
 /// A machine and one controller a component.
 pub struct Controlled {
     pub machine: Arc<Machine>,
-    pub controllers: Arc<Vec<mealy::Machine>>,
+    pub controllers: Arc<Vec<mealy::Controller>>,
 }
 
 /// Every machine of both lines, each once, by the order of their places.
@@ -41,7 +41,7 @@ pub fn machines() -> &'static [Controlled] {
                 }
                 let controllers = machine.components.iter();
                 let controllers = controllers
-                    .map(|c| controller(&c.specification, &mut done))
+                    .map(|c| controller(&c.specification, &mut done).into())
                     .collect();
                 machines.push(Controlled {
                     machine: Arc::clone(machine),

@@ -50,20 +50,29 @@ impl<'a> Elaborator<'a> {
     pub(super) fn quantifier(
         &mut self,
         span: Span,
-        kind: Quantifier,
+        (kind, expected): (Quantifier, Option<&Type>),
         name: &ast::Name,
         domain: &'a ast::Domain,
         body: &'a ast::Expr,
         time: Time,
     ) -> Option<Value> {
         let values = self.quantified(domain)?;
+        let element = match expected {
+            Some(Type::Array(element, _)) => Some(&**element),
+            _ => None,
+        };
         let mut terms = Vec::with_capacity(values.len());
         for value in values {
             let term = self.with_bound(&name.text, value, |e| match kind {
                 Quantifier::Sum => e.number(body, time),
+                Quantifier::Array => e.any_scalar(body, element, time),
                 _ => e.boolean(body, time).map(|t| (t, Type::Bool)),
             });
             terms.push(term?);
+        }
+        if kind == Quantifier::Array {
+            let elements = terms.into_iter().map(|(t, ty)| Value::Scalar(t, ty));
+            return Some(Value::Array(elements.collect()));
         }
         let real = terms.iter().find_map(|(_, t)| match t {
             Type::Number(d) => Some(Type::Number(*d)),
@@ -87,7 +96,7 @@ impl<'a> Elaborator<'a> {
                 ),
                 Type::Int,
             ),
-            Quantifier::Sum => Value::Scalar(
+            Quantifier::Sum | Quantifier::Array => Value::Scalar(
                 Term::fold(BinaryOp::Add, terms.collect(), 0),
                 real.unwrap_or(Type::Int),
             ),

@@ -1,15 +1,19 @@
 //! Small questions about expressions over wires: does a goal follow from hypotheses?
 //!
-//! Decided by trying all values of the wires that occur. Hypotheses that share no wire with the goal, directly or through
-//! other hypotheses, are left out first; leaving one out can only turn a "yes" into a "no".
+//! Decided by trying all values of the wires that occur, or, where they are many, with decision diagrams. Hypotheses that share
+//! no wire with the goal, directly or through other hypotheses, are left out first; leaving one out can only turn a "yes" into a
+//! "no".
 
-use super::support;
 use super::walk::Node;
+use super::{diagrams, support};
 use crate::contract::machine::Machine;
 use crate::gr1::{Domain, Expr, Time, VarId, eval};
 
-/// So many valuations are tried at most.
-const MOST_VALUATIONS: u64 = 1 << 18;
+/// So many valuations are tried at most; diagrams take longer for fewer, and less for more.
+const MOST_VALUATIONS: u64 = 1 << 12;
+
+/// So many are tried where diagrams are too large.
+const MOST_VALUATIONS_AT_ALL: u64 = 1 << 18;
 
 /// "Under these hypotheses the goal holds", over the wires of one step and the next.
 #[derive(Debug, Clone)]
@@ -100,6 +104,24 @@ impl Question {
         if self.goal_is_true() || self.is_void() {
             return Answer::Holds;
         }
+        let (wires, relevant) = self.relevant(machine, u64::MAX);
+        if valuations(machine, &wires) <= MOST_VALUATIONS {
+            return self.enumerate(machine, &wires, &relevant);
+        }
+        match diagrams::decide(machine, &self.goal, &relevant) {
+            Answer::TooLarge => {}
+            decided => return decided,
+        }
+        let (wires, relevant) = self.relevant(machine, MOST_VALUATIONS_AT_ALL);
+        if valuations(machine, &wires) > MOST_VALUATIONS_AT_ALL {
+            return Answer::TooLarge;
+        }
+        self.enumerate(machine, &wires, &relevant)
+    }
+
+    /// The hypotheses that share wires with the goal, directly or through others, as far as all of them together have no more
+    /// valuations than `most`; and all wires that occur then.
+    fn relevant(&self, machine: &Machine, most: u64) -> (Vec<(VarId, Time)>, Vec<&Expr>) {
         let mut wires = support(&self.goal);
         let mut relevant: Vec<&Expr> = Vec::new();
         let mut rest: Vec<&Expr> = self
@@ -118,7 +140,7 @@ impl Question {
             for hypothesis in near {
                 let more = support(hypothesis);
                 let joined: Vec<_> = wires.iter().chain(&more).copied().collect();
-                if valuations(machine, &joined) > MOST_VALUATIONS {
+                if valuations(machine, &joined) > most {
                     continue;
                 }
                 wires.extend(more);
@@ -127,10 +149,7 @@ impl Question {
                 relevant.push(hypothesis);
             }
         }
-        if valuations(machine, &wires) > MOST_VALUATIONS {
-            return Answer::TooLarge;
-        }
-        self.enumerate(machine, &wires, &relevant)
+        (wires, relevant)
     }
 
     fn enumerate(&self, machine: &Machine, wires: &[(VarId, Time)], relevant: &[&Expr]) -> Answer {
