@@ -11,10 +11,10 @@ use crate::contract::machine::Machine;
 use crate::game::order_by_structure;
 use crate::gr1::{Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable};
 use crate::source::Span;
-use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, OxiDd};
+use crate::symbolic::{Biodivine, BitSet, Encoding, Kernel, Limit, Limits, OxiDd};
 
 /// The kernel that starts at once is left when a question has made so many nodes there.
-const FEW_NODES: u64 = 100_000;
+const FEW_NODES: u64 = 500_000;
 
 /// A question that needs more nodes than this has no answer.
 const MOST_NODES: u64 = 2_000_000;
@@ -45,7 +45,7 @@ struct Encoded {
     specification: Specification,
     /// What a counterexample names: the goal's wires.
     named: Vec<(VarId, Time)>,
-    /// All variables that occur, and when.
+    /// All that occur.
     occurring: Vec<(VarId, Time)>,
 }
 
@@ -100,15 +100,15 @@ impl Encoded {
         let encoding = Encoding::new(&self.specification);
         let m = K::new(&order_by_structure(&self.specification), limits)?;
         let goal = &self.specification.guarantees.invariants[0];
+        let Some(known) = self.known(&encoding, &m)? else {
+            return Ok(Answer::Holds);
+        };
         let mut left = m.not(&encoding.formula(&m, &goal.expr)?)?;
-        for (variable, time) in &self.occurring {
+        for (variable, time) in &self.named {
             left = m.and(&left, &encoding.in_domain(&m, *variable, *time)?)?;
         }
-        for hypothesis in &self.specification.assumptions.invariants {
-            if m.is_false(&left) {
-                break;
-            }
-            left = m.and(&left, &encoding.formula(&m, &hypothesis.expr)?)?;
+        for function in &known {
+            left = m.and(&left, function)?;
         }
         let Some(bits) = m.witness(&left) else {
             return Ok(Answer::Holds);
@@ -118,5 +118,58 @@ impl Encoded {
             ((wire, *time), encoding.value(*variable, *time, &bits))
         });
         Ok(Answer::Fails(Values(values.collect())))
+    }
+
+    /// What the hypotheses together say of the goal's wires: all others are eliminated, one after the other, each from those
+    /// functions only that mention it, and always the one whose functions are smallest. So the values of actions that have
+    /// little to do with each other never meet. `None` when nothing satisfies the hypotheses.
+    fn known<K: Kernel>(
+        &self,
+        encoding: &Encoding,
+        m: &K,
+    ) -> Result<Option<Vec<K::Function>>, Limit> {
+        let measured = |function: K::Function| {
+            let support = BitSet::new(m.support(&function));
+            let size = m.size(&function);
+            (function, support, size)
+        };
+        let mut pool = Vec::new();
+        for hypothesis in &self.specification.assumptions.invariants {
+            for part in hypothesis.expr.conjuncts() {
+                pool.push(measured(encoding.formula(m, part)?));
+            }
+        }
+        let others = self.occurring.iter().filter(|w| !self.named.contains(w));
+        let mut others: Vec<(VarId, Time)> = others.copied().collect();
+        while !others.is_empty() {
+            let mentions = |(variable, time): &(VarId, Time), support: &BitSet| {
+                encoding.bits(*variable, *time).any(|b| support.contains(b))
+            };
+            let cost = |wire: &(VarId, Time)| -> usize {
+                let bucket = pool
+                    .iter()
+                    .filter(|(_, support, _)| mentions(wire, support));
+                bucket.map(|(_, _, size)| *size).sum()
+            };
+            let place = (0..others.len()).min_by_key(|i| cost(&others[*i]));
+            let wire = others.swap_remove(place.unwrap_or(0));
+            let (mut bucket, rest): (Vec<_>, Vec<_>) = pool
+                .into_iter()
+                .partition(|(_, support, _)| mentions(&wire, support));
+            pool = rest;
+            bucket.sort_by_key(|(_, _, size)| *size);
+            let mut together = encoding.in_domain(m, wire.0, wire.1)?;
+            for (function, ..) in &bucket {
+                together = m.and(&together, function)?;
+            }
+            let left = m.exists(&together, &BitSet::new(encoding.bits(wire.0, wire.1)))?;
+            if m.is_false(&left) {
+                return Ok(None);
+            }
+            if !m.is_true(&left) {
+                pool.push(measured(left));
+            }
+        }
+        Ok(Some(pool.into_iter().map(|(f, ..)| f).collect()))
     }
 }
