@@ -22,6 +22,8 @@
 mod diagrams;
 mod operations;
 mod query;
+#[cfg(test)]
+mod tests;
 mod walk;
 
 use crate::contract::machine::{Component, Machine, Role};

@@ -152,7 +152,12 @@ impl Question {
         (wires, relevant)
     }
 
-    fn enumerate(&self, machine: &Machine, wires: &[(VarId, Time)], relevant: &[&Expr]) -> Answer {
+    pub(super) fn enumerate(
+        &self,
+        machine: &Machine,
+        wires: &[(VarId, Time)],
+        relevant: &[&Expr],
+    ) -> Answer {
         let domains: Vec<Domain> = wires.iter().map(|(w, _)| domain(machine, *w)).collect();
         let mut now = vec![0; machine.wire_count()];
         let mut next = vec![0; machine.wire_count()];
