@@ -118,10 +118,9 @@ fn row(series: &Series, sizes: &[u32]) {
     let json = std::fs::read_to_string(out.join(format!("{}.json", series.contract)));
     let document: Value = serde_json::from_str(&json.expect("a controller")).expect("JSON");
     assert_eq!(document["verified"], true);
-    let count = |field: &str| document[field].as_array().map(Vec::len);
-    let form = match (count("states"), count("nodes")) {
+    let form = match (document["states"].as_u64(), document["nodes"].as_array()) {
         (Some(states), _) => format!("{states} states"),
-        (None, decisions) => format!("{} decisions", decisions.unwrap_or(0)),
+        (None, decisions) => format!("{} decisions", decisions.map_or(0, Vec::len)),
     };
     let source = format!("{}.c", series.contract);
     let compile = ["cc", "-std=c99", "-O0", "-c", &source, "-o", "it.o"];
