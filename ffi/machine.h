@@ -41,6 +41,52 @@ typedef struct lw_row {
     int to;
 } lw_row;
 
+/* A controller whose guard table would be too large is functions of signals: of the bits of the step before (signal 2k) and of
+ * this step (2k + 1). A decision goes on with one edge or the other; edge 2n leads to node n - 1, edge 2n + 1 to its
+ * negation, 0 is false and 1 is true. */
+typedef struct lw_node {
+    uint32_t high; /* when the signal is 1 */
+    uint32_t low;
+    uint16_t signal;
+} lw_node;
+
+/* The bits of a variable, the most significant first: they hold its value minus the lowest one of its domain. */
+typedef struct lw_bits {
+    int first_signal;
+    int bits;
+    int64_t low;
+} lw_bits;
+
+/* An output bit of this step, and the edge that says what it is. */
+typedef struct lw_output {
+    uint32_t edge;
+    uint16_t signal;
+} lw_output;
+
+/* A way of pursuing a goal: when it is taken, and the first of its outputs. The last mode of a goal always holds. */
+typedef struct lw_mode {
+    uint32_t when;
+    uint32_t first;
+} lw_mode;
+
+/* A goal: its first mode, and when a step has reached it. */
+typedef struct lw_goal {
+    uint32_t mode;
+    uint32_t reached;
+} lw_goal;
+
+/* All that is kept between two steps is the goal that is pursued: place 0 is before step 0, place g + 1 is goal g. */
+typedef struct lw_functions {
+    const lw_node *nodes;
+    const lw_bits *bits; /* one entry a variable of the component */
+    int variables;
+    const lw_output *computed; /* those of step 0 first */
+    int outputs;               /* output bits in one step */
+    const lw_mode *modes;
+    const lw_goal *goals;
+    int goal_count;
+} lw_functions;
+
 /* A formula's name, and what is said when it is broken. */
 typedef struct lw_rule {
     const char *rule;
@@ -98,6 +144,7 @@ typedef struct lw_component {
     const lw_row *rows;
     const lw_test *tests;
     const int64_t *answers; /* `outputs` values a row */
+    const lw_functions *functions; /* instead of rows, tests and answers, or null */
     void (*bind)(const int64_t *wires, int64_t *current);
     lw_side assumptions;
     lw_side guarantees;

@@ -172,6 +172,109 @@ static void lw_put(const lw_component *component, int answer, int64_t *current, 
     }
 }
 
+#ifdef LW_SIGNALS
+/* Writes the values of all variables to the signals of the step before (time 0), or of this one (time 1). */
+static void lw_know(const lw_functions *functions, const int64_t *values, int time, uint8_t *signals)
+{
+    for (int v = 0; v < functions->variables; v++) {
+        const lw_bits *variable = &functions->bits[v];
+        uint64_t code = (uint64_t)values[v] - (uint64_t)variable->low;
+        for (int b = variable->bits - 1; b >= 0; b--) {
+            signals[variable->first_signal + 2 * b + time] = (uint8_t)(code & 1U);
+            code >>= 1;
+        }
+    }
+}
+
+static int lw_holds(const lw_functions *functions, uint32_t edge, const uint8_t *signals)
+{
+    uint32_t value = edge & 1U;
+    while (edge > 1U) {
+        const lw_node *node = &functions->nodes[edge / 2U - 1U];
+        edge = signals[node->signal] != 0 ? node->high : node->low;
+        value ^= edge & 1U;
+    }
+    return (int)value;
+}
+
+/* Computes the outputs of a step, and gives the place after it. A Moore component is asked twice: before its inputs are known,
+ * which its outputs do not depend on, and after. */
+static int lw_compute(const lw_component *component, int place, const int64_t *previous, int64_t *current,
+                      int64_t *wires)
+{
+    const lw_functions *functions = component->functions;
+    const lw_output *answer = functions->computed;
+    uint8_t signals[LW_SIGNALS];
+
+    lw_know(functions, previous, 0, signals);
+    lw_know(functions, current, 1, signals);
+    if (place > 0) {
+        const lw_mode *mode = &functions->modes[functions->goals[place - 1].mode];
+        while (!lw_holds(functions, mode->when, signals)) {
+            mode++;
+        }
+        answer = &functions->computed[mode->first];
+    }
+    for (int i = 0; i < functions->outputs; i++) {
+        signals[answer[i].signal] = (uint8_t)lw_holds(functions, answer[i].edge, signals);
+    }
+    for (int i = 0; i < component->outputs; i++) {
+        const lw_bits *output = &functions->bits[component->output[i]];
+        int64_t code = 0;
+        for (int b = 0; b < output->bits; b++) {
+            code = 2 * code + signals[output->first_signal + 2 * b + 1];
+        }
+        current[component->output[i]] = output->low + code;
+        wires[component->first_wire + i] = output->low + code;
+    }
+    if (place == 0) {
+        return 1;
+    }
+    if (lw_holds(functions, functions->goals[place - 1].reached, signals)) {
+        return place % functions->goal_count + 1;
+    }
+    return place;
+}
+#endif
+
+/* The outputs of a component on its wires, and the place it goes to; -1 where there is no transition. */
+static int lw_respond(const lw_component *component, int place, const int64_t *previous, int64_t *current, int64_t *wires)
+{
+#ifdef LW_SIGNALS
+    if (component->functions != NULL) {
+        return lw_compute(component, place, previous, current, wires);
+    }
+#else
+    (void)previous;
+#endif
+    const lw_row *row = lw_find(component, place, current);
+    if (row == NULL) {
+        return -1;
+    }
+    lw_put(component, row->answer, current, wires);
+    return row->to;
+}
+
+/* The outputs of a Moore component, before its inputs are known; 0 where it has none. */
+static int lw_respond_first(const lw_component *component, int place, const int64_t *previous, int64_t *current,
+                            int64_t *wires)
+{
+#ifdef LW_SIGNALS
+    if (component->functions != NULL) {
+        lw_compute(component, place, previous, current, wires);
+        return 1;
+    }
+#else
+    (void)previous;
+#endif
+    int row = component->row_of[place];
+    if (row == component->row_of[place + 1]) {
+        return 0;
+    }
+    lw_put(component, component->rows[row].answer, current, wires);
+    return 1;
+}
+
 /* One component: its inputs, their domains, its assumptions, its answer, its guarantees. */
 static int32_t lw_answer(int index, const lw_state *before, lw_state *after, lw_error *error)
 {
@@ -191,17 +294,16 @@ static int32_t lw_answer(int index, const lw_state *before, lw_state *after, lw_
     if (broken != NULL) {
         return lw_fail_rule(error, LW_ERROR_ASSUMPTION, broken);
     }
-    const lw_row *row = lw_find(component, before->place[index], current);
-    if (row == NULL) {
+    int to = lw_respond(component, before->place[index], previous, current, after->wires);
+    if (to < 0) {
         return lw_fail_name(error, LW_ERROR_INTERNAL, "", component->name,
                             ": there is no transition for inputs that keep the assumptions; please report this");
     }
-    lw_put(component, row->answer, current, after->wires);
     broken = lw_broken(&component->guarantees, before->started, previous, current);
     if (broken != NULL) {
         return lw_fail_rule(error, LW_ERROR_GUARANTEE, broken);
     }
-    after->place[index] = row->to;
+    after->place[index] = to;
     return LW_OK;
 }
 
@@ -219,12 +321,12 @@ static int32_t lw_advance(const lw_state *before, const int64_t *plant, lw_state
     for (int c = 0; c < LW_COMPONENTS; c++) {
         const lw_component *component = &lw_component_table[c];
         if (component->moore) {
-            int row = component->row_of[before->place[c]];
-            if (row == component->row_of[before->place[c] + 1]) {
+            const int64_t *previous = &before->values[component->first_value];
+            int64_t *current = &after->values[component->first_value];
+            if (!lw_respond_first(component, before->place[c], previous, current, after->wires)) {
                 return lw_fail_name(error, LW_ERROR_INTERNAL, "", component->name,
                                     ": there is no transition at all; please report this");
             }
-            lw_put(component, component->rows[row].answer, &after->values[component->first_value], after->wires);
         }
     }
     for (int moore = 0; moore <= 1; moore++) {

@@ -79,7 +79,7 @@ fn compose(text: &str) -> Composition {
     assert_eq!(library.machines.len(), 1, "{errors:?}");
     let machine = &library.machines[0];
     let limits = Limits::default();
-    let controllers: Vec<mealy::Machine> = machine
+    let controllers: Vec<mealy::Controller> = machine
         .components
         .iter()
         .map(|c| {
@@ -88,7 +88,7 @@ fn compose(text: &str) -> Composition {
             };
             let controller = extract(&c.specification, &won, &limits).unwrap();
             assert_eq!(verify(&c.specification, &controller, &limits), Ok(Ok(())));
-            controller
+            controller.into()
         })
         .collect();
     composition::check(machine, &controllers.iter().collect::<Vec<_>>())

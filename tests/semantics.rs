@@ -460,6 +460,7 @@ fn form_of(e: &Expr) -> String {
                 Quantifier::Exists => "exists",
                 Quantifier::Count => "count",
                 Quantifier::Sum => "sum",
+                Quantifier::Array => "array",
             }
         }
         ExprKind::Call(name, _) => return join(&name.text, operands),
@@ -567,6 +568,7 @@ impl Meaning<'_> {
                         Value::Number(each.iter().filter(|v| v.truth()).count() as i64)
                     }
                     Quantifier::Sum => Value::Number(each.iter().map(Value::number).sum()),
+                    Quantifier::Array => Value::Array(each),
                 }
             }
             ExprKind::Call(name, list) => {

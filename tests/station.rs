@@ -14,6 +14,7 @@ mod expressions;
 mod fixtures;
 
 use differential::{Random, assert_same, differential};
+use linewright::mealy;
 use linewright::station::interpret::Interpreter;
 use linewright::station::load::Library;
 use linewright::station::{Controller, ErrorCode, Package, Toolchain};
@@ -101,12 +102,18 @@ fn library_and_interpreter_agree_on_operations() {
     }
 }
 
+/// The machines that a fixture's controllers are.
+fn machines(controllers: &[mealy::Controller]) -> Vec<mealy::Machine> {
+    let machines = controllers.iter().map(|c| c.machine().cloned());
+    machines.collect::<Option<_>>().expect("machines")
+}
+
 #[test]
 fn faults_of_a_controller_are_caught_alike() {
     let folder = folder();
     let (machine, controllers) = fixtures::manipulator();
     // Every third output of the turner is wrong, and every fourth transition of the picker is gone.
-    let mut faulty = (*controllers).clone();
+    let mut faulty = machines(&controllers);
     for (i, t) in faulty[1].states.iter_mut().flatten().enumerate() {
         if i % 3 == 0 {
             t.output[0] = (t.output[0] + 1) % 4;
@@ -119,13 +126,15 @@ fn faults_of_a_controller_are_caught_alike() {
             i % 4 != 0
         });
     }
-    let counts = differential(&machine, &Arc::new(faulty), 30_000, 3, folder.path());
+    let faulty = Arc::new(faulty.into_iter().map(Into::into).collect());
+    let counts = differential(&machine, &faulty, 30_000, 3, folder.path());
     println!("{counts:?}");
     assert!(counts.of(ErrorCode::Guarantee) > 100);
     assert!(counts.of(ErrorCode::Internal) > 100);
     // A Moore machine that has no answer at all.
-    let mut stuck = (*controllers).clone();
+    let mut stuck = machines(&controllers);
     stuck[0].states.iter_mut().for_each(Vec::clear);
-    let counts = differential(&machine, &Arc::new(stuck), 2_000, 3, folder.path());
+    let stuck = Arc::new(stuck.into_iter().map(Into::into).collect());
+    let counts = differential(&machine, &stuck, 2_000, 3, folder.path());
     assert!(counts.of(ErrorCode::Internal) > 100);
 }

@@ -1,6 +1,7 @@
 //! `linewright build`: the station library of a machine.
 
 use super::console::schema;
+use super::controller::Wish;
 use super::exit::ExitCode;
 use super::libraries::{self, Target};
 use super::machines::{self, Planned};
@@ -61,7 +62,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let picked = arguments
         .selection
         .pick(&loaded, "machine", &library.machines, |m| (&m.name, m.span))?;
-    let mut jobs = Jobs::default();
+    let mut jobs = Jobs::default().wishing(Wish {
+        functions: true,
+        ..Wish::default()
+    });
     let planned: Vec<Planned<'_>> = picked.iter().map(|m| Planned::new(m, &mut jobs)).collect();
     let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"))?;
     let mut findings = loaded.findings.clone();

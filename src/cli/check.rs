@@ -507,7 +507,7 @@ impl Assembly<'_> {
             input_bits: bits(true),
             output_bits: bits(false),
             states: result
-                .and_then(|r| r.machine.as_ref())
+                .and_then(|r| r.controller.as_ref()?.machine())
                 .map(|m| m.states.len()),
             seconds: result.filter(|_| self.timing).map(|r| r.seconds),
             peak_nodes: result.filter(|_| self.timing).and_then(|r| r.peak_nodes),

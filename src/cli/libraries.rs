@@ -13,7 +13,7 @@ pub struct Controlled<'a> {
     /// The machine.
     pub machine: &'a Machine,
     /// One controller a component.
-    pub controllers: Vec<&'a mealy::Machine>,
+    pub controllers: Vec<&'a mealy::Controller>,
 }
 
 /// Whether a machine's coordinator and actions fit together.
@@ -56,7 +56,7 @@ pub fn build(
 
 /// The C of a machine.
 pub fn package(controlled: &Controlled<'_>) -> Package {
-    let controllers: Vec<mealy::Machine> = controlled
+    let controllers: Vec<mealy::Controller> = controlled
         .controllers
         .iter()
         .map(|c| (*c).clone())

@@ -3,7 +3,7 @@
 use super::libraries::Controlled;
 use super::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::contract::line::{Line, NodeKind};
-use crate::contract::machine::Machine;
+use crate::contract::machine::{Machine, Role};
 use crate::diagnostics::{Diagnostic, codes};
 use std::sync::Arc;
 
@@ -17,13 +17,17 @@ pub struct Planned<'a> {
 }
 
 impl<'a> Planned<'a> {
-    /// Adds a machine's components to the jobs.
+    /// Adds a machine's components to the jobs. The coordinator's controller has to be a machine: its states are walked when the
+    /// composition is checked.
     pub fn new(machine: &'a Machine, jobs: &mut Jobs) -> Self {
         let components = machine.components.iter();
         Self {
             machine,
             jobs: components
-                .map(|c| jobs.add(&c.specification, c.span))
+                .map(|c| match c.role {
+                    Role::Coordinator => jobs.add_explicit(&c.specification, c.span),
+                    Role::Action => jobs.add(&c.specification, c.span),
+                })
                 .collect(),
         }
     }
@@ -67,7 +71,7 @@ impl<'a> Planned<'a> {
 
     /// The machine with its controllers, if every component has one.
     pub fn controlled(&self, checked: &'a [CheckedContract]) -> Option<Controlled<'a>> {
-        let controllers = self.jobs.iter().map(|j| checked[*j].machine.as_ref());
+        let controllers = self.jobs.iter().map(|j| checked[*j].controller.as_ref());
         Some(Controlled {
             machine: self.machine,
             controllers: controllers.collect::<Option<_>>()?,

@@ -1,6 +1,7 @@
 //! `linewright run`: a line in the bundled runner, from its contracts to its figures.
 
 use super::build::default_folder;
+use super::controller::Wish;
 use super::exit::ExitCode;
 use super::libraries::{self, Controlled};
 use super::machines::{self, Planned};
@@ -88,7 +89,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         return Ok(ExitCode::CannotRun);
     }
 
-    let mut jobs = Jobs::default();
+    let mut jobs = Jobs::default().wishing(Wish {
+        functions: true,
+        ..Wish::default()
+    });
     let planned: Vec<Planned<'_>> = machines::of_line(line)
         .into_iter()
         .map(|m| Planned::new(m, &mut jobs))

@@ -4,7 +4,7 @@ use super::controller::Wish;
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::output;
-use super::pipeline::{CheckedContract, Goal, Jobs};
+use super::pipeline::{Goal, Jobs};
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::game::{Limit, Preference};
@@ -12,7 +12,7 @@ use crate::gr1::Specification;
 use crate::interchange::{self, Target, inquiries};
 use crate::mealy;
 use crate::source::Span;
-use crate::station::emit::controller;
+use crate::station::emit::controller as c_files;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -173,11 +173,11 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     }
     for (contract, index) in contracts.iter().zip(indices) {
         findings.extend(checked[index].findings_where_needed());
-        let Some(controller) = Controller::of(&checked[index]) else {
+        let Some(controller) = &checked[index].controller else {
             continue;
         };
         for emit in &controllers {
-            match controller.write(*emit, &contract.specification, contract.span) {
+            match write_files(controller, *emit, &contract.specification, contract.span) {
                 Ok(files) => written.extend(files),
                 Err(finding) => findings.push(*finding),
             }
@@ -202,52 +202,40 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// A controller in either form.
-enum Controller<'a> {
-    Machine(&'a mealy::Machine),
-    Functions(&'a mealy::functions::Functions),
-}
-
-impl<'a> Controller<'a> {
-    fn of(checked: &'a CheckedContract) -> Option<Self> {
-        let machine = checked.machine.as_ref().map(Self::Machine);
-        machine.or_else(|| checked.functions.as_ref().map(Self::Functions))
-    }
-
-    /// The files of one of its written forms, by name. A finding (LW204) where that form would be too large.
-    fn write(
-        &self,
-        emit: Emit,
-        specification: &Specification,
-        span: Span,
-    ) -> Result<Vec<(String, String)>, Box<Diagnostic>> {
-        if emit == Emit::C {
-            let files = match self {
-                Self::Machine(machine) => controller::of_machine(machine),
-                Self::Functions(functions) => controller::of_functions(functions),
-            };
-            let name = &files.name;
-            return Ok(vec![
-                (format!("{name}.h"), files.header),
-                (format!("{name}.c"), files.source),
-            ]);
-        }
-        let (name, text) = match self {
-            Self::Machine(machine) => (&machine.name, write(emit, machine, specification)?),
-            Self::Functions(functions) if emit == Emit::Json => {
-                let document = functions.to_json(true);
-                (&functions.name, mealy::json::to_text(&document))
-            }
-            Self::Functions(functions) => {
-                let name = &functions.name;
-                let message =
-                    format!("the controller of `{name}` has too many states for this form");
-                let finding = Diagnostic::error(codes::GAVE_UP, span, message);
-                return Err(Box::new(finding.with_help("use --emit json or --emit c")));
-            }
+/// The files of one of its written forms, by name. A finding (LW204) where that form would be too large.
+fn write_files(
+    controller: &mealy::Controller,
+    emit: Emit,
+    specification: &Specification,
+    span: Span,
+) -> Result<Vec<(String, String)>, Box<Diagnostic>> {
+    if emit == Emit::C {
+        let files = match controller {
+            mealy::Controller::Machine(machine) => c_files::of_machine(machine),
+            mealy::Controller::Functions(functions) => c_files::of_functions(functions),
         };
-        Ok(vec![(format!("{name}.{}", emit.ending()), text)])
+        let name = &files.name;
+        return Ok(vec![
+            (format!("{name}.h"), files.header),
+            (format!("{name}.c"), files.source),
+        ]);
     }
+    let (name, text) = match controller {
+        mealy::Controller::Machine(machine) => {
+            (&machine.name, write(emit, machine, specification)?)
+        }
+        mealy::Controller::Functions(functions) if emit == Emit::Json => {
+            let document = functions.to_json(true);
+            (&functions.name, mealy::json::to_text(&document))
+        }
+        mealy::Controller::Functions(functions) => {
+            let name = &functions.name;
+            let message = format!("the controller of `{name}` has too many states for this form");
+            let finding = Diagnostic::error(codes::GAVE_UP, span, message);
+            return Err(Box::new(finding.with_help("use --emit json or --emit c")));
+        }
+    };
+    Ok(vec![(format!("{name}.{}", emit.ending()), text)])
 }
 
 /// A controller in one of its written forms. A finding (LW204) where that form would be too large.

@@ -8,7 +8,7 @@ use super::heuristics::{Heuristic, Heuristics};
 use super::relation::Relation;
 use super::structure;
 use super::{GuaranteeKind, GuaranteeRef};
-use crate::gr1::{Formula, Owner, Side, Specification, Time, Timing, VarId};
+use crate::gr1::{Expr, Formula, Owner, Side, Specification, Time, Timing, VarId};
 use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
 
 /// The formulas of one side.
@@ -81,6 +81,21 @@ impl<K: Kernel> Formulas<K> {
             let encoded = formulas.iter().map(|f| encoding.formula(&kernel, &f.expr));
             encoded.collect()
         };
+        // What a formula says of codes without a value means nothing, but has a size, above all where it is negated.
+        let confined = order.pairs().len() > structure::MANY_PAIRS;
+        let part = |part: &Expr| -> Result<K::Function, Limit> {
+            let mut function = encoding.formula(&kernel, part)?;
+            if confined {
+                let mut variables = Vec::new();
+                part.for_each_var(&mut |v, t| variables.push((v, t)));
+                variables.sort_unstable();
+                variables.dedup();
+                for (v, t) in variables {
+                    function = kernel.and(&function, &encoding.in_domain(&kernel, v, t)?)?;
+                }
+            }
+            Ok(function)
+        };
         let side = |side: &Side, owner: Owner| -> Result<Encoded<K>, Limit> {
             let mut domains = kernel.constant(true);
             for (i, variable) in specification.variables.iter().enumerate().rev() {
@@ -91,7 +106,7 @@ impl<K: Kernel> Formulas<K> {
             }
             let conjuncts = |formula: &Formula| -> Result<Vec<K::Function>, Limit> {
                 let parts = formula.expr.conjuncts().into_iter();
-                parts.map(|part| encoding.formula(&kernel, part)).collect()
+                parts.map(part).collect()
             };
             Ok(Encoded {
                 initial: list(&side.initial)?,

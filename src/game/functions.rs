@@ -24,6 +24,9 @@ use serde::{Deserialize, Serialize};
 /// The bench is emptied between two goals when so many nodes lie on it.
 const CROWDED_NODES: usize = 1 << 15;
 
+/// So few layers are not worth the question whether one way would do.
+const FEW_LAYERS: usize = 2;
+
 /// An assumption that a step may break.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Assumed {
@@ -42,8 +45,20 @@ pub struct Mode {
     pub when: Edge,
     /// The next output bits in an order in which they can be computed: each may ask for those before it.
     pub outputs: Vec<(Bit, Edge)>,
-    /// The layer it moves into, by its place in [`Certificate::goals`]; `None` when it reaches the goal.
-    pub layer: Option<usize>,
+    /// What its steps achieve.
+    pub aim: Aim,
+}
+
+/// What the steps of a mode achieve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Aim {
+    /// They reach the goal.
+    Goal,
+    /// They move into this layer, by its place in [`Certificate::goals`], or wait in it where its assumption fails.
+    Layer(usize),
+    /// Each comes nearer by itself: it reaches the goal, or leaves its layer for a lower one, or waits where the layer's
+    /// assumption fails.
+    Nearer,
 }
 
 /// One goal.
@@ -133,9 +148,22 @@ pub fn functions<K: Kernel>(
     let mut plans = bench();
     let mut ways = Vec::new();
     let mut stages = Vec::new();
+    let mut plain: Option<Plain<K>> = None;
     for j in 0..arena.goals.len() {
         let layers = layers(arena, j, region)?;
-        ways.push(self::ways(arena, j, region, &layers, &care, &mut plans)?);
+        let mut nearer = false;
+        if may_come_nearer(arena, j, region, &layers, &care)? {
+            let plain = match &mut plain {
+                Some(plain) => plain,
+                none => none.insert(work.plain(arena, region, &care)?),
+            };
+            nearer = comes_nearer(arena, j, &layers, &plain.steps)?;
+        }
+        ways.push(if nearer {
+            None
+        } else {
+            Some(self::ways(arena, j, region, &layers, &care, &mut plans)?)
+        });
         let edges = states.add(m, layers.iter().map(|l| &l.reached))?;
         let layers = layers.iter().zip(edges);
         let layers = layers.map(|(layer, reached)| Stage {
@@ -147,7 +175,14 @@ pub fn functions<K: Kernel>(
     }
     let mut goals = Vec::new();
     for (goal, ways) in arena.goals.iter().zip(ways) {
-        let modes = work.modes(&mut plans, ways)?;
+        let modes = match (ways, &plain) {
+            (None, Some(plain)) => vec![Mode {
+                when: Edge::TRUE,
+                outputs: plain.outputs.clone(),
+                aim: Aim::Nearer,
+            }],
+            (ways, _) => work.modes(&mut plans, ways.unwrap_or_default())?,
+        };
         let reached = work.kept.add(m, [goal])?[0];
         goals.push(Pursuit { modes, reached });
         work.tidy(bench)?;
@@ -246,8 +281,8 @@ struct Way {
     when: Edge,
     /// Where none before it could be taken.
     asked: Edge,
-    /// See [`Mode::layer`].
-    layer: Option<usize>,
+    /// See [`Mode::aim`].
+    achieves: Aim,
 }
 
 /// The ways of pursuing goal `j`: reach it, or else move into the lowest layer that is possible.
@@ -256,6 +291,9 @@ struct Way {
 /// fails. Where a move into some layer is possible, that layer alone says what to aim at, whatever layer the state is in:
 /// it is below, or it is the state's own, and then the assumption fails. Only an assumption about next values has to be
 /// aimed at, and takes a mode of its own.
+///
+/// Where safety leaves no step that does not come nearer, as with work that is done piece by piece in some order, nothing has
+/// to be aimed at, and none of this is needed: see [`Plain`].
 fn ways<K: Kernel>(
     arena: &Arena<K>,
     j: usize,
@@ -267,8 +305,8 @@ fn ways<K: Kernel>(
     let m = &arena.kernel;
     let reach = m.and(&arena.goals[j], &m.prime(region)?)?;
     let yes = m.constant(true);
-    let mut aims: Vec<(K::Function, K::Function, Option<usize>)> =
-        vec![(yes.clone(), reach.clone(), None)];
+    let mut aims: Vec<(K::Function, K::Function, Aim)> =
+        vec![(yes.clone(), reach.clone(), Aim::Goal)];
     // With Moore timing it may depend on the inputs which of several aims a move achieves.
     let or_reach = |aim: K::Function| match arena.timing {
         Timing::Mealy => Ok(aim),
@@ -279,20 +317,20 @@ fn ways<K: Kernel>(
         let assumption = &arena.assumptions[layer.assumption];
         let into = m.prime(&layer.reached)?;
         if m.support(assumption).iter().all(|b| *b != b.primed()) {
-            aims.push((yes.clone(), or_reach(into)?, Some(k)));
+            aims.push((yes.clone(), or_reach(into)?, Aim::Layer(k)));
         } else {
             let nearer = m.not(&layer.reached)?;
-            aims.push((nearer, or_reach(into.clone())?, Some(k)));
+            aims.push((nearer, or_reach(into.clone())?, Aim::Layer(k)));
             let idle = m.and_not(&into, assumption)?;
             let stay = m.or(&idle, &m.prime(&below)?)?;
-            aims.push((layer.reached.clone(), or_reach(stay)?, Some(k)));
+            aims.push((layer.reached.clone(), or_reach(stay)?, Aim::Layer(k)));
         }
         below = layer.reached.clone();
     }
 
     let mut todo = care.clone();
     let mut ways = Vec::new();
-    for (within, aim, layer) in aims {
+    for (within, aim, achieves) in aims {
         let aim = match arena.timing {
             Timing::Mealy => aim,
             Timing::Moore => arena.for_all_inputs(&aim)?,
@@ -310,13 +348,84 @@ fn ways<K: Kernel>(
             used: added[1],
             when: added[2],
             asked: added[3],
-            layer,
+            achieves,
         });
         if m.is_false(&todo) {
             break;
         }
     }
     Ok(ways)
+}
+
+/// Functions that aim at nothing but to stay in the region, and the steps that they take.
+struct Plain<K: Kernel> {
+    outputs: Vec<(Bit, Edge)>,
+    steps: K::Function,
+}
+
+/// Whether it may be that every step that safety and the region leave comes nearer to goal `j`: decided for the layers next to
+/// the goal. What it says of others is found out with [`comes_nearer`].
+///
+/// Asked for goals about current values only: where a step may reach the goal or not, to reach it is better than to come
+/// nearer. And for Mealy only: a Moore machine's step is a step for all inputs.
+fn may_come_nearer<K: Kernel>(
+    arena: &Arena<K>,
+    j: usize,
+    region: &K::Function,
+    layers: &[Layer<K>],
+    care: &K::Function,
+) -> Result<bool, Limit> {
+    let m = &arena.kernel;
+    let goal = &arena.goals[j];
+    if layers.len() <= FEW_LAYERS
+        || arena.timing == Timing::Moore
+        || m.support(goal).iter().any(|b| *b == b.primed())
+    {
+        return Ok(false);
+    }
+    let waiting = m.and_not(care, goal)?;
+    let kept = m.prime(region)?;
+    let mut below = m.constant(false);
+    for layer in &layers[..=FEW_LAYERS] {
+        let here = m.and_not(&m.and(&waiting, &layer.reached)?, &below)?;
+        let away = m.and_not(&kept, &m.prime(&below)?)?;
+        let idle = m.and_not(
+            &m.prime(&layer.reached)?,
+            &arena.assumptions[layer.assumption],
+        )?;
+        let wrong = m.and(&here, &m.and_not(&away, &idle)?)?;
+        if !m.is_false(&arena.system.product(m, &wrong)?) {
+            return Ok(false);
+        }
+        below = layer.reached.clone();
+    }
+    Ok(true)
+}
+
+/// Whether all these steps come nearer to goal `j`; see [`Aim::Nearer`].
+fn comes_nearer<K: Kernel>(
+    arena: &Arena<K>,
+    j: usize,
+    layers: &[Layer<K>],
+    steps: &K::Function,
+) -> Result<bool, Limit> {
+    let m = &arena.kernel;
+    let mut left = m.and_not(steps, &arena.goals[j])?;
+    let mut below = m.constant(false);
+    for layer in layers {
+        let here = m.and(&left, &layer.reached)?;
+        let away = m.and_not(&here, &m.prime(&below)?)?;
+        let idle = m.and_not(
+            &m.prime(&layer.reached)?,
+            &arena.assumptions[layer.assumption],
+        )?;
+        if !m.is_false(&m.and_not(&away, &idle)?) {
+            return Ok(false);
+        }
+        left = m.and_not(&left, &layer.reached)?;
+        below = layer.reached.clone();
+    }
+    Ok(m.is_false(&left))
 }
 
 /// Where functions are made, and where they are kept.
@@ -337,6 +446,32 @@ impl Work {
         Ok(functions.iter().map(|(bit, _)| *bit).zip(kept).collect())
     }
 
+    /// The functions that aim at nothing but to stay in the region.
+    fn plain<K: Kernel>(
+        &mut self,
+        arena: &Arena<K>,
+        region: &K::Function,
+        care: &K::Function,
+    ) -> Result<Plain<K>, Limit> {
+        let m = &arena.kernel;
+        let edges = self.bench.add(m, [&m.prime(region)?, care])?;
+        let functions = self.eliminate(edges[0], edges[1])?;
+        let roots: Vec<Edge> = functions.iter().map(|(_, f)| *f).collect();
+        let mut apart = Workbench::new(&m.order(), &m.limits());
+        let roots = apart.copy(&mut self.bench, &roots)?;
+        let mut diagram = apart.into_diagram();
+        diagram.roots = roots;
+        let mut steps = care.clone();
+        for ((bit, _), function) in functions.iter().zip(m.import(&diagram)?) {
+            let same = m.iff(&m.literal(*bit, true), &function)?;
+            steps = m.and(&steps, &same)?;
+        }
+        Ok(Plain {
+            outputs: self.keep(&functions)?,
+            steps,
+        })
+    }
+
     /// Writes down the functions of a goal.
     fn modes(&mut self, plans: &mut Workbench, ways: Vec<Way>) -> Result<Vec<Mode>, Limit> {
         let mut modes = Vec::new();
@@ -348,7 +483,7 @@ impl Work {
             modes.push(Mode {
                 when: self.kept.copy(&mut self.bench, &[when])?[0],
                 outputs: self.keep(&functions)?,
-                layer: way.layer,
+                aim: way.achieves,
             });
         }
         match modes.last_mut() {
@@ -357,7 +492,7 @@ impl Work {
             None => modes.push(Mode {
                 when: Edge::TRUE,
                 outputs: self.outputs.iter().map(|b| (*b, Edge::FALSE)).collect(),
-                layer: None,
+                aim: Aim::Goal,
             }),
         }
         Ok(modes)

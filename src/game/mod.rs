@@ -30,7 +30,7 @@ mod workbench;
 
 pub use self::explore::{Explicit, Row};
 pub use self::findings::{EnvironmentFindings, examine_environment};
-pub use self::functions::{Assumed, Certificate, Controls, Mode, Pursuit, Stage};
+pub use self::functions::{Aim, Assumed, Certificate, Controls, Mode, Pursuit, Stage};
 pub use self::heuristics::{Heuristic, Heuristics};
 pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
@@ -42,6 +42,11 @@ pub use crate::symbolic::{Diagram, DiagramNode, Edge, Limit, Limits, Order};
 
 use crate::gr1::{Side, Specification};
 use serde::{Deserialize, Serialize};
+
+/// An order of the pairs of bits to begin with, from the structure of the formulas, for whoever encodes them without a game.
+pub fn order_by_structure(specification: &Specification) -> Order {
+    arena::first_order(specification, Heuristics::default())
+}
 
 /// The verdict on a specification.
 #[derive(Debug)]

@@ -3,19 +3,33 @@
 //! FORCE (Aloul, Markov and Sakallah, "FORCE: a fast and easy-to-implement variable-ordering heuristic", GLSVLSI 2003):
 //! formulas are hyperedges, conjunctions one for each part; every formula pulls its variables towards its centre of gravity, until the sum of all spans
 //! no longer shrinks. A small span is a start for sifting, not an order to rely on.
+//!
+//! A formula about whole arrays says nothing of which elements belong together, its comparisons do: that of `built[i]` with
+//! `target[i]` is small where the two lie side by side, and has no small conjunction with the others where they do not. In
+//! games of many bits, where no order but a fair one lets formulas be encoded at all, comparisons of numbers pull as well.
 
-use crate::gr1::{Expr, Side, Specification, Time, VarId};
+use crate::gr1::{BinaryOp, Expr, Side, Specification, Time, VarId};
 use crate::symbolic::{Bit, Encoding, Order};
 
 /// Rounds of pulling; spans hardly shrink after the first few.
 const MOST_ROUNDS: usize = 30;
 
+/// Comparisons pull in games of more pairs of bits than this, and formulas are confined to codes that have a value.
+pub const MANY_PAIRS: usize = 48;
+
 /// The pairs of bits by variable, the variables ordered by structure; pairs that belong to no variable come last.
 pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -> Order {
     let sides = [&specification.assumptions, &specification.guarantees];
     let formulas = sides.into_iter().flat_map(Side::all);
-    let parts = formulas.flat_map(|f| f.expr.conjuncts());
-    let edges: Vec<Vec<usize>> = parts.map(variables).filter(|e| e.len() > 1).collect();
+    let parts: Vec<&Expr> = formulas.flat_map(|f| f.expr.conjuncts()).collect();
+    let numeric = |v: &usize| specification.variables[*v].domain.size() > 2;
+    let mut edges: Vec<Vec<usize>> = Vec::new();
+    if pairs > MANY_PAIRS {
+        let compared = parts.iter().flat_map(|part| comparisons(part));
+        edges.extend(compared.map(variables).filter(|e| e.iter().all(numeric)));
+    }
+    edges.extend(parts.into_iter().map(variables));
+    edges.retain(|e| e.len() > 1);
 
     let mut best = first_seen(&edges, specification.variables.len());
     let mut best_span = span(&edges, &best);
@@ -36,6 +50,31 @@ pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -
     }
     order.extend(encoding.pairs() as u16..pairs as u16);
     Order::new(order).expect("every variable has its place; please report this")
+}
+
+/// The comparisons in a formula, from left to right.
+fn comparisons(formula: &Expr) -> Vec<&Expr> {
+    let mut found = Vec::new();
+    let mut left = vec![formula];
+    while let Some(expr) = left.pop() {
+        match expr {
+            Expr::Const(_) | Expr::Var(..) => {}
+            Expr::Unary(_, a) => left.push(a),
+            Expr::If(c, a, b) => left.extend([&**b, &**a, &**c]),
+            Expr::Binary(op, a, b) => {
+                if is_comparison(*op) {
+                    found.push(expr);
+                }
+                left.extend([&**b, &**a]);
+            }
+        }
+    }
+    found
+}
+
+fn is_comparison(op: BinaryOp) -> bool {
+    use BinaryOp::{Eq, Ge, Gt, Le, Lt, Ne};
+    matches!(op, Eq | Ne | Lt | Le | Gt | Ge)
 }
 
 /// The variables of a formula, each once.

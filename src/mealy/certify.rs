@@ -17,7 +17,7 @@
 //! begins with the states and inputs that matter.
 
 use super::functions::Functions;
-use crate::game::{Assumed, Limit, Limits};
+use crate::game::{Aim, Assumed, Limit, Limits};
 use crate::gr1::{Expr, Owner, Specification, Time, Timing, VarId};
 use crate::symbolic::{Biodivine, Bit, BitSet, Diagram, Edge, Encoding, Kernel, OxiDd};
 
@@ -181,7 +181,7 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
             if !supports.of(mode.when).all(|b| known(false).contains(b)) {
                 return fault("a mode asks for what is not known yet");
             }
-            if mode.layer.is_some_and(|k| k >= ranks.len()) {
+            if matches!(mode.aim, Aim::Layer(k) if k >= ranks.len()) {
                 return fault("a mode leads to a layer that does not exist");
             }
             computed(&mode.outputs, known(false))?;
@@ -501,9 +501,10 @@ impl<'a, K: Kernel> Check<'a, K> {
                 return Ok(fault(name));
             }
             let missed = m.and_not(&steps, &reach)?;
-            let late = match mode.layer {
-                None => missed,
-                Some(layer) => self.late(goal, layer, &missed)?,
+            let late = match mode.aim {
+                Aim::Goal => missed,
+                Aim::Layer(layer) => self.late(goal, layer, &missed)?,
+                Aim::Nearer => self.late_anywhere(goal, &missed)?,
             };
             if !m.is_false(&late) {
                 return Ok(fault(name));
@@ -511,6 +512,24 @@ impl<'a, K: Kernel> Check<'a, K> {
             m.safe_point()?;
         }
         Ok(Ok(()))
+    }
+
+    /// Those of the steps that do not come nearer from the layer they begin in, nor wait in it where they may.
+    fn late_anywhere(&self, goal: usize, steps: &K::Function) -> Result<K::Function, Limit> {
+        let m = &self.kernel;
+        let stages = &self.functions.controls.certificate.goals[goal];
+        let mut below = m.constant(false);
+        let mut rest = steps.clone();
+        let mut late = m.constant(false);
+        for (reached, stage) in self.layers[goal].iter().zip(stages) {
+            let here = m.and(&rest, reached)?;
+            rest = m.and_not(&rest, reached)?;
+            let kept = m.and_not(&here, &m.prime(&below)?)?;
+            let idle = m.and_not(&m.prime(reached)?, &self.assumptions[stage.assumption])?;
+            late = m.or(&late, &m.and_not(&kept, &idle)?)?;
+            below = reached.clone();
+        }
+        m.or(&late, &rest)
     }
 
     /// Those of the steps that neither come nearer to the goal nor wait where they may; those that leave the region are among

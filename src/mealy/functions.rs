@@ -107,60 +107,79 @@ impl Functions {
 
     /// Takes a step: gives the outputs, one an entry of [`Self::outputs`]. A refused step leaves the state as it is.
     pub fn step(&self, state: &mut State, inputs: &[i64]) -> Result<Vec<i64>, Refusal> {
-        let mut signals = state.signals.clone();
-        let ports = self.inputs.iter().zip(&self.input_bits);
-        for (i, ((port, bits), value)) in ports.zip(inputs).enumerate() {
-            if !port.domain.contains(*value) {
-                return Err(Refusal::Domain(i));
-            }
-            let code = (value - port.domain.low()) as u64;
-            for (place, bit) in bits.iter().rev().enumerate() {
-                signals[bit.primed().index()] = code >> place & 1 == 1;
-            }
+        let outside = |(port, value): (&Port, &i64)| !port.domain.contains(*value);
+        if let Some(input) = self.inputs.iter().zip(inputs).position(outside) {
+            return Err(Refusal::Domain(input));
         }
-        let controls = &self.controls;
-        let holds = |edge: Edge, signals: &[bool]| evaluate(&controls.diagram, edge, signals);
+        let mut signals = state.signals.clone();
+        self.put_inputs(&mut signals, Time::Next, inputs);
         let (assumed, names) = match state.goal {
-            None => (&controls.assumed_first, &self.names_first),
-            Some(_) => (&controls.assumed, &self.names),
+            None => (&self.controls.assumed_first, &self.names_first),
+            Some(_) => (&self.controls.assumed, &self.names),
         };
-        if let Some(broken) = assumed.iter().position(|(_, e)| !holds(*e, &signals)) {
+        let broken = assumed.iter().position(|(_, e)| !self.holds(*e, &signals));
+        if let Some(broken) = broken {
             return Err(Refusal::Assumption(names[broken].clone()));
         }
-        let roots = match state.goal {
-            None => &controls.first,
-            Some(goal) => {
-                let modes = &controls.goals[goal].modes;
-                let mode = modes.iter().find(|m| holds(m.when, &signals));
-                &mode.unwrap_or(&modes[modes.len() - 1]).outputs
-            }
-        };
-        for (bit, root) in roots {
-            signals[bit.index()] = holds(*root, &signals);
-        }
-        let goal = match state.goal {
-            None => 0,
-            Some(goal) if holds(controls.goals[goal].reached, &signals) => {
-                (goal + 1) % controls.goals.len()
-            }
-            Some(goal) => goal,
-        };
+        let values = self.answer(state.goal, &mut signals);
+        let goal = self.pursued(state.goal, &signals);
         for pair in signals.chunks_exact_mut(2) {
             pair[0] = pair[1];
         }
-        let ports = self.outputs.iter().zip(&self.output_bits);
-        let values = ports.map(|(port, bits)| {
-            let code = bits.iter().fold(0i64, |code, bit| {
-                code << 1 | i64::from(signals[bit.index()])
-            });
-            port.domain.low() + code
-        });
-        let values = values.collect();
         *state = State {
             signals,
             goal: Some(goal),
         };
         Ok(values)
+    }
+
+    /// Writes the inputs' values to their current or next signals.
+    pub fn put_inputs(&self, signals: &mut [bool], time: Time, values: &[i64]) {
+        put(&self.inputs, &self.input_bits, signals, time, values);
+    }
+
+    /// Writes the outputs' values to their current or next signals.
+    pub fn put_outputs(&self, signals: &mut [bool], time: Time, values: &[i64]) {
+        put(&self.outputs, &self.output_bits, signals, time, values);
+    }
+
+    /// The outputs of a step in pursuit of a goal, `None` in step 0, whose signals hold the current values and, for Mealy, the
+    /// next inputs. The next outputs' signals are written as well.
+    pub fn answer(&self, goal: Option<usize>, signals: &mut [bool]) -> Vec<i64> {
+        let controls = &self.controls;
+        let roots = match goal {
+            None => &controls.first,
+            Some(goal) => {
+                let modes = &controls.goals[goal].modes;
+                let mode = modes.iter().find(|m| self.holds(m.when, signals));
+                &mode.unwrap_or(&modes[modes.len() - 1]).outputs
+            }
+        };
+        for (bit, root) in roots {
+            signals[bit.index()] = self.holds(*root, signals);
+        }
+        let ports = self.outputs.iter().zip(&self.output_bits);
+        let values = ports.map(|(port, bits)| {
+            let code = bits.iter().fold(0i64, |code, bit| {
+                code << 1 | i64::from(signals[bit.primed().index()])
+            });
+            port.domain.low() + code
+        });
+        values.collect()
+    }
+
+    /// The goal that is pursued after a step whose signals these are.
+    pub fn pursued(&self, goal: Option<usize>, signals: &[bool]) -> usize {
+        let goals = &self.controls.goals;
+        match goal {
+            None => 0,
+            Some(goal) if self.holds(goals[goal].reached, signals) => (goal + 1) % goals.len(),
+            Some(goal) => goal,
+        }
+    }
+
+    fn holds(&self, edge: Edge, signals: &[bool]) -> bool {
+        evaluate(&self.controls.diagram, edge, signals)
     }
 
     /// The document with the schema `linewright/functions/1`.
@@ -208,6 +227,20 @@ impl Functions {
             "nodes": nodes.map(|n| json!([n.bit.0, n.high.0, n.low.0])).collect::<Vec<_>>(),
             "verified": verified,
         })
+    }
+}
+
+/// Writes values to signals.
+fn put(ports: &[Port], bits: &[Vec<Bit>], signals: &mut [bool], time: Time, values: &[i64]) {
+    for ((port, bits), value) in ports.iter().zip(bits).zip(values) {
+        let code = value.wrapping_sub(port.domain.low()) as u64;
+        for (place, bit) in bits.iter().rev().enumerate() {
+            let bit = match time {
+                Time::Now => *bit,
+                Time::Next => bit.primed(),
+            };
+            signals[bit.index()] = code >> place & 1 == 1;
+        }
     }
 }
 

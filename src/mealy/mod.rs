@@ -6,6 +6,7 @@
 //! A `Moore` machine is one in which all transitions of a state (and all initial ones) have the same output.
 
 pub mod certify;
+mod controller;
 mod diagram;
 pub mod dot;
 pub mod extract;
@@ -16,6 +17,8 @@ pub mod minimise;
 pub mod svg;
 mod text;
 pub mod verify;
+
+pub use controller::Controller;
 
 use crate::gr1::{Domain, Timing, shown};
 use serde::{Deserialize, Serialize};

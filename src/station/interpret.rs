@@ -14,8 +14,9 @@
 use super::messages::Party;
 use super::{CallError, Controller, Service};
 use crate::contract::machine::{ActionTime, Component, Machine, PlantSource};
-use crate::gr1::{Formula, Side, Timing, eval};
+use crate::gr1::{Formula, Side, Time, Timing, VarId, eval};
 use crate::mealy;
+use crate::mealy::functions::Functions;
 use std::sync::Arc;
 
 /// A property must be so near an integer to be one.
@@ -25,7 +26,7 @@ const INTEGER_TOLERANCE: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub struct Interpreter {
     machine: Arc<Machine>,
-    controllers: Arc<Vec<mealy::Machine>>,
+    controllers: Arc<Vec<mealy::Controller>>,
     state: State,
 }
 
@@ -34,7 +35,7 @@ pub struct Interpreter {
 struct State {
     /// Whether step 0 has been made.
     started: bool,
-    /// Each component's state; `None` before step 0.
+    /// Each component's state, or the goal that its functions pursue; `None` before step 0.
     places: Vec<Option<usize>>,
     /// Each component's variables in the last step, in the order of its specification.
     values: Vec<Vec<i64>>,
@@ -52,7 +53,7 @@ impl Interpreter {
     ///
     /// # Panics
     /// When they do not belong together.
-    pub fn new(machine: Arc<Machine>, controllers: Arc<Vec<mealy::Machine>>) -> Self {
+    pub fn new(machine: Arc<Machine>, controllers: Arc<Vec<mealy::Controller>>) -> Self {
         super::assert_fit(&machine, &controllers);
         let state = State::new(&machine);
         Self {
@@ -83,11 +84,18 @@ impl Interpreter {
         let timing = |c: usize| machine.components[c].specification.timing;
         let all = 0..machine.components.len();
         for c in all.clone().filter(|&c| timing(c) == Timing::Moore) {
-            let first = self.controllers[c]
-                .transitions(before.places[c])
-                .first()
-                .ok_or_else(|| CallError::no_transition_at_all(&machine.components[c].name))?;
-            self.put(c, &first.output, &mut after);
+            let output = match &self.controllers[c] {
+                mealy::Controller::Machine(controller) => {
+                    let first = controller.transitions(before.places[c]).first();
+                    let missing = || CallError::no_transition_at_all(&machine.components[c].name);
+                    first.ok_or_else(missing)?.output.clone()
+                }
+                mealy::Controller::Functions(functions) => {
+                    let mut signals = self.signals(c, functions, before, None);
+                    functions.answer(before.places[c], &mut signals)
+                }
+            };
+            self.put(c, &output, &mut after);
         }
         for c in all.clone().filter(|&c| timing(c) == Timing::Mealy) {
             self.answer(c, before, &mut after)?;
@@ -124,13 +132,53 @@ impl Interpreter {
             broken.map_or(Ok(()), |f| Err(CallError::formula(component, f, party)))
         };
         check(&specification.assumptions, Party::Plant, after)?;
-        let transition = self.controllers[c]
-            .step(before.places[c], &inputs)
-            .ok_or_else(|| CallError::no_transition(&component.name))?;
-        self.put(c, &transition.output, after);
+        let place = before.places[c];
+        let (output, to) = match &self.controllers[c] {
+            mealy::Controller::Machine(controller) => {
+                let missing = || CallError::no_transition(&component.name);
+                let transition = controller.step(place, &inputs).ok_or_else(missing)?;
+                (transition.output.clone(), transition.to)
+            }
+            mealy::Controller::Functions(functions) => {
+                let mut signals = self.signals(c, functions, before, Some(&inputs));
+                let output = functions.answer(place, &mut signals);
+                (output, functions.pursued(place, &signals))
+            }
+        };
+        self.put(c, &output, after);
         check(&specification.guarantees, Party::Machine, after)?;
-        after.places[c] = Some(transition.to);
+        after.places[c] = Some(to);
         Ok(())
+    }
+
+    /// The signals that a component's functions ask for: the values of the step before, and the inputs of this one as far as
+    /// they are known. That is all they keep in mind beside the goal they pursue.
+    fn signals(
+        &self,
+        c: usize,
+        functions: &Functions,
+        before: &State,
+        inputs: Option<&[i64]>,
+    ) -> Vec<bool> {
+        let specification = &self.machine.components[c].specification;
+        let values = |ids: &mut dyn Iterator<Item = VarId>| -> Vec<i64> {
+            ids.map(|id| before.values[c][id.index()]).collect()
+        };
+        let mut signals = vec![false; 2 * functions.pairs()];
+        functions.put_inputs(
+            &mut signals,
+            Time::Now,
+            &values(&mut specification.inputs()),
+        );
+        functions.put_outputs(
+            &mut signals,
+            Time::Now,
+            &values(&mut specification.outputs()),
+        );
+        if let Some(inputs) = inputs {
+            functions.put_inputs(&mut signals, Time::Next, inputs);
+        }
+        signals
     }
 
     /// Puts a component's outputs on its wires and among its values.

@@ -4,7 +4,7 @@
 //! `interpret::Interpreter`, the same machine in this process, against which the library is tested.
 //!
 //! ```text
-//! contract::machine::Machine, mealy::Machine... ─Package::emit→ Package ─Toolchain::build→ Built ─Library::open→ Library
+//! contract::machine::Machine, mealy::Controller... ─Package::emit→ Package ─Toolchain::build→ Built ─Library::open→ Library
 //!      ─Library::instance→ Instance
 //! ```
 
@@ -174,23 +174,14 @@ impl Error {
 }
 
 /// Panics when the controllers are not those of the machine's components: a fault of this program.
-fn assert_fit(machine: &Machine, controllers: &[mealy::Machine]) {
-    let fit = |c: &crate::contract::machine::Component, m: &mealy::Machine| {
+fn assert_fit(machine: &Machine, controllers: &[mealy::Controller]) {
+    let fit = |c: &crate::contract::machine::Component, k: &mealy::Controller| {
         let specification = &c.specification;
-        let transitions = || m.initial.iter().chain(m.states.iter().flatten());
-        specification.inputs().count() == m.inputs.len()
-            && c.bindings.len() == m.inputs.len()
-            && specification.outputs().count() == m.outputs.len()
-            && specification.timing == m.timing
-            && transitions().all(|t| {
-                t.output.len() == m.outputs.len()
-                    && t.to < m.states.len()
-                    && t.guard
-                        .0
-                        .iter()
-                        .flat_map(|c| &c.0)
-                        .all(|t| t.input < m.inputs.len())
-            })
+        specification.inputs().count() == k.inputs().len()
+            && c.bindings.len() == k.inputs().len()
+            && specification.outputs().count() == k.outputs().len()
+            && specification.timing == k.timing()
+            && k.machine().is_none_or(is_closed)
     };
     assert_eq!(
         machine.components.len(),
@@ -206,4 +197,15 @@ fn assert_fit(machine: &Machine, controllers: &[mealy::Machine]) {
             component.name
         );
     }
+}
+
+/// Whether everything that a machine's transitions refer to exists. That of functions is checked with their certificate.
+fn is_closed(m: &mealy::Machine) -> bool {
+    let mut transitions = m.initial.iter().chain(m.states.iter().flatten());
+    transitions.all(|t| {
+        let mut tests = t.guard.0.iter().flat_map(|c| &c.0);
+        t.output.len() == m.outputs.len()
+            && t.to < m.states.len()
+            && tests.all(|t| t.input < m.inputs.len())
+    })
 }

@@ -41,7 +41,7 @@ impl Package {
     ///
     /// # Panics
     /// When they do not belong together.
-    pub fn emit(machine: &Machine, controllers: &[mealy::Machine]) -> Self {
+    pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Self {
         let emitted = emit::emit(machine, controllers);
         let mut hash = Sha256::new();
         let own = ("", emitted.source.as_str());

@@ -466,6 +466,8 @@ pub enum Quantifier {
     Count,
     /// Their sum.
     Sum,
+    /// All of them, as an array.
+    Array,
 }
 
 /// `machine ...`

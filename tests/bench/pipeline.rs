@@ -164,14 +164,14 @@ impl Stages {
     }
 
     /// The controllers of a machine's components.
-    fn controllers(&self, machine: &Machine) -> Vec<mealy::Machine> {
+    fn controllers(&self, machine: &Machine) -> Vec<mealy::Controller> {
         let index = |s: &Arc<Specification>| {
             let place = self.specifications.iter().position(|o| o == s);
             place.expect("every component's contract is among them")
         };
         let components = machine.components.iter();
         components
-            .map(|c| self.controllers[index(&c.specification)].clone())
+            .map(|c| self.controllers[index(&c.specification)].clone().into())
             .collect()
     }
 }

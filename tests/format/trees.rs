@@ -137,8 +137,8 @@ impl<'n> Choices<'n> {
             14 => self.chain(),
             15 => ExprKind::If(self.boxed(), self.boxed(), self.boxed()),
             16 => {
-                use Quantifier::{Count, Exists, Forall, Sum};
-                let kind = [Forall, Exists, Count, Sum][self.pick(4)];
+                use Quantifier::{Array, Count, Exists, Forall, Sum};
+                let kind = [Forall, Exists, Count, Sum, Array][self.pick(5)];
                 ExprKind::Quantifier(kind, self.plain(), Box::new(self.domain()), self.boxed())
             }
             17 => ExprKind::Call(self.plain(), self.list(1, 3, Self::expr)),

@@ -2,7 +2,7 @@
 
 use super::random::{self, Random};
 use super::{benchmark, explicit, fixtures, functions};
-use linewright::game::{KernelChoice, Limits};
+use linewright::game::{Aim, KernelChoice, Limits, Mode};
 use linewright::gr1::Specification;
 use linewright::mealy::certify::{certify, certify_on};
 use linewright::mealy::functions::Functions;
@@ -152,19 +152,23 @@ fn mutate_certificate(random: &mut Random, specification: &Specification, mutant
         }
         3 if !layers.is_empty() => {
             layers.remove(layer);
-            for of in modes.iter_mut().filter_map(|m| m.layer.as_mut()) {
+            for of in modes.iter_mut().filter_map(layer_of) {
                 *of -= usize::from(*of > layer);
             }
         }
         4 if !layers.is_empty() => {
             layers.insert(layer, layers[layer]);
-            for of in modes.iter_mut().filter_map(|m| m.layer.as_mut()) {
+            for of in modes.iter_mut().filter_map(layer_of) {
                 *of += usize::from(*of > layer);
             }
         }
         5 if !layers.is_empty() => {
             let mode = random.below(modes.len() as u64) as usize;
-            modes[mode].layer = random.chance(90).then_some(layer);
+            modes[mode].aim = match random.below(10) {
+                0 => Aim::Goal,
+                1..=3 => Aim::Nearer,
+                _ => Aim::Layer(layer),
+            };
         }
         6 if !layers.is_empty() => layers[layer].reached = certificate.region,
         _ => {
@@ -174,6 +178,14 @@ fn mutate_certificate(random: &mut Random, specification: &Specification, mutant
                 last.when = Edge::TRUE;
             }
         }
+    }
+}
+
+/// The layer that a mode names.
+fn layer_of(mode: &mut Mode) -> Option<&mut usize> {
+    match &mut mode.aim {
+        Aim::Layer(layer) => Some(layer),
+        Aim::Goal | Aim::Nearer => None,
     }
 }
 

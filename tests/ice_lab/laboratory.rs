@@ -6,6 +6,8 @@ use linewright::contract::machine::Machine;
 use linewright::diagnostics::has_errors;
 use linewright::game::{Limits, Outcome, solve};
 use linewright::gr1::Specification;
+use linewright::mealy::certify::certify;
+use linewright::mealy::functions::Functions;
 use linewright::mealy::{self, extract::extract, verify::verify};
 use std::sync::{Arc, OnceLock};
 
@@ -15,7 +17,7 @@ pub const LINES: [&str; 2] = ["examples/ice-lab/line.lw", "examples/ice-lab/mill
 /// A machine and one controller a component.
 pub struct Controlled {
     pub machine: Arc<Machine>,
-    pub controllers: Arc<Vec<mealy::Machine>>,
+    pub controllers: Arc<Vec<mealy::Controller>>,
 }
 
 /// Every machine of both lines, each once, by the order of their places.
@@ -41,7 +43,7 @@ pub fn machines() -> &'static [Controlled] {
                 }
                 let controllers = machine.components.iter();
                 let controllers = controllers
-                    .map(|c| controller(&c.specification, &mut done))
+                    .map(|c| controller(&c.specification, &mut done).into())
                     .collect();
                 machines.push(Controlled {
                     machine: Arc::clone(machine),
@@ -55,6 +57,25 @@ pub fn machines() -> &'static [Controlled] {
         assert_eq!(names, wanted);
         machines
     })
+}
+
+/// The same machine with certified functions for each of its components.
+pub fn as_functions(controlled: &Controlled) -> Controlled {
+    let limits = Limits::default();
+    let components = controlled.machine.components.iter();
+    let controllers = components.map(|c| {
+        let Outcome::Realizable(won) = solve(&c.specification, &limits) else {
+            panic!("{} is realizable", c.name);
+        };
+        let functions = Functions::extract(&c.specification, &won, &limits).expect("no limit");
+        let verdict = certify(&c.specification, &functions, &limits).expect("no limit");
+        assert_eq!(verdict, Ok(()), "{}", c.name);
+        functions.into()
+    });
+    Controlled {
+        controllers: Arc::new(controllers.collect()),
+        machine: Arc::clone(&controlled.machine),
+    }
 }
 
 /// A verified controller; equal contracts are solved once.

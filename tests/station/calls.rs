@@ -48,7 +48,10 @@ fn as_real(v: Value) -> f64 {
 struct Host(libloading::Library);
 
 impl Host {
-    fn new(fixture: &(Arc<Machine>, Arc<Vec<mealy::Machine>>), folder: &std::path::Path) -> Self {
+    fn new(
+        fixture: &(Arc<Machine>, Arc<Vec<mealy::Controller>>),
+        folder: &std::path::Path,
+    ) -> Self {
         let package = Package::emit(&fixture.0, &fixture.1);
         let built = Toolchain::host().build(&package, folder, false).unwrap();
         // SAFETY: our own C.

@@ -57,7 +57,7 @@ impl Random {
 /// When they differ in outputs or errors.
 pub fn differential(
     machine: &Arc<Machine>,
-    controllers: &Arc<Vec<mealy::Machine>>,
+    controllers: &Arc<Vec<mealy::Controller>>,
     steps: usize,
     seed: u64,
     folder: &Path,

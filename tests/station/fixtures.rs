@@ -298,7 +298,7 @@ fn component(
 }
 
 /// What the manipulator's file would give, and a controller for each component.
-pub fn manipulator() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
+pub fn manipulator() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     // Wires: request 0, cell 1, grip 2, free 3, height 4; coordinator.command 5, .done 6; turn.angle 7, .reached 8;
     // pick.stage 9, .depth 10; lamp.lit 11; idle.stage 12, .depth 13.
     let plant = |name: &str, domain, source| PlantInput {
@@ -420,7 +420,7 @@ pub fn manipulator() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
 }
 
 /// The manipulator with an axis that gets stuck after half a turn: some operations do not end.
-pub fn jammed() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
+pub fn jammed() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     let (machine, controllers) = manipulator();
     let mut machine = (*machine).clone();
     "Jammed".clone_into(&mut machine.name);
@@ -432,7 +432,7 @@ pub fn jammed() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
 }
 
 /// A belt of three places that is only stepped.
-pub fn belt() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
+pub fn belt() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     // 0 load, 1 unload ready; 2, 3, 4 places; 5 ready.
     let (load, unload) = (0, 1);
     let place = |i: u32| 2 + i;
@@ -521,11 +521,11 @@ pub fn belt() -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
     })
 }
 
-fn with_controllers(machine: Machine) -> (Arc<Machine>, Arc<Vec<mealy::Machine>>) {
+fn with_controllers(machine: Machine) -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     let controllers = machine
         .components
         .iter()
-        .map(|c| explicit::controller(&c.specification))
+        .map(|c| explicit::controller(&c.specification).into())
         .collect();
     (Arc::new(machine), Arc::new(controllers))
 }

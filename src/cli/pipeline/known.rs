@@ -8,6 +8,7 @@ use crate::cli::worker::Stop;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{EnvironmentFindings, GuaranteeRef, Limit, Progress, Ranking};
 use crate::gr1::{Specification, overflow};
+use crate::mealy;
 use crate::source::Span;
 
 /// Why there is no verdict, or no controller.
@@ -102,7 +103,7 @@ impl Known {
         let specification = &*job.specification;
         let mut findings = Vec::new();
         let mut core = Vec::new();
-        let (mut machine, mut functions) = (None, None);
+        let mut controller = None;
         let mut left_out = false;
         if self.realizable {
             left_out = job.goal == Goal::Small && self.statistics.large;
@@ -111,8 +112,10 @@ impl Known {
                 Controller::Stopped(reason) => {
                     findings.push(no_machine(specification, job.span, reason));
                 }
-                Controller::Machine(verified) => machine = Some(verified),
-                Controller::Functions(certified) => functions = Some(*certified),
+                Controller::Machine(verified) => controller = Some(verified.into()),
+                Controller::Functions(certified) => {
+                    controller = Some(mealy::Controller::Functions(certified));
+                }
             }
             if let Some(found) = &self.environment {
                 findings.extend(environment::findings(specification, job.span, found));
@@ -145,8 +148,7 @@ impl Known {
             },
             findings,
             core,
-            machine,
-            functions,
+            controller,
             ranking: self.ranking,
             seconds: 0.0,
             peak_nodes: Some(self.peak_nodes),
@@ -171,8 +173,7 @@ pub(super) fn gave_up(job: &Job, reason: Reason, solve: &Progress) -> CheckedCon
             Diagnostic::error(codes::GAVE_UP, job.span, message).with_help(reason.help()),
         ],
         core: Vec::new(),
-        machine: None,
-        functions: None,
+        controller: None,
         ranking: None,
         seconds: 0.0,
         peak_nodes: statistics.peak_nodes.filter(|n| *n > 0),
@@ -290,8 +291,7 @@ pub(super) mod tests {
                 Reason::Limit(Limit::Size),
             )],
             core: Vec::new(),
-            machine: None,
-            functions: None,
+            controller: None,
             ranking: None,
             seconds: 0.0,
             peak_nodes: None,

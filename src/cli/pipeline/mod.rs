@@ -18,7 +18,6 @@ use crate::game::{Heuristics, KernelChoice, Limits, Ranking};
 use crate::gr1::Specification;
 use crate::interchange::Inquiry;
 use crate::mealy;
-use crate::mealy::functions::Functions;
 use crate::source::Span;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -77,9 +76,7 @@ pub struct CheckedContract {
     pub core: Vec<String>,
     /// The verified controller. A realizable contract has none when nobody asked for it, or when a limit was reached after the
     /// verdict; the findings say so.
-    pub machine: Option<mealy::Machine>,
-    /// The certified controller as functions, where that was asked for and a machine would be too large.
-    pub functions: Option<Functions>,
+    pub controller: Option<mealy::Controller>,
     /// Why it is realizable, where that was asked for.
     pub ranking: Option<Ranking>,
     /// Seconds of the clock for all stages.
@@ -135,6 +132,8 @@ pub struct Job {
     pub span: Span,
     /// How far to go.
     pub goal: Goal,
+    /// Whether the controller has to be a machine, whatever its size, although functions were wished for.
+    pub explicit: bool,
     /// For a specification of another tool: what to find out beside, to say what that tool answers.
     pub inquiries: Vec<Inquiry>,
 }
@@ -201,6 +200,13 @@ impl Jobs {
         self.add_for(Goal::Controller, specification, span)
     }
 
+    /// The same for a controller that has to be a machine, state by state.
+    pub fn add_explicit(&mut self, specification: &Arc<Specification>, span: Span) -> usize {
+        let index = self.add(specification, span);
+        self.list[index].explicit = true;
+        index
+    }
+
     /// Adds a job, or finds an equal one, and gives its index.
     pub fn add_for(&mut self, goal: Goal, specification: &Arc<Specification>, span: Span) -> usize {
         let equal = |job: &Job| {
@@ -230,6 +236,7 @@ impl Jobs {
             specification: Arc::clone(specification),
             span,
             goal,
+            explicit: false,
             inquiries,
         });
         self.list.len() - 1
@@ -285,7 +292,7 @@ impl CheckedContract {
     /// The findings for a command that needs the controller: that there is none is an error then.
     pub fn findings_where_needed(&self) -> Vec<Diagnostic> {
         let mut findings = self.findings.clone();
-        if self.machine.is_none() && self.functions.is_none() {
+        if self.controller.is_none() {
             for finding in &mut findings {
                 if finding.code == codes::GAVE_UP {
                     finding.severity = crate::diagnostics::Severity::Error;

@@ -106,6 +106,7 @@ impl Task {
                     specification: Arc::new(question.clone()),
                     span: self.job.span,
                     goal: Goal::Answer,
+                    explicit: false,
                     inquiries: Vec::new(),
                 },
                 examine: false,
@@ -131,7 +132,7 @@ impl Task {
     /// there is a right controller.
     fn wish(&self) -> Wish {
         Wish {
-            functions: self.wish.functions || self.job.goal == Goal::Small,
+            functions: !self.job.explicit && (self.wish.functions || self.job.goal == Goal::Small),
             ..self.wish
         }
     }

@@ -445,7 +445,7 @@ impl<'a> Elaborator<'a> {
             ExprKind::Binary(op, a, b) => self.operation(e.span, *op, a, b, time),
             ExprKind::If(c, a, b) => self.conditional(c, a, b, expected, time),
             ExprKind::Quantifier(kind, name, domain, body) => {
-                self.quantifier(e.span, *kind, name, domain, body, time)
+                self.quantifier(e.span, (*kind, expected), name, domain, body, time)
             }
             ExprKind::Call(name, arguments) if self.defines.contains_key(&name.text) => {
                 self.predicate(e.span, name, arguments, expected, time)

@@ -64,13 +64,26 @@ impl<'a> Elaborator<'a> {
     pub(super) fn quantifier(
         &mut self,
         span: Span,
-        kind: Quantifier,
+        (kind, expected): (Quantifier, Option<&Type>),
         name: &ast::Name,
         domain: &'a ast::Domain,
         body: &'a ast::Expr,
         time: Time,
     ) -> Option<Value> {
         let values = self.quantified(domain)?;
+        if kind == Quantifier::Array {
+            let element = match expected {
+                Some(Type::Array(element, _)) => Some(&**element),
+                _ => None,
+            };
+            let mut elements = Vec::with_capacity(values.len());
+            for value in values {
+                let element =
+                    self.with_bound(&name.text, value, |e| e.value(body, element, time));
+                elements.push(element?);
+            }
+            return Some(Value::Array(elements));
+        }
         let mut terms = Vec::with_capacity(values.len());
         for value in values {
             let term = self.with_bound(&name.text, value, |e| match kind {
@@ -101,7 +114,7 @@ impl<'a> Elaborator<'a> {
                 ),
                 Type::Int,
             ),
-            Quantifier::Sum => Value::Scalar(
+            Quantifier::Sum | Quantifier::Array => Value::Scalar(
                 Term::fold(BinaryOp::Add, terms.collect(), 0),
                 real.unwrap_or(Type::Int),
             ),

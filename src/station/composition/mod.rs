@@ -19,8 +19,11 @@
 //!
 //! Machines without a coordinator export all their assumptions.
 
+mod diagrams;
 mod operations;
 mod query;
+#[cfg(test)]
+mod tests;
 mod walk;
 
 use crate::contract::machine::{Component, Machine, Role};
@@ -64,7 +67,9 @@ pub struct Composition {
 }
 
 /// Checks the composition of a machine whose components have these verified controllers.
-pub fn check(machine: &Machine, controllers: &[&mealy::Machine]) -> Composition {
+///
+/// The coordinator's controller has to be a machine; where it is not, nothing is found out.
+pub fn check(machine: &Machine, controllers: &[&mealy::Controller]) -> Composition {
     let mut result = Composition::default();
     if machine.coordinator().is_none() || controllers.len() != machine.components.len() {
         for component in &machine.components {
@@ -78,7 +83,15 @@ pub fn check(machine: &Machine, controllers: &[&mealy::Machine]) -> Composition 
         }
         return result;
     }
-    let walk = Walk::new(machine, controllers[0]);
+    let Some(coordinator) = controllers[0].machine() else {
+        for component in &machine.components {
+            let formulas = component.specification.assumptions.all();
+            let unknown = formulas.map(|formula| unknown(component, formula));
+            result.findings.extend(unknown);
+        }
+        return result;
+    };
+    let walk = Walk::new(machine, coordinator);
     for index in 0..machine.components.len() {
         safety(&walk, index, &mut result);
         justice(&walk, index, &mut result);

@@ -1,15 +1,19 @@
 //! Small questions about expressions over wires: does a goal follow from hypotheses?
 //!
-//! Decided by trying all values of the wires that occur. Hypotheses that share no wire with the goal, directly or through
-//! other hypotheses, are left out first; leaving one out can only turn a "yes" into a "no".
+//! Decided by trying all values of the wires that occur, or, where they are many, with decision diagrams. Hypotheses that share
+//! no wire with the goal, directly or through other hypotheses, are left out first; leaving one out can only turn a "yes" into a
+//! "no".
 
-use super::support;
 use super::walk::Node;
+use super::{diagrams, support};
 use crate::contract::machine::Machine;
-use crate::gr1::{Domain, Expr, Time, VarId, eval};
+use crate::gr1::{Domain, Expr, Time, VarId, Variable, eval, shown};
 
-/// So many valuations are tried at most.
-const MOST_VALUATIONS: u64 = 1 << 18;
+/// So many valuations are tried at most; diagrams take longer for fewer, and less for more.
+const MOST_VALUATIONS: u64 = 1 << 12;
+
+/// So many are tried where diagrams are too large.
+const MOST_VALUATIONS_AT_ALL: u64 = 1 << 18;
 
 /// "Under these hypotheses the goal holds", over the wires of one step and the next.
 #[derive(Debug, Clone)]
@@ -49,7 +53,8 @@ impl Values {
             .map(|((wire, time), value)| {
                 let next = if *time == Time::Next { "next " } else { "" };
                 let name = machine.wire_name(wire.index());
-                format!("{next}{name} = {}", domain(machine, *wire).show(*value))
+                let unit = unit(machine, *wire);
+                format!("{next}{name} = {}", shown(&domain(machine, *wire), *value, &unit))
             })
             .collect();
         shown.join(", ")
@@ -58,21 +63,32 @@ impl Values {
 
 /// The domain of a wire.
 pub fn domain(machine: &Machine, wire: VarId) -> Domain {
-    if let Some(input) = machine.plant.get(wire.index()) {
-        return input.domain.clone();
+    match machine.plant.get(wire.index()) {
+        Some(input) => input.domain.clone(),
+        None => output(machine, wire).map_or(Domain::Bool, |v| v.domain.clone()),
     }
+}
+
+/// What a wire's values count; empty for bare numbers.
+fn unit(machine: &Machine, wire: VarId) -> String {
+    match machine.plant.get(wire.index()) {
+        Some(input) => input.unit.clone(),
+        None => output(machine, wire).map_or_else(String::new, |v| v.unit.clone()),
+    }
+}
+
+/// The variable that a component puts on a wire.
+fn output(machine: &Machine, wire: VarId) -> Option<&Variable> {
     let mut first = machine.plant.len();
     for component in &machine.components {
         let count = component.specification.outputs().count();
         if wire.index() < first + count {
             let id = component.specification.outputs().nth(wire.index() - first);
-            return id.map_or(Domain::Bool, |id| {
-                component.specification.variable(id).domain.clone()
-            });
+            return id.map(|id| component.specification.variable(id));
         }
         first += count;
     }
-    Domain::Bool
+    None
 }
 
 impl Question {
@@ -100,6 +116,24 @@ impl Question {
         if self.goal_is_true() || self.is_void() {
             return Answer::Holds;
         }
+        let (wires, relevant) = self.relevant(machine, u64::MAX);
+        if valuations(machine, &wires) <= MOST_VALUATIONS {
+            return self.enumerate(machine, &wires, &relevant);
+        }
+        match diagrams::decide(machine, &self.goal, &relevant) {
+            Answer::TooLarge => {}
+            decided => return decided,
+        }
+        let (wires, relevant) = self.relevant(machine, MOST_VALUATIONS_AT_ALL);
+        if valuations(machine, &wires) > MOST_VALUATIONS_AT_ALL {
+            return Answer::TooLarge;
+        }
+        self.enumerate(machine, &wires, &relevant)
+    }
+
+    /// The hypotheses that share wires with the goal, directly or through others, as far as all of them together have no more
+    /// valuations than `most`; and all wires that occur then.
+    fn relevant(&self, machine: &Machine, most: u64) -> (Vec<(VarId, Time)>, Vec<&Expr>) {
         let mut wires = support(&self.goal);
         let mut relevant: Vec<&Expr> = Vec::new();
         let mut rest: Vec<&Expr> = self
@@ -118,7 +152,7 @@ impl Question {
             for hypothesis in near {
                 let more = support(hypothesis);
                 let joined: Vec<_> = wires.iter().chain(&more).copied().collect();
-                if valuations(machine, &joined) > MOST_VALUATIONS {
+                if valuations(machine, &joined) > most {
                     continue;
                 }
                 wires.extend(more);
@@ -127,13 +161,15 @@ impl Question {
                 relevant.push(hypothesis);
             }
         }
-        if valuations(machine, &wires) > MOST_VALUATIONS {
-            return Answer::TooLarge;
-        }
-        self.enumerate(machine, &wires, &relevant)
+        (wires, relevant)
     }
 
-    fn enumerate(&self, machine: &Machine, wires: &[(VarId, Time)], relevant: &[&Expr]) -> Answer {
+    pub(super) fn enumerate(
+        &self,
+        machine: &Machine,
+        wires: &[(VarId, Time)],
+        relevant: &[&Expr],
+    ) -> Answer {
         let domains: Vec<Domain> = wires.iter().map(|(w, _)| domain(machine, *w)).collect();
         let mut now = vec![0; machine.wire_count()];
         let mut next = vec![0; machine.wire_count()];

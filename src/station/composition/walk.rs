@@ -5,7 +5,8 @@ use super::{By, over_wires, support};
 use crate::contract::machine::{Machine, PlantSource};
 use crate::gr1::{BinaryOp, Expr, Formula, Time, VarId};
 use crate::mealy;
-use std::collections::BTreeSet;
+use std::cell::RefCell;
+use std::collections::{BTreeSet, HashMap};
 
 /// Where the coordinator is before it answers: not started, or in a state of its machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -34,6 +35,8 @@ pub struct Walk<'a> {
     /// For each component, its guarantees over wires: invariants and safety.
     invariants: Vec<Vec<Expr>>,
     safeties: Vec<Vec<Expr>>,
+    /// Questions that were answered: a coordinator asks the same of its actions in many states.
+    answers: RefCell<HashMap<(Expr, Vec<Expr>), Answer>>,
 }
 
 impl<'a> Walk<'a> {
@@ -55,6 +58,7 @@ impl<'a> Walk<'a> {
             reachable: BTreeSet::from([Node::Start]),
             invariants: lists(|s| &s.invariants),
             safeties: lists(|s| &s.safety),
+            answers: RefCell::default(),
         };
         let mut open = vec![Node::Start];
         while let Some(node) = open.pop() {
@@ -109,7 +113,7 @@ impl<'a> Walk<'a> {
         // "It cannot occur" is "its negation holds"; one goal, so that every part of it counts.
         let all = hypotheses.into_iter().fold(Expr::TRUE, Expr::and);
         let question = Question::plain(&all.not());
-        question.answer(self.machine) != Answer::Holds
+        self.answer(&question) != Answer::Holds
     }
 
     /// The conditions under which the coordinator takes this transition, over the wires of the step.
@@ -226,10 +230,21 @@ impl<'a> Walk<'a> {
             .is_some_and(|p| !matches!(p.source, PlantSource::Signal { .. }))
     }
 
+    /// What a question by itself comes to.
+    fn answer(&self, question: &Question) -> Answer {
+        let key = (question.goal.clone(), question.hypotheses.clone());
+        if let Some(answer) = self.answers.borrow().get(&key) {
+            return answer.clone();
+        }
+        let answer = question.answer(self.machine);
+        self.answers.borrow_mut().insert(key, answer.clone());
+        answer
+    }
+
     /// Asks, first with what the question has, then with the guarantees of the actions as well. An action may rely on
     /// guarantees in the step before, and in the same step on those of the components that answer before it.
     pub fn ask(&self, index: usize, question: &Question) -> Answer {
-        let first = question.answer(self.machine);
+        let first = self.answer(question);
         if first == Answer::Holds {
             return first;
         }
@@ -256,7 +271,7 @@ impl<'a> Walk<'a> {
                     .extend(safeties.map(|s| self.put(s, question.at)));
             }
         }
-        match more.answer(self.machine) {
+        match self.answer(&more) {
             Answer::Holds => Answer::Holds,
             _ => first,
         }
@@ -279,7 +294,7 @@ impl<'a> Walk<'a> {
             self.constant_signal(wire).unwrap_or(Expr::Var(wire, time))
         });
         let question = Question::plain(&known);
-        question.answer(self.machine) == Answer::Holds
+        self.answer(&question) == Answer::Holds
     }
 
     /// A guarantee of another component that implies an assumption all by itself.
@@ -296,7 +311,7 @@ impl<'a> Walk<'a> {
                     goal: goal.clone(),
                     at: (None, None),
                 };
-                if question.answer(self.machine) == Answer::Holds {
+                if self.answer(&question) == Answer::Holds {
                     return Some(format!("{}: {}", component.name, guarantee.name));
                 }
             }
@@ -323,7 +338,7 @@ impl<'a> Walk<'a> {
                     }
                 });
                 let question = Question::plain(&goal);
-                question.answer(self.machine) == Answer::Holds
+                self.answer(&question) == Answer::Holds
             });
             if !helped {
                 return Err(Some(values));
@@ -422,7 +437,7 @@ impl<'a> Walk<'a> {
                     goal: goal.clone(),
                     at: (Some(node), None),
                 };
-                if question.answer(self.machine) == Answer::Holds {
+                if self.answer(&question) == Answer::Holds {
                     found.push(format!("{}: {}", component.name, guarantee.name));
                 }
             }
@@ -470,6 +485,6 @@ impl<'a> Walk<'a> {
             .fold(Expr::TRUE, Expr::and)
             .simplify();
         let question = Question::plain(&all.not());
-        question.answer(self.machine) != Answer::Holds
+        self.answer(&question) != Answer::Holds
     }
 }

@@ -1,11 +1,13 @@
-//! One component: its guard rows as tables, its formulas, bindings, time and power as functions.
+//! One component: its guard rows or its functions as tables, its formulas, bindings, time and power as functions.
 
+use super::decisions::{self, Naming};
 use super::expression;
 use super::text::{comment, identifier, string, wrap};
 use super::{Names, table};
 use crate::contract::machine::{ActionTime, Component, Machine, RealExpr};
 use crate::gr1::{Expr, Formula, Side, Time, Timing, VarId};
 use crate::mealy;
+use crate::mealy::functions::Functions;
 use crate::station::messages::{self, Party};
 use std::fmt::Write;
 
@@ -13,7 +15,7 @@ use std::fmt::Write;
 pub(super) struct Emitter<'a> {
     pub machine: &'a Machine,
     pub component: &'a Component,
-    pub controller: &'a mealy::Machine,
+    pub controller: &'a mealy::Controller,
     /// Begins the names of its functions and tables: `c1_turn`.
     pub prefix: String,
     /// The names of its variables.
@@ -62,7 +64,10 @@ impl Emitter<'_> {
             let _ = writeln!(out, "enum {{\n{}}};\n", names.concat());
         }
         self.ports(&mut out);
-        self.rows(&mut out);
+        match self.controller {
+            mealy::Controller::Machine(machine) => self.rows(&mut out, machine),
+            mealy::Controller::Functions(functions) => self.functions(&mut out, functions),
+        }
         self.bindings(&mut out);
         self.side(&mut out, &k.specification.assumptions, Party::Plant);
         self.side(&mut out, &k.specification.guarantees, Party::Machine);
@@ -103,8 +108,16 @@ impl Emitter<'_> {
             _ => "LW_TIME_STEP",
         };
         let action = k.active.is_some();
+        let controller = match self.controller {
+            mealy::Controller::Machine(_) => {
+                format!("{p}_row_of, {p}_rows, {p}_tests, {p}_answers, NULL")
+            }
+            mealy::Controller::Functions(_) => {
+                format!("NULL, NULL, NULL, NULL, &{p}_functions")
+            }
+        };
         format!(
-            "    {{ {}, {}, {}, {}, {}, {},\n        {p}_input, {p}_output, {p}_row_of, {p}_rows, {p}_tests, {p}_answers, {p}_bind,\n        {},\n        {},\n        {}, {}, {}, {time}, {}, {} }},\n",
+            "    {{ {}, {}, {}, {}, {}, {},\n        {p}_input, {p}_output, {controller}, {p}_bind,\n        {},\n        {},\n        {}, {}, {}, {time}, {}, {} }},\n",
             string(&k.name),
             u8::from(specification.timing == Timing::Moore),
             self.first_value,
@@ -164,9 +177,8 @@ impl Emitter<'_> {
     }
 
     /// The guard rows: every cube of every transition is one, with its tests, its answer and its target.
-    fn rows(&self, out: &mut String) {
+    fn rows(&self, out: &mut String, controller: &mealy::Machine) {
         let p = &self.prefix;
-        let controller = self.controller;
         let mut answers: Vec<&[i64]> = Vec::new();
         let mut numbers = std::collections::BTreeMap::new();
         let mut tests = Vec::new();
@@ -243,6 +255,45 @@ impl Emitter<'_> {
         table(out, "int64_t", &format!("{p}_answers"), &answers, "0");
         table(out, "lw_row", &format!("{p}_rows"), &rows, "{ 0 }");
         table(out, "int", &format!("{p}_row_of"), &row_of, "0");
+    }
+
+    /// The functions: their decisions, and which signals stand for which variable.
+    fn functions(&self, out: &mut String, functions: &Functions) {
+        let p = &self.prefix;
+        let specification = &self.component.specification;
+        let _ = writeln!(
+            out,
+            "/* The controller as functions: of {} signals, in {} decisions. Signal 2k is a bit of the step before, 2k + 1 the same\n * bit of this step. Of a goal's modes the first that holds says what the outputs are. */",
+            2 * functions.pairs(),
+            functions.controls.diagram.nodes.len()
+        );
+        let naming = Naming {
+            types: "lw_",
+            tables: &format!("{p}_"),
+        };
+        decisions::tables(out, &functions.controls, naming);
+        let mut rows = vec![String::new(); specification.variables.len()];
+        let inputs = specification.inputs().zip(&functions.input_bits);
+        let outputs = specification.outputs().zip(&functions.output_bits);
+        for (id, bits) in inputs.chain(outputs) {
+            let variable = specification.variable(id);
+            rows[id.index()] = format!(
+                "    {{ {}, {}, {} }}, /* {} */\n",
+                bits.first().map_or(0, |b| b.0),
+                bits.len(),
+                expression::literal(variable.domain.low()),
+                comment(&variable.name)
+            );
+        }
+        out.push_str("/* The bits of its variables, the most significant first: { first signal, bits, lowest value }. */\n");
+        table(out, "lw_bits", &format!("{p}_bits"), &rows, "{ 0, 0, 0 }");
+        let _ = writeln!(
+            out,
+            "static const lw_functions {p}_functions = {{\n    {p}_nodes, {p}_bits, {}, {p}_computed, {}, {p}_modes, {p}_goals, {}\n}};\n",
+            specification.variables.len(),
+            functions.controls.first.len(),
+            functions.controls.goals.len()
+        );
     }
 
     fn bindings(&self, out: &mut String) {

@@ -4,13 +4,13 @@
 //! A machine becomes tables of guards, functions become a table of decisions that a short loop walks. Tables rather than
 //! code: they compile in a moment whatever their size, and what is shared is there once.
 
+use super::decisions::{self, Naming};
 use super::expression::literal;
 use super::text::{comment, identifier};
 use super::{Names, table};
 use crate::gr1::{Domain, Timing};
 use crate::mealy::functions::Functions;
 use crate::mealy::{Machine, Port};
-use crate::symbolic::Bit;
 use std::collections::HashMap;
 use std::fmt::Write;
 
@@ -435,42 +435,12 @@ impl<'a> Text<'a> {
         out.push_str("typedef struct {\n    uint32_t edge;\n    uint16_t signal;\n} output;\n\n");
         out.push_str("/* A way of pursuing a goal: when it is taken, and the first of its outputs. */\ntypedef struct {\n    uint32_t when, first;\n} mode;\n\n");
         out.push_str("/* A goal: its first mode, and when it is reached. */\ntypedef struct {\n    uint32_t mode, reached;\n} goal;\n\n");
-        let nodes = controls.diagram.nodes.iter();
-        let nodes: Vec<String> = nodes
-            .map(|n| format!("    {{ {}, {}, {} }},\n", n.high.0, n.low.0, n.bit.0))
-            .collect();
-        table(&mut out, "node", "nodes", &nodes, "{ 0, 0, 0 }");
-        let row = |outputs: &[(Bit, crate::symbolic::Edge)]| -> String {
-            let items = outputs
-                .iter()
-                .map(|(b, e)| format!("{{ {}, {} }}, ", e.0, b.0));
-            items.collect::<String>()
+        let naming = Naming {
+            types: "",
+            tables: "",
         };
+        decisions::tables(&mut out, controls, naming);
         let count = controls.first.len();
-        let mut outputs = vec![row(&controls.first)];
-        let (mut modes, mut goals) = (Vec::new(), Vec::new());
-        let mut known: HashMap<String, usize> = HashMap::new();
-        for goal in &controls.goals {
-            goals.push(format!("    {{ {}, {} }},\n", modes.len(), goal.reached.0));
-            for mode in &goal.modes {
-                let text = row(&mode.outputs);
-                let fresh = outputs.len();
-                let place = *known.entry(text.clone()).or_insert(fresh);
-                if place == fresh {
-                    outputs.push(text);
-                }
-                modes.push(format!("    {{ {}, {} }},\n", mode.when.0, place * count));
-            }
-        }
-        let outputs: Vec<String> = outputs
-            .iter()
-            .filter(|row| !row.is_empty())
-            .map(|row| format!("    {}\n", super::text::wrap(row.trim_end(), "    ")))
-            .collect();
-        out.push_str("/* The outputs of step 0 and of the modes, in the order in which they are computed. */\n");
-        table(&mut out, "output", "computed", &outputs, "{ 0, 0 }");
-        table(&mut out, "mode", "modes", &modes, "{ 0, 0 }");
-        table(&mut out, "goal", "goals", &goals, "{ 0, 0 }");
         let assumed = |out: &mut String, what: &str, edges: Vec<u32>, names: &[String]| {
             let rows = edges.iter().zip(names);
             let rows: Vec<String> = rows

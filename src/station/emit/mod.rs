@@ -6,6 +6,7 @@
 
 mod component;
 pub mod controller;
+mod decisions;
 mod describe;
 pub mod expression;
 mod text;
@@ -34,7 +35,7 @@ pub struct Emitted {
 ///
 /// # Panics
 /// When they do not belong together.
-pub fn emit(machine: &Machine, controllers: &[mealy::Machine]) -> Emitted {
+pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Emitted {
     super::assert_fit(machine, controllers);
     let wires = wire_names(machine);
     let mut emitters = Vec::new();
@@ -54,7 +55,9 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Machine]) -> Emitted {
         first_value += component.specification.variables.len();
         first_justice += component.specification.assumptions.justice.len();
     }
-    let sizes = sizes(machine, first_value, first_justice);
+    let signals = controllers.iter().filter_map(mealy::Controller::functions);
+    let signals = signals.map(|f| 2 * f.pairs().max(1)).max().unwrap_or(0);
+    let sizes = sizes(machine, first_value, first_justice, signals);
     let body = body(machine, &emitters, &wires);
     let hash = hex(&Sha256::digest(format!("{sizes}{body}")));
     let description = describe::describe(machine, &hash);
@@ -80,7 +83,8 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Machine]) -> Emitted {
     }
 }
 
-fn sizes(machine: &Machine, values: usize, justice: usize) -> String {
+/// The sizes of all tables; the signals are those of the largest component that is functions.
+fn sizes(machine: &Machine, values: usize, justice: usize, signals: usize) -> String {
     let mut out = String::new();
     let sizes = [
         ("LW_COMPONENTS", machine.components.len()),
@@ -93,6 +97,9 @@ fn sizes(machine: &Machine, values: usize, justice: usize) -> String {
     ];
     for (name, size) in sizes {
         let _ = writeln!(out, "#define {name} {size}");
+    }
+    if signals > 0 {
+        let _ = writeln!(out, "#define LW_SIGNALS {signals}");
     }
     let limit = i64::try_from(machine.step_limit).unwrap_or(i64::MAX);
     let _ = writeln!(out, "#define LW_STEP_LIMIT {}", expression::literal(limit));

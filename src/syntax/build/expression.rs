@@ -121,7 +121,8 @@ impl Builder {
                     "forall" => Quantifier::Forall,
                     "exists" => Quantifier::Exists,
                     "count" => Quantifier::Count,
-                    _ => Quantifier::Sum,
+                    "sum" => Quantifier::Sum,
+                    _ => Quantifier::Array,
                 };
                 let name = self.name(&c.next());
                 let domain = Box::new(self.domain(c.next()));

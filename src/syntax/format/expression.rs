@@ -156,6 +156,7 @@ impl Printer<'_> {
                     Quantifier::Exists => "exists ",
                     Quantifier::Count => "count ",
                     Quantifier::Sum => "sum ",
+                    Quantifier::Array => "array ",
                 });
                 self.name(name);
                 self.put(" in ");

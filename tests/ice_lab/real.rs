@@ -1,0 +1,101 @@
+//! The line at real size: every controller verified, both forms of controllers, libraries like the interpreter, no violation.
+
+use crate::differential::differential;
+use crate::support::{PROGRAM, root};
+use linewright::cli::cache::Cache;
+use linewright::cli::controller::Wish;
+use linewright::cli::files::{self, StandardLibrary};
+use linewright::cli::libraries::compose;
+use linewright::cli::machines::{Planned, of_line};
+use linewright::cli::pipeline::{Jobs, Settings};
+use linewright::game::{Heuristics, KernelChoice, Limits};
+use linewright::station::ErrorCode;
+use linewright::station::composition::By;
+use serde_json::Value;
+use std::process::Command;
+use std::sync::Arc;
+
+const LINE: &str = "examples/ice-lab/real.lw";
+
+/// Contracts whose controllers are tables at this size; all others are functions.
+const TABLES: [&str; 7] = [
+    "CellCoordinator",
+    "Compose",
+    "Convey",
+    "Decompose",
+    "Pick",
+    "Place",
+    "Single",
+];
+
+#[test]
+fn the_line_at_real_size_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = folder.path().join("cache");
+    let path = root().join(LINE).display().to_string();
+    let loaded = files::load(&[path], &StandardLibrary::default());
+    assert_eq!(loaded.findings, []);
+    let machines = of_line(&loaded.library.lines[0]);
+    let mut jobs = Jobs::default().wishing(Wish {
+        functions: true,
+        ..Wish::default()
+    });
+    let planned: Vec<Planned<'_>> = machines
+        .iter()
+        .map(|m| Planned::new(m, &mut jobs))
+        .collect();
+    let settings = Settings {
+        // The command line's own, so that its run below finds what is remembered here.
+        limits: Limits {
+            memory_mib: Some(4096),
+            ..Limits::default()
+        },
+        kernel: KernelChoice::Automatic,
+        heuristics: Heuristics::default(),
+        cache: Some(Cache::in_folder(&cache)),
+    };
+    // What comes out of the pipeline was verified, or certified.
+    let checked = jobs
+        .run(&settings, &indicatif::ProgressBar::hidden())
+        .unwrap();
+    let mut tables: Vec<&str> = Vec::new();
+    for (machine, plan) in machines.iter().zip(&planned) {
+        let controlled = plan.controlled(&checked).expect("a controller each");
+        let composition = compose(&controlled);
+        assert_eq!(composition.findings, [], "{}", machine.name);
+        let by_others = |by: &By| matches!(by, By::Guarantee(_) | By::Coordinator);
+        assert_eq!(
+            machine.coordinator().is_some(),
+            composition.discharges.iter().any(|d| by_others(&d.by)),
+            "{}",
+            machine.name
+        );
+        for controller in &controlled.controllers {
+            if controller.machine().is_some() && !tables.contains(&controller.name()) {
+                tables.push(controller.name());
+            }
+        }
+        let controllers = controlled.controllers.iter().map(|c| (*c).clone());
+        let controllers = Arc::new(controllers.collect());
+        let counts = differential(machine, &controllers, 500, 3, folder.path());
+        let faults = counts.of(ErrorCode::Internal) + counts.of(ErrorCode::Guarantee);
+        assert_eq!(faults, 0, "{}: {counts:?}", machine.name);
+        assert!(counts.ok > 50, "{}: {counts:?}", machine.name);
+    }
+    tables.sort_unstable();
+    assert_eq!(tables, TABLES);
+
+    let libraries = folder.path().display().to_string();
+    let output = Command::new(PROGRAM)
+        .args(["run", LINE, "--parts", "3", "--out", &libraries])
+        .args(["--format", "json", "--no-timing"])
+        .current_dir(root())
+        .env("LINEWRIGHT_CACHE", &cache)
+        .output()
+        .expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let document: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert_eq!(document["products"], 3);
+    assert_eq!(document["violations"], Value::Array(Vec::new()));
+}
