@@ -17,9 +17,12 @@
 //! the library is called. With all assumptions discharged or exported nothing gets stuck, since every component's machine
 //! answers every input that keeps its assumptions.
 //!
+//! Several coordinators are first made one ([`merged`]).
+//!
 //! Machines without a coordinator export all their assumptions.
 
 mod diagrams;
+mod merged;
 mod operations;
 mod query;
 #[cfg(test)]
@@ -83,20 +86,40 @@ pub fn check(machine: &Machine, controllers: &[&mealy::Controller]) -> Compositi
         }
         return result;
     }
-    let Some(coordinator) = controllers[0].machine() else {
-        for component in &machine.components {
-            let formulas = component.specification.assumptions.all();
-            let unknown = formulas.map(|formula| unknown(component, formula));
-            result.findings.extend(unknown);
-        }
+    if merged::has_several(machine) {
+        let Some(merged) = merged::merge(machine, controllers) else {
+            return undecided(machine);
+        };
+        let mut result = examine(&merged.machine, &merged.coordinator);
+        merged::apart(&mut result, &merged.machine);
         return result;
-    };
+    }
+    match controllers[0].machine() {
+        Some(coordinator) => examine(machine, coordinator),
+        None => undecided(machine),
+    }
+}
+
+/// What is known of a machine with one coordinator.
+fn examine(machine: &Machine, coordinator: &mealy::Machine) -> Composition {
+    let mut result = Composition::default();
     let walk = Walk::new(machine, coordinator);
     for index in 0..machine.components.len() {
         safety(&walk, index, &mut result);
         justice(&walk, index, &mut result);
     }
     operations::check(&walk, &mut result.findings);
+    result
+}
+
+/// What is known of a machine whose coordinators cannot be walked through.
+fn undecided(machine: &Machine) -> Composition {
+    let mut result = Composition::default();
+    for component in &machine.components {
+        let formulas = component.specification.assumptions.all();
+        let unknown = formulas.map(|formula| unknown(component, formula));
+        result.findings.extend(unknown);
+    }
     result
 }
 
