@@ -243,3 +243,101 @@ fn an_operation_that_cannot_begin_is_found() {
         "can never begin",
     );
 }
+
+/// Two coordinators, each with a job of its own kind; what an action is asked for is set by the job.
+const TWO: &str = "
+moore contract Lead {
+    input job: {none, near, far}
+    input executed: bool
+    output command, done: bool
+    assume served: always eventually (not command or executed)
+    guarantee start: not command and not done
+    guarantee ask: always (next command <-> (if command then not executed else job != none and not done))
+    guarantee report: always (next done <-> command and executed)
+    guarantee completes: always eventually not command
+}
+
+moore contract Spin {
+    input job: {none, face, near}
+    input executed: bool
+    output command, done: bool
+    assume served: always eventually (not command or executed)
+    assume apart: always (command -> next job != near)
+    guarantee start: not command and not done
+    guarantee ask: always (next command <-> (if command then not executed else job = face and not done))
+    guarantee report: always (next done <-> command and executed)
+    guarantee completes: always eventually not command
+}
+
+contract Go {
+    input command: bool
+    input to: 0..3
+    output at: 0..3
+    output arrived: bool
+    assume held: always (command and not arrived -> next command and next to = to)
+    guarantee start: at = 0
+    guarantee moves: always (next at = (if not command or at = to then at else if at < to then at + 1 else at - 1))
+    guarantee arrived: always (arrived <-> at = to)
+    guarantee completes: always eventually (not command or arrived)
+}
+
+machine Pair {
+    coordinator arm: Lead {
+        job = operation
+        executed = drive.arrived
+    }
+    coordinator table: Spin {
+        job = operation
+        executed = turn.arrived
+    }
+    action drive: Go when arm.command {
+        command = arm.command
+    }
+    action turn: Go when table.command {
+        command = table.command
+        to = 2
+    }
+    operation near: drive(to = 1)
+    operation far: drive(to = 3)
+    operation face: turn
+    done arm.done or table.done
+}
+";
+
+#[test]
+fn several_coordinators_fit_together() {
+    let composition = compose(TWO);
+    assert_eq!(composition.findings, []);
+    let of = |component: &str, assumption: &str| {
+        let mut all = composition.discharges.iter();
+        let found = all.find(|d| d.component == component && d.assumption == assumption);
+        found.unwrap_or_else(|| panic!("{component}.{assumption}")).by.clone()
+    };
+    assert!(matches!(of("arm", "served"), By::Guarantee(_)));
+    assert!(matches!(of("table", "served"), By::Guarantee(_)));
+    // While the table turns, its operation goes on: `near` cannot be asked for.
+    assert_ne!(of("table", "apart"), By::Line);
+    assert_eq!(of("drive", "held"), By::Coordinator);
+}
+
+#[test]
+fn several_coordinators_that_do_not_fit_are_found() {
+    let changes = [
+        // The table's job is said to be the arm's.
+        ("operation face: turn", "operation face: drive(to = 0)", "LW306"),
+        // The arm never says that it is done, and the table is not asked.
+        ("done arm.done or table.done", "done table.done", "LW3"),
+        // Nothing holds what the arm is asked for.
+        ("to = 2", "to = if arm.command then 1 else 2", ""),
+        ("(not command or executed)\n    assume apart", "executed\n    assume apart", "LW303"),
+    ];
+    for (from, to, code) in changes {
+        assert!(TWO.contains(from), "{from}");
+        let found = compose(&TWO.replace(from, to)).findings;
+        if code.is_empty() {
+            assert_eq!(found, [], "{to}");
+        } else {
+            assert!(found.iter().any(|f| f.code.id.starts_with(code)), "{to}: {found:?}");
+        }
+    }
+}
