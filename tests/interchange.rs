@@ -1,7 +1,5 @@
 //! Other tools' specifications: what the readers take and refuse, what the writers write, and that both mean the same.
 
-#[path = "fuzz/check.rs"]
-mod check;
 #[path = "interchange/meaning.rs"]
 mod meaning;
 #[path = "interchange/random.rs"]
@@ -379,35 +377,6 @@ fn messages_as_a_person_reads_them() {
             insta::assert_snapshot!(format!("interchange__{name}"), shown);
         }
     });
-}
-
-/// What the fuzzer has found worth keeping, and every case: see tests/fuzz.
-#[test]
-fn whatever_the_text_nothing_panics() {
-    let mut count = 0;
-    let corpus = support::root().join("tests/fuzz/corpus");
-    for format in Format::ALL {
-        let entries = std::fs::read_dir(corpus.join(format.ending())).expect("a folder");
-        for entry in entries {
-            let bytes = std::fs::read(entry.expect("an entry").path()).expect("a file");
-            if let Ok(text) = std::str::from_utf8(&bytes) {
-                check::reader(format, text);
-                count += 1;
-            }
-        }
-        // Each case as every format: hardly anything fits, and nothing may go wrong.
-        for (_, _, text) in cases() {
-            check::reader(format, &text);
-        }
-    }
-    for entry in std::fs::read_dir(corpus.join("lw")).expect("a folder") {
-        let bytes = std::fs::read(entry.expect("an entry").path()).expect("a file");
-        if let Ok(text) = std::str::from_utf8(&bytes) {
-            check::language(text);
-            count += 1;
-        }
-    }
-    assert!(count >= 20, "only {count} texts in the corpus");
 }
 
 /// Files that take more than two seconds in a release build: only the tests that are left out by default decide them.

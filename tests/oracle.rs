@@ -6,6 +6,8 @@ mod check;
 mod enumerated;
 #[path = "oracle/exhaustive.rs"]
 mod exhaustive;
+#[path = "oracle/formulas.rs"]
+mod formulas;
 #[path = "oracle/game.rs"]
 mod game;
 #[path = "oracle/random.rs"]

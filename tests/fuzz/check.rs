@@ -1,6 +1,14 @@
 //! What holds for every text, whoever wrote it. The fuzz targets and the ordinary tests share this file.
 
-use linewright::contract::{self as contracts, load};
+#[path = "solve.rs"]
+mod solve;
+
+#[path = "generate.rs"]
+mod generate;
+
+pub use solve::Solved;
+
+use linewright::contract::{Library, load};
 use linewright::diagnostics::{Diagnostic, codes, has_errors};
 use linewright::interchange::{Format, Target, contract, read, write};
 use linewright::source::FileId;
@@ -30,16 +38,61 @@ pub fn reader(format: Format, text: &str) {
         }
     }
     let printed = contract::write(&specification, "a fuzzed text");
-    let files = [("fuzz.lw".to_owned(), printed.clone())];
-    let (_, findings) = load(&files, &|_, _| Err(String::new()));
+    let (_, findings) = alone(&printed);
     assert_sound(&findings, &printed);
 }
 
 /// Parses and resolves a text of the language itself.
 pub fn language(text: &str) {
-    let files = [("fuzz.lw".to_owned(), text.to_owned())];
-    let (_, findings) = contracts::load(&files, &|_, _| Err(String::new()));
+    let (_, findings) = alone(text);
     within(&findings, text);
+}
+
+/// Loads, checks and synthesizes small contracts: those of the text that the bytes are, or else one made from them. Gives what
+/// became of each.
+pub fn contract_of(bytes: &[u8]) -> Vec<Solved> {
+    let own = std::str::from_utf8(bytes).ok();
+    if let Some(text) = own.filter(|text| text.contains("contract")) {
+        let (library, findings) = alone(text);
+        within(&findings, text);
+        if let Some(solved) = solved(&library, text) {
+            return solved;
+        }
+    }
+    let text = generate::contract(bytes);
+    let (library, findings) = alone(&text);
+    let _shown = Shown(&text);
+    within(&findings, &text);
+    let syntax = findings.iter().find(|f| f.code == codes::SYNTAX);
+    assert_eq!(syntax, None, "the generator does not know the grammar");
+    assert_eq!(library.contracts.is_empty(), has_errors(&findings));
+    solved(&library, &text).unwrap_or_default()
+}
+
+/// `None`: there is none, or a large one.
+fn solved(library: &Library, text: &str) -> Option<Vec<Solved>> {
+    let specifications = library.contracts.iter().map(|c| &c.specification);
+    if library.contracts.is_empty() || !specifications.clone().all(|s| solve::is_small(s)) {
+        return None;
+    }
+    let _shown = Shown(text);
+    Some(specifications.map(|s| solve::solve(s)).collect())
+}
+
+/// A text that is printed if the test fails while it is being looked at.
+struct Shown<'t>(&'t str);
+
+impl Drop for Shown<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("{}", self.0);
+        }
+    }
+}
+
+fn alone(text: &str) -> (Library, Vec<Diagnostic>) {
+    let files = [("fuzz.lw".to_owned(), text.to_owned())];
+    load(&files, &|_, _| Err(String::new()))
 }
 
 fn within(findings: &[Diagnostic], text: &str) {

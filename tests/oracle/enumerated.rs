@@ -1,273 +1,223 @@
 //! Games over two inputs and two outputs with at most one initial, one safety and one justice formula a side, of up to three
-//! operators each. There are more than anyone could play, so one role is exhausted: every formula of the machine's safety occurs
-//! three times, up to renaming inputs and outputs among themselves; the other formulas are drawn by the game's number, each
-//! length as often as the others, and none as often as one.
+//! operators each.
 //!
-//! A formula stands for all that mean the same: functions are told apart by their values, and each is written with as few
-//! operators as it can be.
+//! Their product is more than anyone could play, so it is covered, role by role. A role is the side and kind of a formula. In
+//! a role's pass every formula that may stand there stands there once, up to renaming inputs and outputs among
+//! themselves; meanwhile timing and the other five roles go through every combination of being absent and of each number of operators, and
+//! the formulas of each number are taken in turn. A pass is never shorter than these combinations.
 
 use super::exhaustive::{listed, variable};
-use super::random::Random;
+use super::formulas::{Functions, MOST_OPERATORS, Values, renamings};
 use super::ways::play;
-use linewright::gr1::{Expr, Owner, Side, Specification, Timing, VarId};
+use linewright::gr1::{Formula, Owner, Side, Specification, Timing};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::HashSet;
 
-/// The values of a function for every valuation of the atoms: bit `i` of a valuation's number is atom `i`.
-type Values = [u64; 4];
+const ROLES: usize = 6;
 
-/// Two inputs, two outputs, and their next values.
-const ATOMS: usize = 8;
+/// What each role is called, and the atoms that its formulas may mention: 0 and 1 are the inputs, 2 and 3 the outputs, and four more is
+/// the next value. The environment chooses without seeing the outputs of the same step.
+const ATOMS: [(&str, &[usize]); ROLES] = [
+    ("assumed initial", &[0, 1]),
+    ("assumed safety", &[0, 1, 2, 3, 4, 5]),
+    ("assumed justice", &[0, 1, 2, 3, 4, 5, 6, 7]),
+    ("initial", &[0, 1, 2, 3]),
+    ("safety", &[0, 1, 2, 3, 4, 5, 6, 7]),
+    ("justice", &[0, 1, 2, 3, 4, 5, 6, 7]),
+];
 
-/// An atom is a variable now, or four places further on its next value.
-const VARIABLES: usize = 4;
-
-const MOST_OPERATORS: usize = 3;
-
+/// A game by the numbers of its formulas in the lists of their roles.
 #[derive(Clone, Copy)]
-enum Operator {
-    And,
-    Or,
-    Iff,
+struct Draft {
+    timing: Timing,
+    formulas: [Option<usize>; ROLES],
 }
 
-#[derive(Clone, Copy)]
-enum Form {
-    Literal(usize, bool),
-    Binary(Operator, usize, usize),
+/// Formulas of one number of operators, taken in turn; neighbours in the list resemble each other, so not one after the other.
+struct Walk {
+    begin: usize,
+    count: usize,
+    step: usize,
+    taken: usize,
 }
 
-/// Every function of some atoms that up to three operators can say; a negated variable counts as none.
-struct Functions {
-    all: Vec<(Values, Form)>,
-    /// Where those of each number of operators begin, and the end.
-    begin: Vec<usize>,
+impl Walk {
+    fn next(&mut self) -> usize {
+        let place = self.taken * self.step % self.count;
+        self.taken += 1;
+        self.begin + place
+    }
 }
 
-impl Functions {
-    fn of(atoms: &[usize]) -> Self {
-        let mut all: Vec<(Values, Form)> = Vec::new();
-        let mut known: HashSet<Values> = HashSet::new();
-        for atom in atoms {
-            for positive in [true, false] {
-                let values = literal(*atom, positive);
-                known.insert(values);
-                all.push((values, Form::Literal(*atom, positive)));
-            }
+fn coprime(a: usize, b: usize) -> bool {
+    let (mut a, mut b) = (a, b);
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a == 1
+}
+
+/// The walks through a role's formulas, one for each number of operators that there are formulas of.
+fn walks(functions: &Functions) -> Vec<Walk> {
+    let lengths = (0..=MOST_OPERATORS).map(|operators| functions.of_length(operators));
+    let present = lengths.filter(|range| !range.is_empty());
+    let walk = present.map(|range| {
+        let count = range.len();
+        let mut steps = count * 5 / 8 + 1..;
+        Walk {
+            begin: range.start,
+            count,
+            step: steps
+                .find(|s| coprime(*s, count))
+                .expect("a multiple and one"),
+            taken: 0,
         }
-        let mut begin = vec![0, all.len()];
-        for operators in 1..=MOST_OPERATORS {
-            let mut fresh = Vec::new();
-            for left in 0..operators {
-                let right = operators - 1 - left;
-                if left < right {
+    });
+    walk.collect()
+}
+
+fn lists() -> Vec<Functions> {
+    ATOMS
+        .iter()
+        .map(|(_, atoms)| Functions::of(atoms))
+        .collect()
+}
+
+/// How many combinations there are of the other roles being absent or having some number of operators.
+fn combinations(lists: &[Functions], role: usize) -> usize {
+    let others = (0..ROLES).filter(|other| *other != role);
+    others.map(|other| walks(&lists[other]).len() + 1).product()
+}
+
+/// All games, pass by pass.
+fn drafts(lists: &[Functions]) -> Vec<Draft> {
+    let mut walks: Vec<Vec<Walk>> = lists.iter().map(walks).collect();
+    let mut drafts = Vec::new();
+    for (role, (name, _)) in ATOMS.iter().enumerate() {
+        let formulas = lists[role].up_to_renaming();
+        let games = formulas.len().max(2 * combinations(lists, role));
+        println!(
+            "{name}: {} formulas, {} up to renaming, {games} games",
+            lists[role].count(),
+            formulas.len()
+        );
+        for number in 0..games {
+            // Each time round one further, so that a formula does not meet the same combinations again.
+            let turn = number + number / formulas.len();
+            let mut rest = number / 2;
+            let mut draft = Draft {
+                timing: [Timing::Mealy, Timing::Moore][number % 2],
+                formulas: [None; ROLES],
+            };
+            for (other, walks) in walks.iter_mut().enumerate() {
+                if other == role {
+                    draft.formulas[other] = Some(formulas[turn % formulas.len()]);
                     continue;
                 }
-                for i in begin[left]..begin[left + 1] {
-                    for j in begin[right]..begin[right + 1] {
-                        for operator in [Operator::And, Operator::Or, Operator::Iff] {
-                            let values = apply(operator, &all[i].0, &all[j].0);
-                            if known.insert(values) {
-                                fresh.push((values, Form::Binary(operator, i, j)));
-                            }
-                        }
-                    }
-                }
+                let choice = rest % (walks.len() + 1);
+                rest /= walks.len() + 1;
+                let walk = choice.checked_sub(1).map(|length| &mut walks[length]);
+                draft.formulas[other] = walk.map(Walk::next);
             }
-            all.extend(fresh);
-            begin.push(all.len());
-        }
-        Self { all, begin }
-    }
-
-    fn expr(&self, index: usize) -> Expr {
-        match self.all[index].1 {
-            Form::Literal(atom, positive) => {
-                let variable = VarId((atom % VARIABLES) as u32);
-                let atom = if atom < VARIABLES {
-                    Expr::now(variable)
-                } else {
-                    Expr::next(variable)
-                };
-                if positive { atom } else { atom.not() }
-            }
-            Form::Binary(operator, left, right) => {
-                let (left, right) = (self.expr(left), self.expr(right));
-                match operator {
-                    Operator::And => left.and(right),
-                    Operator::Or => left.or(right),
-                    Operator::Iff => left.equals(right),
-                }
-            }
+            drafts.push(draft);
         }
     }
-
-    /// None, or one of any number of operators.
-    fn any(&self, random: &mut Random) -> Option<Expr> {
-        let operators = random.below(MOST_OPERATORS as u64 + 2).checked_sub(1)? as usize;
-        let (begin, end) = (self.begin[operators], self.begin[operators + 1]);
-        if begin == end {
-            return None;
-        }
-        Some(self.expr(begin + random.below((end - begin) as u64) as usize))
-    }
-
-    /// One of each set that renaming makes of a function, the first one.
-    fn up_to_renaming(&self) -> Vec<usize> {
-        let renamings = renamings();
-        let mut seen: HashSet<Values> = HashSet::new();
-        let functions = self.all.iter().enumerate();
-        let first = functions.filter(|(_, (values, _))| {
-            let renamed = renamings.iter().map(|r| rename(values, r));
-            let least = renamed.min();
-            seen.insert(least.expect("there is the one that changes nothing"))
-        });
-        first.map(|(index, _)| index).collect()
-    }
+    drafts
 }
 
-fn literal(atom: usize, positive: bool) -> Values {
-    let mut values = [0; 4];
-    for valuation in 0..1_usize << ATOMS {
-        if (valuation >> atom & 1 == 1) == positive {
-            values[valuation / 64] |= 1 << (valuation % 64);
-        }
-    }
-    values
-}
-
-fn apply(operator: Operator, a: &Values, b: &Values) -> Values {
-    std::array::from_fn(|i| match operator {
-        Operator::And => a[i] & b[i],
-        Operator::Or => a[i] | b[i],
-        Operator::Iff => !(a[i] ^ b[i]),
-    })
-}
-
-/// Inputs swapped or not, outputs swapped or not: for every valuation the one it becomes.
-fn renamings() -> Vec<Vec<usize>> {
-    let swap = |valuation: usize, a: usize, b: usize| {
-        let different = (valuation >> a ^ valuation >> b) & 1;
-        valuation ^ (different << a | different << b)
+fn game(lists: &[Functions], draft: &Draft) -> Specification {
+    let formula = |role: usize| -> Vec<Formula> {
+        listed(draft.formulas[role].map(|index| lists[role].expr(index)))
     };
-    let mut renamings = Vec::new();
-    for (inputs, outputs) in [(false, false), (true, false), (false, true), (true, true)] {
-        let renamed = |mut valuation: usize| {
-            if inputs {
-                valuation = swap(swap(valuation, 0, 1), 4, 5);
-            }
-            if outputs {
-                valuation = swap(swap(valuation, 2, 3), 6, 7);
-            }
-            valuation
-        };
-        renamings.push((0..1 << ATOMS).map(renamed).collect());
-    }
-    renamings
-}
-
-fn rename(values: &Values, renaming: &[usize]) -> Values {
-    let mut renamed = [0; 4];
-    for (valuation, becomes) in renaming.iter().enumerate() {
-        let value = values[valuation / 64] >> (valuation % 64) & 1;
-        renamed[becomes / 64] |= value << (becomes % 64);
-    }
-    renamed
-}
-
-/// The functions that each kind of formula may be.
-struct Roles {
-    inputs: Functions,
-    states: Functions,
-    /// States and next inputs.
-    moves: Functions,
-    steps: Functions,
-}
-
-impl Roles {
-    fn new() -> Self {
-        Self {
-            inputs: Functions::of(&[0, 1]),
-            states: Functions::of(&[0, 1, 2, 3]),
-            moves: Functions::of(&[0, 1, 2, 3, 4, 5]),
-            steps: Functions::of(&[0, 1, 2, 3, 4, 5, 6, 7]),
-        }
-    }
-
-    /// The game of a number, with this formula as the machine's safety.
-    fn game(&self, number: usize, safety: usize) -> Specification {
-        let mut random = Random::new(number as u64);
-        Specification {
-            name: "enumerated".to_owned(),
-            timing: if random.chance(70) {
-                Timing::Mealy
-            } else {
-                Timing::Moore
-            },
-            variables: vec![
-                variable("a", Owner::Environment),
-                variable("b", Owner::Environment),
-                variable("x", Owner::System),
-                variable("y", Owner::System),
-            ],
-            assumptions: Side {
-                initial: listed(self.inputs.any(&mut random)),
-                safety: listed(self.moves.any(&mut random)),
-                justice: listed(self.moves.any(&mut random)),
-                ..Side::default()
-            },
-            guarantees: Side {
-                initial: listed(self.states.any(&mut random)),
-                safety: listed(Some(self.steps.expr(safety))),
-                justice: listed(self.steps.any(&mut random)),
-                ..Side::default()
-            },
-        }
+    let side = |first: usize| Side {
+        initial: formula(first),
+        safety: formula(first + 1),
+        justice: formula(first + 2),
+        ..Side::default()
+    };
+    Specification {
+        name: "enumerated".to_owned(),
+        timing: draft.timing,
+        variables: vec![
+            variable("a", Owner::Environment),
+            variable("b", Owner::Environment),
+            variable("x", Owner::System),
+            variable("y", Owner::System),
+        ],
+        assumptions: side(0),
+        guarantees: side(3),
     }
 }
-
-/// How many games each formula of the machine's safety occurs in.
-const ROUNDS: usize = 3;
 
 /// Plays every `stride`-th game; gives how many there were.
 fn play_every(stride: usize) -> usize {
-    let roles = Roles::new();
-    let formulas = roles.steps.up_to_renaming();
-    println!(
-        "{} functions of a step, {} up to renaming",
-        roles.steps.all.len(),
-        formulas.len()
-    );
-    let rounds = formulas.iter().flat_map(|f| [*f; ROUNDS]);
-    let games: Vec<(usize, usize)> = rounds.enumerate().step_by(stride).collect();
-    let played = games.par_iter().map(|(number, safety)| {
-        let game = roles.game(*number, *safety);
-        (*number, Cow::Owned(game))
-    });
+    let lists = lists();
+    let drafts = drafts(&lists);
+    let games: Vec<&Draft> = drafts.iter().step_by(stride).collect();
+    let played = games
+        .par_iter()
+        .enumerate()
+        .map(|(number, draft)| (number, Cow::Owned(game(&lists, draft))));
     let realizable = play(played);
     let count = games.len() as u64;
     assert!(realizable * 5 > count && (count - realizable) * 5 > count);
     games.len()
 }
 
+/// Judged by what the games are, not by how they came about.
 #[test]
-fn every_function_is_there_and_renaming_loses_none() {
-    assert_eq!(Functions::of(&[0, 1]).all.len(), 16);
-    let functions = Roles::new().steps;
-    let renamings = renamings();
-    let first = functions.up_to_renaming().into_iter();
-    let sizes = first.map(|index| {
-        let values = &functions.all[index].0;
-        let renamed = renamings.iter().map(|r| rename(values, r));
-        renamed.collect::<HashSet<Values>>().len()
-    });
-    assert_eq!(sizes.sum::<usize>(), functions.all.len());
+fn every_formula_stands_in_every_role() {
+    let (lists, renamings) = (lists(), renamings());
+    let drafts = drafts(&lists);
+    for role in 0..ROLES {
+        let standing: HashSet<usize> = drafts.iter().filter_map(|d| d.formulas[role]).collect();
+        let sets: HashSet<Values> = standing
+            .iter()
+            .map(|index| lists[role].set_of(*index, &renamings))
+            .collect();
+        let (name, list) = (ATOMS[role].0, &lists[role]);
+        assert_eq!(sets.len(), list.up_to_renaming().len(), "{name}");
+        // Those of up to two operators in all their names too.
+        let short = 0..list.of_length(2).end;
+        assert!(
+            short.into_iter().all(|index| standing.contains(&index)),
+            "{name}"
+        );
+        assert!(drafts.iter().any(|d| d.formulas[role].is_none()), "{name}");
+    }
+    let lengths: Vec<[Option<usize>; ROLES]> = drafts.iter().map(|d| lengths(&lists, d)).collect();
+    for role in 0..ROLES {
+        // What the others do while this one plays its part.
+        let others: HashSet<_> = drafts
+            .iter()
+            .zip(&lengths)
+            .filter(|(_, lengths)| lengths[role].is_some())
+            .map(|(draft, lengths)| {
+                let mut others = *lengths;
+                others[role] = None;
+                (draft.timing == Timing::Moore, others)
+            })
+            .collect();
+        assert_eq!(others.len(), 2 * combinations(&lists, role));
+    }
 }
+
+/// The number of operators of each role's formula.
+fn lengths(lists: &[Functions], draft: &Draft) -> [Option<usize>; ROLES] {
+    std::array::from_fn(|role| {
+        let index = draft.formulas[role]?;
+        let mut lengths = 0..=MOST_OPERATORS;
+        lengths.find(|n| lists[role].of_length(*n).contains(&index))
+    })
+}
+
+/// Of how many games the ordinary tests play one: no factor of any number of choices, so that all choices occur in what is left.
+const STRIDE: usize = 7;
 
 #[test]
 fn games_of_four_bits_by_the_formula() {
-    assert!(play_every(5) >= 20_000);
+    assert!(play_every(STRIDE) >= 20_000);
 }
 
 #[test]

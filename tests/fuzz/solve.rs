@@ -1,0 +1,171 @@
+//! One small specification through everything that `check` and `synth` do with it: both kernels, and the naive solver where
+//! it is small enough for that, have to agree, and what is made of the verdict has to be right.
+
+#[path = "../oracle/game.rs"]
+mod game;
+
+use game::{Board, Subset};
+use linewright::game::{
+    EnvironmentFindings, GuaranteeKind, GuaranteeRef, KernelChoice, Limit, Limits, Lost, Options,
+    Outcome, Won, examine_environment, solve_with,
+};
+use linewright::gr1::{Formula, Specification};
+use linewright::mealy::certify::certify;
+use linewright::mealy::extract::extract;
+use linewright::mealy::functions::Functions;
+use linewright::mealy::verify::verify;
+
+/// What became of a specification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Solved {
+    Realizable,
+    Unrealizable,
+    /// Some limit was reached.
+    GaveUp,
+}
+
+/// Specifications of more bits are left alone.
+const MOST_BITS: u32 = 10;
+
+/// Valuations that the naive solver is asked about: it looks at every pair of them for every formula.
+const MOST_VALUATIONS: u64 = 64;
+
+const KERNELS: [KernelChoice; 2] = [KernelChoice::Biodivine, KernelChoice::OxiDd];
+
+/// Whether it is quickly solved.
+pub fn is_small(specification: &Specification) -> bool {
+    let variables = specification.variables.iter();
+    let bits = variables.map(|v| 64 - (v.domain.size() - 1).leading_zeros());
+    bits.sum::<u32>() <= MOST_BITS
+}
+
+/// A measure of work, no clock: the same bytes always end the same way.
+fn limits() -> Limits {
+    Limits {
+        most_nodes: Some(1 << 16),
+        most_made: Some(1 << 22),
+        ..Limits::default()
+    }
+}
+
+fn outcome(specification: &Specification, kernel: KernelChoice, without_core: bool) -> Outcome {
+    let options = Options {
+        limits: limits(),
+        kernel,
+        without_core,
+        ..Options::default()
+    };
+    solve_with(specification, &options).outcome
+}
+
+/// Solves it; panics if anything is wrong.
+pub fn solve(specification: &Specification) -> Solved {
+    let variables = specification.variables.iter();
+    let valuations: u64 = variables.map(|v| v.domain.size()).product();
+    let board = (valuations <= MOST_VALUATIONS).then(|| Board::new(specification));
+    let board = board.as_ref();
+    if let (Some(board), Ok(found)) = (board, examine_environment(specification, &limits())) {
+        environment(board, &found);
+    }
+    let mut verdicts = Vec::new();
+    let mut cores = Vec::new();
+    for kernel in KERNELS {
+        let outcome = outcome(specification, kernel, false);
+        verdicts.push(match &outcome {
+            Outcome::GaveUp(_) => return Solved::GaveUp,
+            Outcome::Realizable(won) => {
+                let made = controllers(specification, won);
+                assert!(!matches!(made, Err(Limit::Time)), "there is no clock");
+                Solved::Realizable
+            }
+            Outcome::Unrealizable(lost) => {
+                core(specification, lost, kernel, board);
+                cores.push(lost.core.clone());
+                Solved::Unrealizable
+            }
+        });
+    }
+    assert_eq!(verdicts[0], verdicts[1], "the kernels");
+    assert!(cores.windows(2).all(|two| two[0] == two[1]), "{cores:?}");
+    if let Some(board) = board {
+        let realizable = verdicts[0] == Solved::Realizable;
+        assert_eq!(
+            board.realizable(&Subset::All),
+            realizable,
+            "the naive solver"
+        );
+    }
+    verdicts[0]
+}
+
+/// A machine and functions, each judged by what knows nothing of how they were made.
+fn controllers(specification: &Specification, won: &Won) -> Result<(), Limit> {
+    let limits = limits();
+    let machine = extract(specification, won, &limits)?;
+    assert_eq!(
+        verify(specification, &machine, &limits)?,
+        Ok(()),
+        "the machine"
+    );
+    let functions = Functions::extract(specification, won, &limits)?;
+    assert_eq!(
+        certify(specification, &functions, &limits)?,
+        Ok(()),
+        "the functions"
+    );
+    Ok(())
+}
+
+/// The core is unrealizable, and the naive solver finds that nothing can be left out of it.
+fn core(
+    specification: &Specification,
+    lost: &Lost,
+    kernel: KernelChoice,
+    board: Option<&Board<'_>>,
+) {
+    let Some(core) = &lost.core else { return };
+    let alone = only(specification, core);
+    let again = outcome(&alone, kernel, true);
+    assert!(
+        !matches!(again, Outcome::Realizable(_)),
+        "the core {core:?}"
+    );
+    let Some(board) = board else { return };
+    assert!(!board.realizable(&Subset::Only(core)), "the core {core:?}");
+    for left_out in 0..core.len() {
+        let mut less = core.clone();
+        less.remove(left_out);
+        assert!(
+            board.realizable(&Subset::Only(&less)),
+            "the core {core:?} without {left_out}"
+        );
+    }
+}
+
+/// The specification with these guarantees alone.
+fn only(specification: &Specification, core: &[GuaranteeRef]) -> Specification {
+    let mut only = specification.clone();
+    let keep = |kind: GuaranteeKind, formulas: &mut Vec<Formula>| {
+        let mut index = 0;
+        formulas.retain(|_| {
+            index += 1;
+            let index = index - 1;
+            core.contains(&GuaranteeRef { kind, index })
+        });
+    };
+    let guarantees = &mut only.guarantees;
+    keep(GuaranteeKind::Initial, &mut guarantees.initial);
+    keep(GuaranteeKind::Invariant, &mut guarantees.invariants);
+    keep(GuaranteeKind::Safety, &mut guarantees.safety);
+    keep(GuaranteeKind::Justice, &mut guarantees.justice);
+    only
+}
+
+/// What is found about the assumptions is what the naive solver finds.
+fn environment(board: &Board<'_>, found: &EnvironmentFindings) {
+    let expected = board.environment();
+    assert_eq!(found.cannot_start, expected.cannot_start);
+    assert_eq!(found.dead_end.is_some(), expected.dead_end);
+    assert_eq!(found.stuck_at_start.is_some(), expected.stuck_at_start);
+    assert_eq!(found.forced.is_some(), expected.forced);
+}
