@@ -311,7 +311,10 @@ fn several_coordinators_fit_together() {
     let of = |component: &str, assumption: &str| {
         let mut all = composition.discharges.iter();
         let found = all.find(|d| d.component == component && d.assumption == assumption);
-        found.unwrap_or_else(|| panic!("{component}.{assumption}")).by.clone()
+        found
+            .unwrap_or_else(|| panic!("{component}.{assumption}"))
+            .by
+            .clone()
     };
     assert!(matches!(of("arm", "served"), By::Guarantee(_)));
     assert!(matches!(of("table", "served"), By::Guarantee(_)));
@@ -324,12 +327,20 @@ fn several_coordinators_fit_together() {
 fn several_coordinators_that_do_not_fit_are_found() {
     let changes = [
         // The table's job is said to be the arm's.
-        ("operation face: turn", "operation face: drive(to = 0)", "LW306"),
+        (
+            "operation face: turn",
+            "operation face: drive(to = 0)",
+            "LW306",
+        ),
         // The arm never says that it is done, and the table is not asked.
         ("done arm.done or table.done", "done table.done", "LW3"),
         // Nothing holds what the arm is asked for.
         ("to = 2", "to = if arm.command then 1 else 2", ""),
-        ("(not command or executed)\n    assume apart", "executed\n    assume apart", "LW303"),
+        (
+            "(not command or executed)\n    assume apart",
+            "executed\n    assume apart",
+            "LW303",
+        ),
     ];
     for (from, to, code) in changes {
         assert!(TWO.contains(from), "{from}");
@@ -337,7 +348,10 @@ fn several_coordinators_that_do_not_fit_are_found() {
         if code.is_empty() {
             assert_eq!(found, [], "{to}");
         } else {
-            assert!(found.iter().any(|f| f.code.id.starts_with(code)), "{to}: {found:?}");
+            assert!(
+                found.iter().any(|f| f.code.id.starts_with(code)),
+                "{to}: {found:?}"
+            );
         }
     }
 }

@@ -65,10 +65,7 @@ fn same(short: &str, long: &str) {
                 held |= all(x);
                 failed |= !all(x);
             }
-            assert!(
-                x.is_empty() || held && failed,
-                "always the same: {short}"
-            );
+            assert!(x.is_empty() || held && failed, "always the same: {short}");
         }
     }
 }

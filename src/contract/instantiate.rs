@@ -348,7 +348,8 @@ fn unused_defines(e: &mut Elaborator<'_>, contract: &ast::Contract) {
 fn unused(e: &mut Elaborator<'_>, variables: &[Variable], sides: &[Side; 2]) {
     let base = |v: &Variable| way(&v.name).0.to_owned();
     let mut mentioned: BTreeSet<String> = BTreeSet::new();
-    let monitors = e.monitors.iter().flat_map(|m| m.made()).map(|m| &m.update);
+    let monitors = e.monitors.iter().flat_map(Monitors::made);
+    let monitors = monitors.map(|m| &m.update);
     for expr in sides
         .iter()
         .flat_map(Side::all)

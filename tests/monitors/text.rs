@@ -12,11 +12,9 @@ use linewright::gr1::{Expr, Side, Specification, VarId};
 
 /// The specification of a contract with these boolean inputs and one formula.
 fn read(names: &[char], formula: &str) -> Specification {
-    let inputs: String = names
-        .iter()
-        .map(|n| format!("    input {n}: bool\n"))
-        .collect();
-    let text = format!("contract Test {{\n{inputs}    {formula}\n}}\n");
+    let names: Vec<String> = names.iter().map(char::to_string).collect();
+    let inputs = names.join(", ");
+    let text = format!("contract Test {{\n    input {inputs}: bool\n    {formula}\n}}\n");
     let files = [("test.lw".to_owned(), text.clone())];
     let (library, findings) = contract::load(&files, &|_, _| Err("no imports".to_owned()));
     let mut errors = findings.iter().filter(|f| f.severity == Severity::Error);

@@ -96,7 +96,7 @@ impl<'a> Elaborator<'a> {
     /// A condition on the values of one step, for an operator that looks at other steps itself.
     pub(in crate::contract) fn state(&mut self, e: &'a ast::Expr, word: &str) -> Option<Expr> {
         let allowed = std::mem::replace(&mut self.next, false);
-        let speaks = std::mem::replace(&mut self.looking_back, Some(word.to_owned()));
+        let speaks = self.looking_back.replace(word.to_owned());
         let term = self.boolean(e, Time::Now);
         self.next = allowed;
         self.looking_back = speaks;

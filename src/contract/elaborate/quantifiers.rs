@@ -78,8 +78,7 @@ impl<'a> Elaborator<'a> {
             };
             let mut elements = Vec::with_capacity(values.len());
             for value in values {
-                let element =
-                    self.with_bound(&name.text, value, |e| e.value(body, element, time));
+                let element = self.with_bound(&name.text, value, |e| e.value(body, element, time));
                 elements.push(element?);
             }
             return Some(Value::Array(elements));

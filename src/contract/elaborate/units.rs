@@ -65,13 +65,13 @@ impl Elaborator<'_> {
             _ if *wanted == found => Some(term),
             (Type::Number(_), Type::Int) => Some(term),
             (Type::Measured(_), Type::Int) if is_zero(&term) => Some(term),
-            (Type::Measured(unit), Type::Measured(other)) => match other.in_terms_of(*unit) {
-                Some(times) => Some(scaled(term, times)),
-                None => {
+            (Type::Measured(unit), Type::Measured(other)) => {
+                let times = other.in_terms_of(*unit);
+                if times.is_none() {
                     self.apart(span, &found, wanted);
-                    None
                 }
-            },
+                times.map(|n| scaled(term, n))
+            }
             (Type::Measured(unit), Type::Number(dimension)) => {
                 self.counted(span, &term, *dimension, *unit)
             }

@@ -9,9 +9,7 @@
 
 use super::{By, Composition};
 use crate::contract::machine::{Component, Machine, PlantSource, Role};
-use crate::gr1::{
-    Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
-};
+use crate::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable};
 use crate::mealy::{self, Cube, Guard, Test, Transition};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -76,7 +74,9 @@ fn component(components: &[Component], domain: &Domain) -> Component {
     for c in components {
         let first = specification.variables.len() as u32;
         let own = &c.specification;
-        specification.variables.extend(own.variables.iter().cloned());
+        specification
+            .variables
+            .extend(own.variables.iter().cloned());
         let sides = [
             (&own.assumptions, &mut specification.assumptions),
             (&own.guarantees, &mut specification.guarantees),

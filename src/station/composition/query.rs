@@ -54,7 +54,10 @@ impl Values {
                 let next = if *time == Time::Next { "next " } else { "" };
                 let name = machine.wire_name(wire.index());
                 let unit = unit(machine, *wire);
-                format!("{next}{name} = {}", shown(&domain(machine, *wire), *value, &unit))
+                format!(
+                    "{next}{name} = {}",
+                    shown(&domain(machine, *wire), *value, &unit)
+                )
             })
             .collect();
         shown.join(", ")
