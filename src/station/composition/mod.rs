@@ -17,7 +17,7 @@
 //! the library is called. With all assumptions discharged or exported nothing gets stuck, since every component's machine
 //! answers every input that keeps its assumptions.
 //!
-//! Several coordinators are first made one ([`merged`]).
+//! Several coordinators are first made one (`merged.rs`).
 //!
 //! Machines without a coordinator export all their assumptions.
 
