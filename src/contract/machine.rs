@@ -18,7 +18,7 @@
 //! A broken assumption ends the step with an error and changes nothing.
 
 use super::TaxonomyCode;
-use crate::gr1::{Domain, Expr, Specification};
+use crate::gr1::{Domain, Expr, Specification, described};
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -112,6 +112,13 @@ pub struct PlantInput {
     pub source: PlantSource,
     /// Where it is declared.
     pub span: Span,
+}
+
+impl PlantInput {
+    /// Its values as a person writes them, with their unit: `0..359 deg`.
+    pub fn describe(&self) -> String {
+        described(&self.domain, &self.unit)
+    }
 }
 
 /// Where a plant wire's value comes from when `simulate` runs.

@@ -77,7 +77,11 @@ impl Interpreter {
         after.started = true;
         for (input, &value) in machine.plant.iter().zip(plant) {
             if !input.domain.contains(value) {
-                return Err(CallError::plant_domain(&input.name, value, &input.domain));
+                return Err(CallError::plant_domain(
+                    &input.name,
+                    value,
+                    &input.describe(),
+                ));
             }
         }
         after.wires[..plant.len()].copy_from_slice(plant);
@@ -123,7 +127,7 @@ impl Interpreter {
                     &component.name,
                     &variable.name,
                     value,
-                    &variable.domain,
+                    &variable.describe(),
                 ));
             }
         }

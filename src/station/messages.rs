@@ -154,23 +154,17 @@ impl CallError {
         )
     }
 
-    pub(super) fn plant_domain(name: &str, value: i64, domain: &Domain) -> Self {
+    pub(super) fn plant_domain(name: &str, value: i64, domain: &str) -> Self {
         Self::plain(
             ErrorCode::Domain,
-            format!(
-                "plant input `{name}` is {value}, outside its domain {}",
-                domain.describe()
-            ),
+            format!("plant input `{name}` is {value}, outside its domain {domain}"),
         )
     }
 
-    pub(super) fn input_domain(component: &str, name: &str, value: i64, domain: &Domain) -> Self {
+    pub(super) fn input_domain(component: &str, name: &str, value: i64, domain: &str) -> Self {
         Self::plain(
             ErrorCode::Domain,
-            format!(
-                "{component}: input `{name}` is {value}, outside its domain {}",
-                domain.describe()
-            ),
+            format!("{component}: input `{name}` is {value}, outside its domain {domain}"),
         )
     }
 
@@ -215,7 +209,7 @@ impl CallError {
                 "{} would be {}, not an integer of {}",
                 about_abstraction(machine, input),
                 real(value),
-                input.domain.describe()
+                input.describe()
             ),
         )
     }

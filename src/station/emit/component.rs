@@ -58,7 +58,7 @@ impl Emitter<'_> {
             .variables
             .iter()
             .zip(&k.specification.variables)
-            .map(|(name, v)| format!("    {name}, /* {} */\n", comment(&v.domain.describe())))
+            .map(|(name, v)| format!("    {name}, /* {} */\n", comment(&v.describe())))
             .collect();
         if !names.is_empty() {
             let _ = writeln!(out, "enum {{\n{}}};\n", names.concat());
@@ -161,7 +161,7 @@ impl Emitter<'_> {
                 format!(
                     "    {{ {}, {}, {}, {}, {} }},\n",
                     string(&v.name),
-                    string(&v.domain.describe()),
+                    string(&v.describe()),
                     self.variables[id.index()],
                     expression::literal(v.domain.low()),
                     expression::literal(v.domain.high())

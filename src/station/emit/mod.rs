@@ -188,7 +188,7 @@ fn plant(out: &mut String, machine: &Machine) {
         entries.push(format!(
             "    {{ {}, {}, {}, {}, {source},\n        {} }},\n",
             string(&input.name),
-            string(&input.domain.describe()),
+            string(&input.describe()),
             expression::literal(input.domain.low()),
             expression::literal(input.domain.high()),
             string(&super::messages::about_abstraction(machine, input))
