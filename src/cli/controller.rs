@@ -18,7 +18,7 @@ const MACHINE_PAIRS: usize = 48;
 
 /// Where functions will do, a machine is given up that needs more nodes than this at once, or more pairs of a state and inputs
 /// to be verified.
-const MACHINE_NODES: u64 = 4_000_000;
+const MACHINE_NODES: u64 = 500_000;
 
 /// What a controller shall be like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

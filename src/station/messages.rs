@@ -5,7 +5,7 @@
 
 use super::{CallError, ErrorCode};
 use crate::contract::machine::{Component, Machine, PlantInput, PlantSource, RealExpr};
-use crate::gr1::{Domain, Formula};
+use crate::gr1::Formula;
 
 /// A formula's text is cut to so many characters in a message.
 const LONGEST_TEXT: usize = 200;
