@@ -3,8 +3,6 @@
 
 #[path = "fuzz/check.rs"]
 mod check;
-#[path = "support/mod.rs"]
-#[allow(dead_code, reason = "only the root is asked for")]
 mod support;
 
 use check::Solved;

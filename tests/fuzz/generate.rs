@@ -99,6 +99,7 @@ struct Array {
 }
 
 /// What an expression may mention.
+#[expect(clippy::struct_excessive_bools, reason = "four yes-or-no questions")]
 #[derive(Clone, Copy)]
 struct Place {
     /// Outputs.
@@ -320,7 +321,7 @@ impl Generator<'_> {
         let state = if assumed { INPUTS } else { STATE };
         let choice = self.bytes.below(if outside { 12 } else { 8 });
         match choice {
-            0 if assumed => self.assumed_step(),
+            0 | 5 if assumed => self.assumed_step(),
             0 | 1 => {
                 let body = self.boolean(if assumed { INPUTS } else { STEP }, DEPTH);
                 format!("{} ({body})", self.bytes.pick(&["always", "G", "[]", "□"]))
@@ -332,7 +333,6 @@ impl Generator<'_> {
                 let word = ["always eventually", "GF", "[] <>", "□◇"];
                 format!("{} ({body})", self.bytes.pick(&word))
             }
-            5 if assumed => self.assumed_step(),
             5 => {
                 let now = self.boolean(STATE, DEPTH - 1);
                 let next = self.boolean(STEP, DEPTH - 1);
@@ -342,7 +342,7 @@ impl Generator<'_> {
                 let (p, s) = (self.boolean(STATE, 2), self.boolean(STATE, 2));
                 format!("always ({p} -> eventually {s})")
             }
-            6 | 7 | 8 => self.pattern(state),
+            6..=8 => self.pattern(state),
             9 if !self.arrays.is_empty() => self.quantified(assumed),
             10 => {
                 let (a, b) = (self.formula(assumed, false), self.formula(assumed, false));

@@ -195,6 +195,11 @@ impl<'a> Elaborator<'a> {
     }
 
     pub(super) fn unknown(&mut self, span: Span, name: &str, expected: Option<&Type>) {
+        // Definitions within definitions may come by the same place a million times, and what is near it takes long to find.
+        let mut latest = self.findings.iter().rev().take(64);
+        if latest.any(|f| f.code == codes::NAME_UNKNOWN && f.span == Some(span)) {
+            return;
+        }
         let mut known: Vec<&str> = self
             .variables
             .keys()
