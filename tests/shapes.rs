@@ -103,6 +103,24 @@ fn records_are_their_members() {
 }
 
 #[test]
+fn members_may_stand_in_any_order() {
+    same(
+        "contract C {
+             input a: record {x: 0..3, y: 0..3}
+             output b: record {y: 0..3, x: 0..3}
+             guarantee g: always (next (a = b) or b = a)
+         }",
+        "contract C {
+             input ax: 0..3
+             input ay: 0..3
+             output by: 0..3
+             output bx: 0..3
+             guarantee g: always ((next ax = next bx and next ay = next by) or (ax = bx and ay = by))
+         }",
+    );
+}
+
+#[test]
 fn arrays_of_arrays_are_long_arrays() {
     same(
         "contract C {

@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         } else if standard_input {
             result.push_str(&formatted);
         } else if changed {
-            match output::write(Path::new(&name), &formatted) {
+            match output::rewrite(Path::new(&name), &formatted) {
                 Ok(()) => {
                     let _ = writeln!(result, "formatted {name}");
                 }

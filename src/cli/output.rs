@@ -1,21 +1,43 @@
 //! Writes results to files: under a temporary name first, then renamed, so that a killed run leaves no half file.
 
 use crate::diagnostics::{Diagnostic, codes};
+use std::fs::Permissions;
 use std::io::{self, Write as _};
 use std::path::Path;
 
 /// Writes a file, and makes its folder where that is missing.
 pub fn write(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
-    replace(path, text.as_bytes()).map_err(|e| {
-        let message = format!("{} cannot be written: {e}", path.display());
-        Box::new(
-            Diagnostic::error(codes::OUTPUT_UNWRITABLE, None, message)
-                .with_help("choose a folder that may be written with --out DIR"),
-        )
+    replace(path, text.as_bytes(), None).map_err(|e| {
+        let help = "choose a folder that may be written with --out DIR";
+        Box::new(unwritable(path, &e, help))
     })
 }
 
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// Writes a file of the user's anew, where a link to it leads and with the permissions that it has. One that may not be written is
+/// left as it is.
+pub fn rewrite(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
+    let written = std::fs::canonicalize(path).and_then(|target| {
+        let permissions = std::fs::metadata(&target)?.permissions();
+        if permissions.readonly() {
+            return Err(io::ErrorKind::PermissionDenied.into());
+        }
+        replace(&target, text.as_bytes(), Some(permissions))
+    });
+    written.map_err(|e| {
+        Box::new(unwritable(
+            path,
+            &e,
+            "give yourself the permission to write it",
+        ))
+    })
+}
+
+fn unwritable(path: &Path, error: &io::Error, help: &str) -> Diagnostic {
+    let message = format!("{} cannot be written: {error}", path.display());
+    Diagnostic::error(codes::OUTPUT_UNWRITABLE, None, message).with_help(help)
+}
+
+fn replace(path: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::Result<()> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -27,6 +49,9 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.prefix(".linewright-").tempfile_in(folder)?;
     file.write_all(bytes)?;
+    if let Some(permissions) = permissions {
+        file.as_file().set_permissions(permissions)?;
+    }
     file.persist(path)?;
     Ok(())
 }
@@ -52,5 +77,24 @@ mod tests {
         std::fs::write(folder.path().join("a"), "a file, no folder").unwrap();
         let finding = write(&folder.path().join("a/b.json"), "text").unwrap_err();
         assert_eq!(finding.code, codes::OUTPUT_UNWRITABLE);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_written_anew_keeps_its_place_and_its_permissions() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("a.lw"), folder.path().join("b.lw"));
+        std::fs::write(&file, "old").unwrap();
+        std::fs::set_permissions(&file, Permissions::from_mode(0o750)).unwrap();
+        symlink(&file, &link).unwrap();
+        rewrite(&link, "new").unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
+        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+        let mode = std::fs::metadata(&file).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o750);
+        std::fs::set_permissions(&file, Permissions::from_mode(0o440)).unwrap();
+        assert!(rewrite(&file, "newer").is_err());
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
     }
 }

@@ -18,6 +18,17 @@ pub(super) fn lower<'a>(
         Some(bound) => e.steps(bound).map(Some),
         None => Some(None),
     };
+    if let (PatternKind::Absence(_) | PatternKind::Universality(_), Some(bound)) =
+        (&pattern.kind, &pattern.bound)
+    {
+        e.error_with(
+            codes::PAST,
+            bound.span,
+            "`never` and `always` have no bound",
+            "say how long with a scope, `never P after Q until R`; R may be a counter that has come to its end",
+        );
+        return None;
+    }
     let kind = match &pattern.kind {
         PatternKind::Absence(p) => e.state(p, "never").map(Pattern::Absence),
         PatternKind::Universality(p) => e.state(p, "always").map(Pattern::Universality),

@@ -508,7 +508,7 @@ impl<'a> Elaborator<'a> {
                 self.error_with(
                     codes::NOT_GR1,
                     e.span,
-                    "this pattern stands within a larger formula, which is outside GR(1)",
+                    "this pattern stands within a larger formula or a definition, which is outside GR(1)",
                     "a pattern is an assumption or guarantee by itself; give each one its own, or use `once`, `since` and `previous` within formulas",
                 );
                 None

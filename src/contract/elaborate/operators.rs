@@ -114,9 +114,11 @@ impl<'a> Elaborator<'a> {
                 };
                 Some(Term::binary(BinaryOp::Eq, a, b))
             }
-            (Value::Record(a), Value::Record(b))
-                if a.len() == b.len() && a.iter().zip(&b).all(|((x, _), (y, _))| x == y) =>
+            (Value::Record(a), Value::Record(mut b))
+                if a.len() == b.len() && a.iter().all(|(x, _)| b.iter().any(|(y, _)| x == y)) =>
             {
+                let place = |name: &str| a.iter().position(|(x, _)| x == name);
+                b.sort_by_key(|(name, _)| place(name));
                 let mut terms = Vec::with_capacity(a.len());
                 for ((_, a), (_, b)) in a.into_iter().zip(b) {
                     terms.push(self.equal(span, a, b)?);

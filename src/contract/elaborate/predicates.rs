@@ -61,9 +61,9 @@ impl<'a> Elaborator<'a> {
                 codes::ARGUMENT,
                 span,
                 format!(
-                    "`{}` takes {} values, not {}",
+                    "`{}` takes {}, not {}",
                     name.text,
-                    formals.len(),
+                    counted(formals.len()),
                     arguments.len()
                 ),
                 help,
@@ -181,5 +181,13 @@ impl<'a> Elaborator<'a> {
             (None, Some(Entry::Many(list))) => Some(list.len()),
             _ => None,
         }
+    }
+}
+
+fn counted(values: usize) -> String {
+    match values {
+        0 => "no value".to_owned(),
+        1 => "1 value".to_owned(),
+        n => format!("{n} values"),
     }
 }

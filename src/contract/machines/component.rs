@@ -318,9 +318,12 @@ pub(super) fn binding<'a>(
             codes::TYPE_MISMATCH,
             span,
             format!(
-                "this can be {}..{}, but the input `{}` takes {} only",
-                range.low,
-                range.high,
+                "this {}, but the input `{}` takes {} only",
+                if range.low == range.high {
+                    format!("is {}", range.low)
+                } else {
+                    format!("can be {}..{}", range.low, range.high)
+                },
                 variable.name,
                 variable.describe()
             ),
