@@ -1,6 +1,9 @@
 //! What several test files need: the built program, a folder to run it in, and a way to skip honestly.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
+pub mod programs;
+pub mod wine;
+
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -170,6 +170,7 @@ static void meddle(const library *lib, uint64_t *state)
     lw_handle handle = look(state);
     const line *line = &the_plan.lines[draw(state, (uint32_t)the_plan.line_count)];
     int32_t code = LW_OK;
+    int32_t length;
     if (handle == 0) {
         return;
     }
@@ -184,7 +185,8 @@ static void meddle(const library *lib, uint64_t *state)
         code = lib->reset(handle);
         break;
     case 2:
-        same((int64_t)lib->last_error(handle, text, sizeof text), (int64_t)strlen(text), "lw_last_error");
+        length = lib->last_error(handle, text, sizeof text);
+        same((int64_t)strlen(text), length, "the length of a text of an instance that may end");
         break;
     default:
         if (draw(state, 8) == 0) {
