@@ -15,7 +15,13 @@ pub fn plan(subject: &Subject, package: &Package, script: &Script) -> String {
     );
     for input in &machine.plant {
         let domain = &input.domain;
-        let _ = writeln!(text, "plant {} {} {}", domain.low(), domain.high(), input.name);
+        let _ = writeln!(
+            text,
+            "plant {} {} {}",
+            domain.low(),
+            domain.high(),
+            input.name
+        );
     }
     for component in &machine.components {
         let specification = &component.specification;

@@ -531,7 +531,11 @@ pub fn script(subject: &Subject) -> Script {
     writer.call(Call::Reset);
     writer.steps(2_000, &mut random);
     let script = &mut writer.script;
-    let missed: Vec<&Row> = explored.rows.keys().filter(|r| !script.covered.contains(r)).collect();
+    let missed: Vec<&Row> = explored
+        .rows
+        .keys()
+        .filter(|r| !script.covered.contains(r))
+        .collect();
     assert_eq!(missed, Vec::<&Row>::new(), "{}", subject.name());
     script.whole = explored.whole;
     script.rows = tables.rows();

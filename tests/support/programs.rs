@@ -47,7 +47,10 @@ pub fn run(command: &mut Command, patience: Duration) -> Finished {
         Err(error) => {
             return Finished {
                 output: String::new(),
-                errors: format!("{} cannot be started: {error}", command.get_program().display()),
+                errors: format!(
+                    "{} cannot be started: {error}",
+                    command.get_program().display()
+                ),
                 success: false,
             };
         }
