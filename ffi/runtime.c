@@ -4,14 +4,7 @@
  * lock guards which places are taken; each place has a lock for its instance. */
 #include "step.c"
 
-#if defined(LW_NO_LOCKS)
-/* For tests that want to see what the locks are for, and for hosts of a single thread without any. */
-typedef int lw_lock;
-#define LW_LOCK_INITIALIZER 0
-#define lw_lock_create(lock) ((void)(lock))
-#define lw_lock_take(lock) ((void)(lock))
-#define lw_lock_give(lock) ((void)(lock))
-#elif defined(_WIN32)
+#if defined(_WIN32)
 #ifndef WIN32_LEAN_AND_MEAN
 #define WIN32_LEAN_AND_MEAN
 #endif
