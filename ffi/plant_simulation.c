@@ -81,7 +81,10 @@ static lw_slot *lw_enter_value(const UF_Value *arg, int32_t *code)
 LW_EXPORT void instantiate(UF_Value *ret, UF_Value *arg)
 {
     (void)arg;
-    lw_give_integer(ret, lw_create());
+    /* An instance whose handle nobody gets could never be ended. */
+    if (ret != NULL) {
+        lw_give_integer(ret, lw_create());
+    }
 }
 
 LW_EXPORT void deinstantiate(UF_Value *ret, UF_Value *arg)
@@ -175,6 +178,7 @@ LW_EXPORT void simulate(UF_Value *ret, UF_Value *arg)
     if (code == LW_OK) {
         code = lw_serve(slot, operation, properties);
     }
+    slot->verdict = code;
     lw_give_real(ret, code == LW_OK ? slot->service.seconds : (double)code);
     lw_lock_give(&slot->lock);
 }
