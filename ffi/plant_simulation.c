@@ -268,6 +268,8 @@ static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result
             int inside = range->whole && value >= range->low && value <= range->high && floor(value) <= value
                          && floor(value) >= value;
             *result = inside ? lw_whole((int64_t)value, lw_label(range->labels, (int64_t)value)) : lw_measured(value);
+            /* A zero keeps its sign. */
+            result->value = value;
             return LW_OK;
         }
     }
