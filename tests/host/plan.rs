@@ -2,6 +2,7 @@
 
 use crate::machines::Subject;
 use crate::walk::{Answer, Call, Script};
+use linewright::gr1::Domain;
 use linewright::station::{CallError, Package};
 use std::fmt::Write as _;
 
@@ -26,13 +27,17 @@ pub fn plan(subject: &Subject, package: &Package, script: &Script) -> String {
     for component in &machine.components {
         let specification = &component.specification;
         for variable in specification.outputs().map(|v| specification.variable(v)) {
-            let (domain, name) = (&variable.domain, &variable.name);
-            let (low, high) = (domain.low(), domain.high());
-            let _ = writeln!(text, "output {low} {high} {}.{name}", component.name);
+            let name = format!("{}.{}", component.name, variable.name);
+            port(&mut text, "output", &name, Some(&variable.domain));
         }
     }
     for property in &machine.properties {
-        let _ = writeln!(text, "property {}", property.name);
+        port(
+            &mut text,
+            "property",
+            &property.name,
+            property.domain.as_ref(),
+        );
     }
     for operation in &machine.operations {
         let _ = writeln!(text, "operation {}", operation.name);
@@ -41,6 +46,16 @@ pub fn plan(subject: &Subject, package: &Package, script: &Script) -> String {
         line(&mut text, call, answer);
     }
     text
+}
+
+fn port(text: &mut String, kind: &str, name: &str, domain: Option<&Domain>) {
+    let (low, high) = domain.map_or((1, 0), |d| (d.low(), d.high()));
+    let _ = writeln!(text, "{kind} {low} {high} {name}");
+    if let Some(Domain::Enum { labels, .. }) = domain {
+        for label in labels {
+            let _ = writeln!(text, "label {label}");
+        }
+    }
 }
 
 fn line(text: &mut String, call: &Call, answer: &Answer) {

@@ -8,9 +8,10 @@ use crate::support::{root, skip};
 use crate::walk::{Script, script};
 use linewright::station::toolchain::{Compiler, Platform};
 use linewright::station::{Package, Toolchain};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// Longer than any run of the host, so that one that hangs ends.
@@ -32,18 +33,23 @@ const WARNINGS: [&str; 6] = [
 /// Libraries that the host is linked with.
 const POSIX_LIBRARIES: [&str; 2] = ["-pthread", "-ldl"];
 
-/// What a run of the host needs beside the library: made once for a machine.
+/// What a run of the host needs beside the library.
 pub struct Prepared {
     pub subject: Subject,
     pub package: Package,
-    pub script: Script,
+    pub script: Arc<Script>,
     folder: tempfile::TempDir,
 }
 
 impl Prepared {
+    /// Writes a machine's plan into a folder of its own. The way through the machine is looked for once.
     pub fn new(subject: &Subject) -> Self {
+        static SCRIPTS: Mutex<BTreeMap<String, Arc<Script>>> = Mutex::new(BTreeMap::new());
         let package = Package::emit(&subject.machine, &subject.controllers);
-        let script = script(subject);
+        let mut scripts = SCRIPTS.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = scripts.entry(package.hash.clone());
+        let script = Arc::clone(known.or_insert_with(|| Arc::new(script(subject))));
+        drop(scripts);
         let folder = tempfile::tempdir().expect("a folder");
         let text = plan(subject, &package, &script);
         std::fs::write(folder.path().join("plan"), text).expect("a plan");
@@ -134,21 +140,29 @@ pub struct Host {
     pub toolchain: Toolchain,
     program: PathBuf,
     wine: Option<&'static Wine>,
-    /// Of the other libraries.
-    folder: tempfile::TempDir,
+    /// Of the program and of other machines' libraries.
+    folder: PathBuf,
+}
+
+/// An empty folder of a name, which stays until the tests run again: what is static is never dropped.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
 }
 
 impl Host {
     /// The host for this computer; the libraries are what ships.
     pub fn native() -> &'static Self {
         static HOST: OnceLock<Host> = OnceLock::new();
-        HOST.get_or_init(|| Self::with_flags(Toolchain::shipping(), &["-O2"]))
+        HOST.get_or_init(|| Self::with_flags("host", Toolchain::shipping(), &["-O2"]))
     }
 
-    /// The host for this computer, compiled with flags, and a toolchain that goes with them.
-    pub fn with_flags(toolchain: Toolchain, flags: &[&str]) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let program = folder.path().join("host");
+    /// The host for this computer, compiled with flags, and a toolchain that goes with them. Each has a name of its own.
+    pub fn with_flags(name: &str, toolchain: Toolchain, flags: &[&str]) -> Self {
+        let folder = folder(name);
+        let program = folder.join("host");
         compile(&mut cc(), flags, &sources(), &program);
         Self {
             toolchain,
@@ -165,8 +179,8 @@ impl Host {
             let (_, compiler) = Compiler::windows().map_err(|e| ("mingw", e.to_string()))?;
             let toolchain = Toolchain::windows().map_err(|e| ("mingw", e.to_string()))?;
             let wine = wine().map_err(|e| ("wine", e))?;
-            let folder = tempfile::tempdir().expect("a folder");
-            let program = folder.path().join("host.exe");
+            let folder = folder("host-windows");
+            let program = folder.join("host.exe");
             compile(&mut compiler.command(), &["-O2"], &sources(), &program);
             Ok(Self {
                 toolchain,
@@ -206,7 +220,7 @@ impl Host {
         start: impl Fn(&Path) -> Command,
     ) -> Finished {
         let other = other(prepared.subject.name());
-        let other = self.toolchain.build(other, self.folder.path(), false);
+        let other = self.toolchain.build(other, &self.folder, false);
         let other = other.expect("another machine's library").path;
         let arguments = [
             self.path(library),

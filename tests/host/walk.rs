@@ -1,7 +1,7 @@
 //! A way through a machine that comes by everything it can do.
 //!
 //! Places of all components together are explored from step 0 on, breadth first, with every letter of the plant where there are
-//! few and with some of them where there are many. For every row of a controller's table that was met, the shortest way to it
+//! few and with some of them where there are many. For every row of a controller (a cube of a transition) that was met, the shortest way to it
 //! goes into the script, and some steps beyond, so that a row that leads elsewhere is seen. Random ways are gone after that, and
 //! those that meet another row are kept. Operations and random steps follow, refused ones among them.
 
@@ -33,8 +33,11 @@ pub enum Answer {
     Error(CallError),
 }
 
-/// A row of a table of guards: the component, and the row in the order in which they are emitted.
+/// A row of a controller, one cube of one transition: the component, and the row in the order of its places.
 pub type Row = (usize, usize);
+
+/// What a component was asked: which one, in which place (`None` before step 0), with which inputs.
+pub type Question = (usize, Option<usize>, Vec<i64>);
 
 /// Letters that are tried in one place, and steps that are tried in all.
 const LETTERS: u64 = 512;
@@ -114,7 +117,7 @@ impl<'a> Tables<'a> {
     }
 
     /// Advances the places by a step that put these values on the wires, and gives the rows that did so.
-    fn follow(&self, places: &mut Places, wires: &[i64]) -> Vec<Row> {
+    fn follow(&self, places: &mut Places, wires: &[i64]) -> Vec<(Row, Question)> {
         let mut rows = Vec::new();
         for (c, component) in self.subject.machine.components.iter().enumerate() {
             let (Some(first), Some(machine)) =
@@ -133,7 +136,7 @@ impl<'a> Tables<'a> {
                 Some((row + cube?, t.to))
             });
             let (row, to) = found.expect("a step that was made has a row in every table");
-            rows.push((c, row));
+            rows.push(((c, row), (c, places[c], inputs)));
             places[c] = Some(to);
         }
         rows
@@ -225,7 +228,7 @@ fn explore(subject: &Subject, tables: &Tables<'_>, random: &mut Random) -> Explo
                 continue;
             };
             let mut places = found.nodes[node].places.clone();
-            for row in tables.follow(&mut places, &wires) {
+            for (row, _) in tables.follow(&mut places, &wires) {
                 found
                     .rows
                     .entry(row)
@@ -269,6 +272,8 @@ pub struct Script {
     pub answers: Vec<Answer>,
     /// The rows that it comes by.
     pub covered: BTreeSet<Row>,
+    /// What the components were asked.
+    pub questions: BTreeSet<Question>,
     /// How many rows all tables have. Not all can be met in a machine: its coordinator does not ask for everything.
     pub rows: usize,
     /// Whether the exploration left nothing out, so that no other row can be met.
@@ -293,8 +298,10 @@ impl Writer<'_> {
     }
 
     fn follow(&mut self, wires: Vec<i64>) {
-        let rows = self.tables.follow(&mut self.places, &wires);
-        self.script.covered.extend(rows);
+        for (row, question) in self.tables.follow(&mut self.places, &wires) {
+            self.script.covered.insert(row);
+            self.script.questions.insert(question);
+        }
         self.wires = wires;
     }
 

@@ -79,6 +79,8 @@ typedef struct library {
     value_export *instantiate_value;
     value_export *simulate_value;
     value_export *get_real_value;
+    value_export *get_integer_value;
+    value_export *get_string_value;
     value_export *reset_value;
     value_export *deinstantiate_value;
     value_export *last_error_value;
@@ -116,11 +118,13 @@ typedef struct line {
     const char *text;
 } line;
 
-/* A name with what values it has. */
+/* A name with what values it has, and what those from 0 on are called, where they are called anything. */
 typedef struct port {
     const char *name;
     int64_t low;
     int64_t high;
+    const char **labels;
+    int32_t label_count;
 } port;
 
 typedef struct plan {
@@ -132,7 +136,7 @@ typedef struct plan {
     int32_t operations;
     port *plant_ports;
     port *output_ports;
-    const char **property_names;
+    port *property_ports;
     const char **operation_names;
     line *lines;
     int line_count;
@@ -147,8 +151,9 @@ void plan_read(const char *path);
 
 /* ---- replay.c ---------------------------------------------------------------------------------------------------- */
 
-/* The interface through which operations go. */
-typedef enum way { WAY_PLAIN, WAY_VALUES } way;
+/* The interface through which operations go, and in which results are asked for. Texts that the adapter returns are overwritten by
+ * later ones, of other threads too, so that several threads go by the adapter's numbers. */
+typedef enum way { WAY_PLAIN, WAY_VALUES, WAY_NUMBERS } way;
 
 #define MOST_VALUES 512
 

@@ -27,6 +27,8 @@ static const export_name EXPORTS[] = {
     {"instantiate", offsetof(library, instantiate_value)},
     {"simulate", offsetof(library, simulate_value)},
     {"get_real", offsetof(library, get_real_value)},
+    {"get_integer", offsetof(library, get_integer_value)},
+    {"get_string", offsetof(library, get_string_value)},
     {"reset", offsetof(library, reset_value)},
     {"deinstantiate", offsetof(library, deinstantiate_value)},
     {"last_error", offsetof(library, last_error_value)},

@@ -198,7 +198,7 @@ static void property_with_a_wrong_tag(scene *s)
     }
     for (int32_t i = 0; i < the_plan.properties; i++) {
         UF_Value kept = s->arg[2 + i];
-        snprintf(text, sizeof text, "property `%s` must be a real number or an integer", the_plan.property_names[i]);
+        snprintf(text, sizeof text, "property `%s` must be a real number or an integer", the_plan.property_ports[i].name);
         for (int k = 0; k < 3; k++) {
             s->arg[2 + i] = wrong[k];
             refused(s, LW_ERROR_ARGUMENT, (int32_t)call_real(s->lib->simulate_value, s->arg, "simulate"), text,
@@ -216,7 +216,7 @@ static void property_that_is_no_number(scene *s)
         return;
     }
     for (int32_t i = 0; i < the_plan.properties; i++) {
-        snprintf(text, sizeof text, "property `%s` is not a finite number", the_plan.property_names[i]);
+        snprintf(text, sizeof text, "property `%s` is not a finite number", the_plan.property_ports[i].name);
         for (int k = 0; k < 3; k++) {
             s->properties[i] = none[k];
             refused(s, LW_ERROR_DOMAIN,
@@ -236,8 +236,11 @@ static void property_that_is_no_number(scene *s)
 
 static void bad_result(scene *s, UF_Value name, const char *part)
 {
+    value_export *const getters[3] = {s->lib->get_real_value, s->lib->get_integer_value, s->lib->get_string_value};
     s->arg[1] = name;
-    refused(s, LW_ERROR_ARGUMENT, (int32_t)call_integer(s->lib->get_real_value, s->arg, "get_real"), part, "get_real");
+    for (int k = 0; k < 3; k++) {
+        refused(s, LW_ERROR_ARGUMENT, (int32_t)call_integer(getters[k], s->arg, "a getter"), part, "a getter");
+    }
 }
 
 static void result_with_a_wrong_tag(scene *s)
@@ -252,9 +255,22 @@ static void result_with_a_wrong_tag(scene *s)
 /* What is said depends on whether an operation has ended, but it is refused at any time. */
 static void result_of_another_name(scene *s)
 {
-    bad_result(s, value_string(""), "o");
-    bad_result(s, value_string("property."), "o");
-    bad_result(s, value_string("no such result"), "o");
+    static const char *const names[] = {"",        "property.",    "property",      "output.",     "output",
+                                        "Verdict", "output.verdict", "no such result", "time ",      "%s%n"};
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        bad_result(s, value_string(names[k]), "no");
+    }
+}
+
+/* What is measured is no whole number, whatever its value. */
+static void result_of_another_kind(scene *s)
+{
+    s->arg[1] = value_string("time");
+    refused(s, LW_ERROR_ARGUMENT, (int32_t)call_integer(s->lib->get_integer_value, s->arg, "get_integer"), "n",
+            "get_integer");
+    s->arg[1] = value_string("energy");
+    refused(s, LW_ERROR_ARGUMENT, (int32_t)call_integer(s->lib->get_integer_value, s->arg, "get_integer"), "n",
+            "get_integer");
 }
 
 /* ---- Handles ----------------------------------------------------------------------------------------------------- */
@@ -263,8 +279,8 @@ static void result_of_another_name(scene *s)
 static void handle_with_a_wrong_tag(scene *s)
 {
     const library *lib = s->lib;
-    value_export *const exports[4] = {lib->simulate_value, lib->get_real_value, lib->reset_value,
-                                      lib->deinstantiate_value};
+    value_export *const exports[6] = {lib->simulate_value,    lib->get_real_value, lib->get_integer_value,
+                                      lib->get_string_value,  lib->reset_value,    lib->deinstantiate_value};
     UF_Value wrong[4];
     char text[TEXT_ROOM];
     wrong[0] = value_real((double)s->handle);
@@ -277,7 +293,7 @@ static void handle_with_a_wrong_tag(scene *s)
         if (k < 4) {
             s->arg[0] = wrong[k];
         }
-        for (int e = 0; e < 4; e++) {
+        for (int e = 0; e < 6; e++) {
             int32_t seen = e == 0 ? (int32_t)call_real(exports[e], arg, "a call with no handle")
                                   : (int32_t)call_integer(exports[e], arg, "a call with no handle");
             same_code(LW_ERROR_ARGUMENT, seen, "a call with no handle");
@@ -296,6 +312,12 @@ static void answer_without_a_place(scene *s)
     lib->simulate_value(NULL, s->arg);
     s->arg[1] = value_string("no such result");
     lib->get_real_value(NULL, s->arg);
+    lib->get_integer_value(NULL, s->arg);
+    lib->get_string_value(NULL, s->arg);
+    s->arg[1] = value_string("verdict");
+    lib->get_real_value(NULL, s->arg);
+    lib->get_integer_value(NULL, s->arg);
+    lib->get_string_value(NULL, s->arg);
     lib->last_error_value(NULL, s->arg);
     lib->last_error_value(NULL, NULL);
     lib->describe_value(NULL, NULL);
@@ -303,6 +325,8 @@ static void answer_without_a_place(scene *s)
     lib->deinstantiate_value(NULL, NULL);
     lib->simulate_value(NULL, NULL);
     lib->get_real_value(NULL, NULL);
+    lib->get_integer_value(NULL, NULL);
+    lib->get_string_value(NULL, NULL);
 }
 
 /* A text is cut to the room there is, and its length is told whole. */
@@ -357,10 +381,12 @@ int refuse_handle(const library *lib, lw_handle handle, const char *what)
     same_code(LW_ERROR_HANDLE, (int32_t)call_real(lib->simulate_value, arg, what), what);
     same(LW_ERROR_HANDLE, call_integer(lib->reset_value, arg, what), what);
     same(LW_ERROR_HANDLE, call_integer(lib->deinstantiate_value, arg, what), what);
-    arg[1] = value_string("seconds");
+    arg[1] = value_string("verdict");
     same(LW_ERROR_HANDLE, call_integer(lib->get_real_value, arg, what), what);
+    same(LW_ERROR_HANDLE, call_integer(lib->get_integer_value, arg, what), what);
+    same(LW_ERROR_HANDLE, call_integer(lib->get_string_value, arg, what), what);
     holds(call_string(lib->last_error_value, arg, what), "the handle was never given", what);
-    return 11;
+    return 13;
 }
 
 /* An instance's own text is not that of a call with a handle that is none. */
@@ -381,7 +407,7 @@ static void (*const MISTAKES[])(scene *s) = {
     step_with_too_many_inputs,  step_with_too_few_inputs,  step_without_inputs,        step_with_the_wrong_room,
     step_outside_the_domain,    operation_with_wrong_counts, operation_that_is_not_there, operation_of_another_name,
     operation_of_a_long_name,   operation_with_a_wrong_tag, property_with_a_wrong_tag,  property_that_is_no_number,
-    result_with_a_wrong_tag,    result_of_another_name,    handle_with_a_wrong_tag,    answer_without_a_place,
+    result_with_a_wrong_tag,    result_of_another_name,    result_of_another_kind,     handle_with_a_wrong_tag,    answer_without_a_place,
     text_with_little_room,      text_of_another_call,
 };
 

@@ -4,7 +4,8 @@
  *     description TEXT                               what lw_describe answers
  *     plant LOW HIGH NAME                            a plant input, in order
  *     output LOW HIGH NAME                           an output, in order
- *     property NAME                                  a property, in order
+ *     property LOW HIGH NAME                         a property, in order; 1 0 where any number will do
+ *     label NAME                                     of the port before it: what its next number from 0 on is called
  *     operation NAME                                 an operation, in order
  *     reset
  *     step PLANT... = OUTPUTS...                     a step that succeeds
@@ -29,6 +30,7 @@ static size_t integers_room;
 static size_t reals_used;
 static size_t reals_room;
 static int lines_room;
+static port *last_port;
 
 /* Room for one more of what is listed. */
 static void *grown(void *list, size_t used, size_t *room, size_t size)
@@ -106,6 +108,8 @@ static void read_port(port **ports, int32_t *count, char *rest)
     if (*ports == NULL || *count == MOST_VALUES) {
         fail("the plan has too many names");
     }
+    memset(&(*ports)[*count], 0, sizeof **ports);
+    last_port = &(*ports)[*count];
     (*ports)[*count].low = integer(&rest);
     (*ports)[*count].high = integer(&rest);
     (*ports)[*count].name = rest;
@@ -213,7 +217,9 @@ static void read_line(char *rest)
     } else if (strcmp(what, "output") == 0) {
         read_port(&the_plan.output_ports, &the_plan.outputs, rest);
     } else if (strcmp(what, "property") == 0) {
-        read_name(&the_plan.property_names, &the_plan.properties, rest);
+        read_port(&the_plan.property_ports, &the_plan.properties, rest);
+    } else if (strcmp(what, "label") == 0 && last_port != NULL) {
+        read_name(&last_port->labels, &last_port->label_count, rest);
     } else if (strcmp(what, "operation") == 0) {
         read_name(&the_plan.operation_names, &the_plan.operations, rest);
     } else {

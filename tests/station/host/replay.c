@@ -108,7 +108,7 @@ static int replay_plain(const library *lib, lw_handle handle, const line *line)
         unexpected(lib, handle, line, code);
     }
     for (size_t i = 0; i < count; i++) {
-        same_real(expected[i], properties[i], line->number, the_plan.property_names[i]);
+        same_real(expected[i], properties[i], line->number, the_plan.property_ports[i].name);
     }
     same_real(taken->seconds, service.seconds, line->number, "the duration");
     same_real(taken->joules, service.joules, line->number, "the energy");
@@ -116,12 +116,90 @@ static int replay_plain(const library *lib, lw_handle handle, const line *line)
     return line->code == LW_OK ? 1 : 3;
 }
 
-static void check_result(const library *lib, lw_handle handle, const line *line, const char *name, double expected)
+/* ---- Results by name --------------------------------------------------------------------------------------------- */
+
+static const char *const VERDICTS[] = {"ok",        "handle", "argument", "domain",  "operation", "assumption",
+                                       "guarantee", "limit",  "memory",   "internal"};
+
+static void set_name(UF_Value *arg, lw_handle handle, const char *name)
 {
-    UF_Value arg[2];
     arg[0] = value_integer(handle);
     arg[1] = value_string(name);
+}
+
+static void check_real(const library *lib, lw_handle handle, const line *line, const char *name, double expected)
+{
+    UF_Value arg[2];
+    set_name(arg, handle, name);
     same_real(expected, call_real(lib->get_real_value, arg, "get_real"), line->number, name);
+}
+
+static void check_words(const library *lib, lw_handle handle, const line *line, way way, const char *name, const char *expected)
+{
+    UF_Value arg[2];
+    const char *seen;
+    if (way != WAY_VALUES) {
+        return;
+    }
+    set_name(arg, handle, name);
+    seen = call_string(lib->get_string_value, arg, "get_string");
+    if (seen == NULL || strcmp(seen, expected) != 0) {
+        fail("line %d of the plan, %s in words: expected `%s`, saw `%s`", line->number, name, expected,
+             seen == NULL ? "(none)" : seen);
+    }
+}
+
+/* A whole number through all three getters; in words it is its label, or its digits. */
+static void check_whole(const library *lib, lw_handle handle, const line *line, way way, const char *name, int64_t expected,
+                        const port *port)
+{
+    UF_Value arg[2];
+    char digits[32];
+    set_name(arg, handle, name);
+    same(expected, call_integer(lib->get_integer_value, arg, "get_integer"), name);
+    check_real(lib, handle, line, name, (double)expected);
+    snprintf(digits, sizeof digits, "%" PRId64, expected);
+    check_words(lib, handle, line, way, name,
+                port != NULL && port->label_count > 0 ? port->labels[expected] : digits);
+}
+
+/* How the call went. */
+static void check_verdict(const library *lib, lw_handle handle, const line *line, way way)
+{
+    UF_Value arg[2];
+    set_name(arg, handle, "verdict");
+    same(line->code, call_integer(lib->get_integer_value, arg, "get_integer"), "the verdict");
+    check_real(lib, handle, line, "verdict", (double)line->code);
+    check_words(lib, handle, line, way, "verdict", VERDICTS[-line->code]);
+    if (line->code != LW_OK) {
+        check_words(lib, handle, line, way, "rule", line->rule);
+    }
+}
+
+/* One of the outputs after a step, another one in each line. */
+static void check_output(const library *lib, lw_handle handle, const line *line, way way)
+{
+    char name[TEXT_ROOM];
+    int32_t i = line->number % the_plan.outputs;
+    snprintf(name, sizeof name, "output.%s", the_plan.output_ports[i].name);
+    check_whole(lib, handle, line, way, name, the_plan.integers[line->got + (size_t)i], &the_plan.output_ports[i]);
+}
+
+static void check_property(const library *lib, lw_handle handle, const line *line, way way, int32_t i)
+{
+    char name[TEXT_ROOM];
+    UF_Value arg[2];
+    const port *port = &the_plan.property_ports[i];
+    double expected = the_plan.reals[line->got + (size_t)i];
+    snprintf(name, sizeof name, "property.%s", port->name);
+    check_real(lib, handle, line, name, expected);
+    if (expected >= (double)port->low && expected <= (double)port->high
+        && bits_of((double)(int64_t)expected) == bits_of(expected)) {
+        check_whole(lib, handle, line, way, name, (int64_t)expected, port);
+    } else if (port->low > port->high) {
+        set_name(arg, handle, name);
+        same(LW_ERROR_ARGUMENT, call_integer(lib->get_integer_value, arg, "get_integer"), "what is no whole number");
+    }
 }
 
 /* An integer is as good as a real number where it holds the same value. */
@@ -136,10 +214,9 @@ static UF_Value value_of_property(double value, int as_integer)
     return value_real(value);
 }
 
-static int replay_values(const library *lib, lw_handle handle, const line *line)
+static int replay_values(const library *lib, lw_handle handle, const line *line, way way)
 {
     UF_Value arg[MOST_VALUES + 2];
-    char name[TEXT_ROOM];
     const double *given = the_plan.reals + line->given;
     int known = line->operation >= 0 && line->operation < the_plan.operations;
     double answer;
@@ -157,21 +234,21 @@ static int replay_values(const library *lib, lw_handle handle, const line *line)
     code = answer < 0.0 ? (int32_t)answer : LW_OK;
     if (line->code != LW_OK) {
         check_error(lib, handle, line, code);
-        return 3;
+        check_verdict(lib, handle, line, way);
+        return 7;
     }
     if (code != LW_OK) {
         unexpected(lib, handle, line, code);
     }
     same_real(line->service.seconds, answer, line->number, "the duration");
-    check_result(lib, handle, line, "seconds", line->service.seconds);
-    check_result(lib, handle, line, "joules", line->service.joules);
-    check_result(lib, handle, line, "steps", (double)line->service.steps);
+    check_verdict(lib, handle, line, way);
+    check_real(lib, handle, line, line->number % 2 == 0 ? "seconds" : "time", line->service.seconds);
+    check_real(lib, handle, line, line->number % 2 == 0 ? "joules" : "energy", line->service.joules);
+    check_whole(lib, handle, line, way, "steps", line->service.steps, NULL);
     for (int32_t i = 0; i < the_plan.properties; i++) {
-        const double *after = the_plan.reals + line->got;
-        snprintf(name, sizeof name, "property.%s", the_plan.property_names[i]);
-        check_result(lib, handle, line, name, after[i]);
+        check_property(lib, handle, line, way, i);
     }
-    return 4 + the_plan.properties;
+    return 9 + the_plan.properties;
 }
 
 static int replay_reset(const library *lib, lw_handle handle, way way)
@@ -190,10 +267,20 @@ int replay(const library *lib, lw_handle handle, const line *line, way way)
     switch (line->kind) {
     case LINE_RESET:
         return replay_reset(lib, handle, way);
-    case LINE_STEP:
-        return replay_step(lib, handle, line);
+    case LINE_STEP: {
+        int calls = replay_step(lib, handle, line);
+        if (way != WAY_PLAIN) {
+            check_verdict(lib, handle, line, way);
+            calls += 3;
+            if (line->code == LW_OK && the_plan.outputs > 0) {
+                check_output(lib, handle, line, way);
+                calls += 3;
+            }
+        }
+        return calls;
+    }
     case LINE_OPERATION:
         break;
     }
-    return way == WAY_PLAIN ? replay_plain(lib, handle, line) : replay_values(lib, handle, line);
+    return way == WAY_PLAIN ? replay_plain(lib, handle, line) : replay_values(lib, handle, line, way);
 }

@@ -20,7 +20,7 @@ static void alone(int thread)
     for (int done = 0; done < rounds;) {
         lw_handle handle = instance(lib);
         for (int i = 0; i < the_plan.line_count && done < rounds; i++) {
-            done += replay(lib, handle, &the_plan.lines[i], (i + thread) % 2 == 0 ? WAY_PLAIN : WAY_VALUES);
+            done += replay(lib, handle, &the_plan.lines[i], (i + thread) % 2 == 0 ? WAY_PLAIN : WAY_NUMBERS);
         }
         same_code(LW_OK, lib->destroy(handle), "lw_destroy");
     }
