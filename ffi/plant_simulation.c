@@ -229,7 +229,8 @@ static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result
         return LW_OK;
     }
     if (strcmp(name, "rule") == 0) {
-        *result = lw_whole(0, slot->error.rule == NULL ? "" : slot->error.rule);
+        const char *rule = slot->verdict == LW_OK ? NULL : slot->error.rule;
+        *result = lw_whole(0, rule == NULL ? "" : rule);
         return LW_OK;
     }
     if (strncmp(name, "output.", 7) == 0) {
