@@ -248,7 +248,9 @@ fn write_files(
             let name = &functions.name;
             let message = format!("the controller of `{name}` has too many states for this form");
             let finding = Diagnostic::error(codes::GAVE_UP, span, message);
-            return Err(Box::new(finding.with_help("use --emit json, c, st or plcopen")));
+            return Err(Box::new(
+                finding.with_help("use --emit json, c, st or plcopen"),
+            ));
         }
     };
     Ok(vec![(format!("{name}.{}", emit.ending()), text)])

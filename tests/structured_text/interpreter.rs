@@ -163,11 +163,6 @@ impl Program {
             numbers: self.beginning.clone(),
         }
     }
-
-    /// The variable of this name.
-    pub fn variable(&self, name: &str) -> Option<&Variable> {
-        self.variables.get(&name.to_ascii_uppercase())
-    }
 }
 
 impl Instance<'_> {
@@ -273,7 +268,10 @@ impl Compiler {
         if dimensions.iter().any(|(a, b)| a > b) {
             return Err(format!("{name}: an array without elements"));
         }
-        let length = dimensions.iter().map(|(a, b)| (b - a + 1) as usize).product();
+        let length = dimensions
+            .iter()
+            .map(|(a, b)| (b - a + 1) as usize)
+            .product();
         let usual = range.map_or(0, |(low, high)| if low <= 0 && 0 <= high { 0 } else { low });
         let slot = row.len();
         row.resize(slot + length, usual);
@@ -287,7 +285,9 @@ impl Compiler {
             }
             for (place, value) in values.iter().enumerate() {
                 let (of, code) = self.expression(value)?;
-                let code = self.fitted(of, code, kind).map_err(|e| format!("{name}: {e}"))?;
+                let code = self
+                    .fitted(of, code, kind)
+                    .map_err(|e| format!("{name}: {e}"))?;
                 let Code::Constant(value) = code else {
                     return Err(format!("{name}: no constant"));
                 };
@@ -416,8 +416,7 @@ impl Compiler {
                 body,
             } => {
                 let variable = self.written(variable)?;
-                let (Type::Integer(place), true) =
-                    (variable.kind, variable.dimensions.is_empty())
+                let (Type::Integer(place), true) = (variable.kind, variable.dimensions.is_empty())
                 else {
                     return self.wrong("the variable of a FOR is a whole number");
                 };
@@ -489,7 +488,11 @@ impl Compiler {
                 v
             }),
         };
-        let indices: &[Expr] = if let Expr::Index(_, indices) = target { indices } else { &[] };
+        let indices: &[Expr] = if let Expr::Index(_, indices) = target {
+            indices
+        } else {
+            &[]
+        };
         Ok(match (self.place(&variable, indices)?, code) {
             (Code::Constant(slot), Code::Constant(value)) => {
                 let slot = slot as usize;
@@ -781,6 +784,9 @@ impl Compiler {
         match (name, count) {
             ("ABS", 1) => {
                 let (of, a) = next();
+                if let (Type::Literal, Code::Constant(value)) = (of, &a) {
+                    return Ok((of, Code::Constant(value.abs())));
+                }
                 let Type::Integer(place) = of else {
                     return self.wrong("ABS of what is no number");
                 };
@@ -796,7 +802,11 @@ impl Compiler {
                 if !integer(of) {
                     return self.wrong("MIN and MAX of what are no numbers");
                 }
-                let code = if name == "MIN" { both(a, b, i64::min) } else { both(a, b, i64::max) };
+                let code = if name == "MIN" {
+                    both(a, b, i64::min)
+                } else {
+                    both(a, b, i64::max)
+                };
                 Ok((of, code))
             }
             ("LIMIT", 3) => {

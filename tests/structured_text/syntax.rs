@@ -174,7 +174,11 @@ impl Parser {
     }
 
     fn unexpected(&self, wanted: &str) -> String {
-        format!("line {}: expected {wanted}, found {:?}", self.line(), self.peek())
+        format!(
+            "line {}: expected {wanted}, found {:?}",
+            self.line(),
+            self.peek()
+        )
     }
 
     fn is_word(&self, word: &str) -> bool {
@@ -246,7 +250,11 @@ impl Parser {
             }
             self.expect(":")?;
             let spec = self.spec()?;
-            let initial = if self.sign(":=") { Some(self.initial()?) } else { None };
+            let initial = if self.sign(":=") {
+                Some(self.initial()?)
+            } else {
+                None
+            };
             self.expect(";")?;
             for name in names {
                 found.push(Declaration {
@@ -385,7 +393,11 @@ impl Parser {
             let from = self.expression()?;
             self.expect_word("TO")?;
             let to = self.expression()?;
-            let by = if self.word("BY") { Some(self.expression()?) } else { None };
+            let by = if self.word("BY") {
+                Some(self.expression()?)
+            } else {
+                None
+            };
             self.expect_word("DO")?;
             let body = self.statements(&["END_FOR"])?;
             self.expect_word("END_FOR")?;
@@ -422,7 +434,11 @@ impl Parser {
     }
 
     fn otherwise(&mut self, end: &str) -> Result<Vec<Statement>, String> {
-        let otherwise = if self.word("ELSE") { self.statements(&[end])? } else { Vec::new() };
+        let otherwise = if self.word("ELSE") {
+            self.statements(&[end])?
+        } else {
+            Vec::new()
+        };
         self.expect_word(end)?;
         Ok(otherwise)
     }
@@ -435,7 +451,11 @@ impl Parser {
             let mut labels = Vec::new();
             loop {
                 let first = self.expression()?;
-                let last = if self.sign("..") { Some(self.expression()?) } else { None };
+                let last = if self.sign("..") {
+                    Some(self.expression()?)
+                } else {
+                    None
+                };
                 labels.push(Label { first, last });
                 if !self.sign(",") {
                     break;
@@ -465,7 +485,10 @@ impl Parser {
         }
         let rest = self.tokens[self.at..].iter();
         let label = rest.take_while(|p| {
-            !matches!(&p.token, Token::Sign(":" | ":=" | ";" | "(" | "[") | Token::End)
+            !matches!(
+                &p.token,
+                Token::Sign(":" | ":=" | ";" | "(" | "[") | Token::End
+            )
         });
         let end = self.at + label.count();
         end > self.at && self.tokens[end].token == Token::Sign(":")

@@ -4,10 +4,10 @@
 //! and gives the name of the first that is broken; that takes the inputs of the step before, which are kept. An assumption that
 //! the standard cannot say shortly stays unnamed.
 
+use super::Variable;
 use super::expression::Translator;
 use super::interface::{Interface, Own};
 use super::text::{indented, wrap_condition};
-use super::{Initial, Variable};
 use crate::gr1::{Formula, Specification, Time};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -18,17 +18,13 @@ pub(super) struct Assumptions {
     state: String,
     first: String,
     later: String,
-    /// What is kept of the step before: the variable, and the input it is a copy of.
-    kept: Vec<(Variable, String)>,
+    /// What is kept of the step before: the variable, the input it is a copy of, and its value before step 0.
+    kept: Vec<(Variable, String, String)>,
 }
 
 impl Assumptions {
     /// The assumptions of a machine whose state is in this variable, below 0 before step 0.
-    pub fn new(
-        interface: &mut Interface<'_>,
-        specification: &Specification,
-        state: &str,
-    ) -> Self {
+    pub fn new(interface: &mut Interface<'_>, specification: &Specification, state: &str) -> Self {
         let side = &specification.assumptions;
         let mut kept = BTreeMap::new();
         for formula in &side.safety {
@@ -45,22 +41,23 @@ impl Assumptions {
         let mut first = String::new();
         let mut later = String::new();
         let mut used = String::new();
-        let mut check = |interface: &mut Interface<'_>, out: &mut String, formula: &Formula, safety: bool| {
-            let translator = Translator {
-                specification,
-                inputs: &interface.inputs,
-                outputs: &interface.outputs,
-                kept: safety.then_some(&kept),
+        let mut check =
+            |interface: &mut Interface<'_>, out: &mut String, formula: &Formula, safety: bool| {
+                let translator = Translator {
+                    specification,
+                    inputs: &interface.inputs,
+                    outputs: &interface.outputs,
+                    kept: safety.then_some(&kept),
+                };
+                let Some(condition) = translator.broken(&formula.expr) else {
+                    return;
+                };
+                used.push_str(&condition);
+                let label = interface.broken(&formula.name);
+                let word = if out.is_empty() { "IF" } else { "ELSIF" };
+                let line = wrap_condition(&format!("{word} {condition} THEN"), "        ");
+                let _ = writeln!(out, "{line}\n    {} := {label};", interface.own().refused);
             };
-            let Some(condition) = translator.broken(&formula.expr) else {
-                return;
-            };
-            used.push_str(&condition);
-            let label = interface.broken(&formula.name);
-            let word = if out.is_empty() { "IF" } else { "ELSIF" };
-            let line = wrap_condition(&format!("{word} {condition} THEN"), "        ");
-            let _ = writeln!(out, "{line}\n    {} := {label};", interface.own().refused);
-        };
         for formula in &side.initial {
             check(interface, &mut first, formula, false);
         }
@@ -86,10 +83,9 @@ impl Assumptions {
             let copy = Variable {
                 name,
                 description: format!("{} in the step before", input.name),
-                initial: Initial::Usual,
                 ..input.clone()
             };
-            (copy, input.name)
+            (copy, input.name, interface.inputs[place].usual())
         });
         Self {
             kept: kept.collect(),
@@ -126,7 +122,7 @@ impl Assumptions {
         }
         if !self.kept.is_empty() {
             let _ = writeln!(out, "IF {refused} = {fine} THEN");
-            for (copy, input) in &self.kept {
+            for (copy, input, _) in &self.kept {
                 let _ = writeln!(out, "    {} := {input};", copy.name);
             }
             out.push_str("END_IF;\n");
@@ -134,8 +130,17 @@ impl Assumptions {
         out
     }
 
+    /// What forgets the step before.
+    pub fn reset(&self) -> String {
+        let kept = self.kept.iter();
+        kept.fold(String::new(), |mut out, (copy, _, usual)| {
+            let _ = writeln!(out, "{} := {usual};", copy.name);
+            out
+        })
+    }
+
     /// What it keeps.
     pub fn into_locals(self) -> impl Iterator<Item = Variable> {
-        self.kept.into_iter().map(|(copy, _)| copy)
+        self.kept.into_iter().map(|(copy, ..)| copy)
     }
 }

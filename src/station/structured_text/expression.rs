@@ -77,7 +77,11 @@ impl Translator<'_> {
             }
             Expr::Unary(UnaryOp::Not, a) => self.truth(a, !negate),
             Expr::Binary(op @ (B::And | B::Or), ..) => {
-                let sign = if (*op == B::And) == negate { " OR " } else { " AND " };
+                let sign = if (*op == B::And) == negate {
+                    " OR "
+                } else {
+                    " AND "
+                };
                 let operands = chain(expr, *op).into_iter();
                 let operands: Option<Vec<String>> =
                     operands.map(|e| self.truth(e, negate)).collect();

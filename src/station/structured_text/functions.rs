@@ -82,7 +82,12 @@ impl Tables {
             table(interface, wish, values, first, about)
         };
         Self {
-            promise: make("promise", promises, 0, "what is assumed: of step 0, then of later steps"),
+            promise: make(
+                "promise",
+                promises,
+                0,
+                "what is assumed: of step 0, then of later steps",
+            ),
             promise_error,
             node_signal: make(
                 "node_signal",
@@ -92,9 +97,24 @@ impl Tables {
             ),
             node_high: make("node_high", highs, 1, "the edge where the signal is TRUE"),
             node_low: make("node_low", lows, 1, "the edge where it is FALSE"),
-            output_signal: make("output_signal", output_signals, 0, "the outputs' signals, of step 0 and of every mode"),
-            output_edge: make("output_edge", output_edges, 0, "their values, in the order in which they are computed"),
-            mode_when: make("mode_when", when, 0, "a way of pursuing a goal is taken when this holds"),
+            output_signal: make(
+                "output_signal",
+                output_signals,
+                0,
+                "the outputs' signals, of step 0 and of every mode",
+            ),
+            output_edge: make(
+                "output_edge",
+                output_edges,
+                0,
+                "their values, in the order in which they are computed",
+            ),
+            mode_when: make(
+                "mode_when",
+                when,
+                0,
+                "a way of pursuing a goal is taken when this holds",
+            ),
             mode_first: make("mode_first", first, 0, "the first of its outputs"),
             goal_mode: make("goal_mode", modes, 0, "the first mode of every goal"),
             goal_reached: make("goal_reached", reached, 0, "when it is reached"),
@@ -163,22 +183,23 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
     let index = all.iter().map(|t| element(t)).chain(rows).max();
     let index = index.unwrap_or(Width::Dint).max(Width::of(0, 2 * pairs));
     let code = Type::Integer(code_width(interface));
-    let mut scratch = |wish: &str, kind: Type, about: &str| {
-        Variable::new(&interface.fresh(wish), kind, about)
-    };
+    let mut scratch =
+        |wish: &str, kind: Type, about: &str| Variable::new(&interface.fresh(wish), kind, about);
     let scratch = Scratch {
         signals: scratch(
             "signals",
             Type::Array(0, 2 * pairs - 1, Box::new(Type::Bool)),
             "2k is a bit of the last step's values, 2k + 1 the same bit in this step",
         ),
-        at: scratch("at", Type::Integer(index), ""),
+        at: scratch("row", Type::Integer(index), ""),
         last: scratch("last", Type::Integer(index), ""),
         edge: scratch("edge", Type::Integer(index), ""),
         value: scratch("value", Type::Bool, ""),
         code: scratch("code", code, ""),
     };
-    let step = step(interface, functions, &tables, &scratch, &goal, &memory, index);
+    let step = step(
+        interface, functions, &tables, &scratch, &goal, &memory, index,
+    );
     let reset = format!(
         "{} := -1;\nFOR {at} := 0 TO {} DO\n    {}[{at}] := FALSE;\nEND_FOR;\n",
         goal.name,
@@ -211,7 +232,10 @@ fn code_width(interface: &Interface<'_>) -> Width {
         let size = domain.high().saturating_sub(domain.low());
         Width::of(domain.low().min(0), domain.high().max(size))
     });
-    let widths = widths.chain([codes::width(&interface.inputs), codes::width(&interface.outputs)]);
+    let widths = widths.chain([
+        codes::width(&interface.inputs),
+        codes::width(&interface.outputs),
+    ]);
     widths.max().unwrap_or(Width::Int)
 }
 

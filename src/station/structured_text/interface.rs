@@ -1,6 +1,6 @@
 //! What all blocks have in common: names and types of the ports, the control inputs and outputs, and how a call begins and ends.
 
-use super::names::{Names, comment, identifier, part};
+use super::names::{Names, comment, identifier, part, stem};
 use super::text::{indented, wrap_condition};
 use super::{Block, Enumeration, Initial, Parts, Section, Type, Variable, Width, literal};
 use crate::gr1::{Domain, Formula, Specification, Timing, described};
@@ -58,7 +58,7 @@ impl<'a> Interface<'a> {
     /// The interface of a controller.
     pub fn new(controller: &'a mealy::Controller, specification: &'a Specification) -> Self {
         let contract = controller.name();
-        let prefix = part(contract);
+        let prefix = stem(contract);
         let mut interface = Self {
             contract: contract.to_owned(),
             prefix: prefix.clone(),
@@ -132,7 +132,7 @@ impl<'a> Interface<'a> {
 
     /// A name for one more variable.
     pub fn fresh(&mut self, wish: &str) -> String {
-        self.names.unique(wish)
+        self.names.unique(&identifier(wish))
     }
 
     /// One more error, and its label.
@@ -157,7 +157,8 @@ impl<'a> Interface<'a> {
 
     /// The error that some assumption is broken, and nobody says which.
     pub fn broken_somehow(&mut self) -> String {
-        self.error("broken_assumption", "the inputs break an assumption")
+        let meaning = "the inputs break an assumption without a name here, or one was broken in an earlier step";
+        self.error("broken_assumption", meaning)
     }
 
     /// Declares the type of an enumeration, unless it is known.
@@ -170,7 +171,7 @@ impl<'a> Interface<'a> {
             return;
         }
         let prefix = match name {
-            Some(name) => part(name),
+            Some(name) => stem(name),
             // An array's elements have the type in common.
             None => {
                 let whole = port.name.split('[').next().unwrap_or_default();
@@ -204,9 +205,7 @@ impl<'a> Interface<'a> {
             let name = self.names.unique(&identifier(&port.name));
             let (kind, labels) = match &port.domain {
                 Domain::Bool => (Type::Bool, Vec::new()),
-                Domain::Range { low, high } => {
-                    (Type::Integer(Width::of(*low, *high)), Vec::new())
-                }
+                Domain::Range { low, high } => (Type::Integer(Width::of(*low, *high)), Vec::new()),
                 Domain::Enum { name, labels } => {
                     let declared = &self.types[self.known[&(name.clone(), labels.clone())]];
                     let kind = Type::Enumeration(declared.name.clone());
@@ -302,9 +301,9 @@ impl<'a> Interface<'a> {
             ),
             String::new(),
             format!(
-                "Call one instance in every cycle, from one task. A call in which {} is TRUE makes one step: it reads the inputs and \
-                 writes the outputs. Leave it TRUE for a step a cycle; for a step an event, connect the event through R_TRIG. Between \
-                 steps the outputs keep their values. After a step that is refused, outputs and state are as before, {} is TRUE, and {} \
+                "Call an instance once in every cycle, from one task. A call in which {} is TRUE makes one step of the contract: it \
+                 reads the inputs and writes the outputs. Leave it TRUE for a step a cycle; for a step an event, connect the event \
+                 through R_TRIG. Between steps the outputs keep their values. After a step that is refused, outputs and state are as before, {} is TRUE, and {} \
                  says why. With {} the block is as before its first call.",
                 own.enable, own.error, own.error_id, own.reset
             ),
@@ -323,11 +322,7 @@ impl<'a> Interface<'a> {
             }
         };
         let specification = self.specification;
-        list(
-            "What it relies on:",
-            "assume",
-            &specification.assumptions,
-        );
+        list("What it relies on:", "assume", &specification.assumptions);
         list(
             "What it guarantees:",
             "guarantee",
@@ -386,7 +381,8 @@ impl<'a> Interface<'a> {
                 format!("({0} < {low}) OR ({0} > {high})", port.name)
             } else {
                 let labels = port.labels.iter();
-                let tests: Vec<String> = labels.map(|l| format!("({} <> {l})", port.name)).collect();
+                let tests: Vec<String> =
+                    labels.map(|l| format!("({} <> {l})", port.name)).collect();
                 tests.join(" AND ")
             };
             let word = if out.is_empty() { "IF" } else { "ELSIF" };
@@ -420,7 +416,7 @@ impl Port<'_> {
     }
 
     /// Its value before the first call: 0 where that is one, or the lowest.
-    fn usual(&self) -> String {
+    pub fn usual(&self) -> String {
         self.value(self.zero())
     }
 

@@ -25,7 +25,12 @@ pub(super) fn is_short(machine: &Machine) -> bool {
 pub(super) fn state(interface: &mut Interface<'_>, machine: &Machine) -> Variable {
     let width = Width::of(0, machine.states.len() as i64);
     let name = interface.fresh("state");
-    Variable::new(&name, Type::Integer(width), "-1 before step 0").beginning("-1")
+    Variable::new(
+        &name,
+        Type::Integer(width),
+        "-1 before step 0; numbered as in JSON and drawings",
+    )
+    .beginning("-1")
 }
 
 /// State and step.
@@ -45,14 +50,18 @@ pub(super) fn parts(
     let places = std::iter::once(&machine.initial).chain(&machine.states);
     for (place, transitions) in places.enumerate() {
         let place = place as i64 - 1;
-        let before = if place < 0 { " (* before step 0 *)" } else { "" };
+        let before = if place < 0 {
+            " (* before step 0 *)"
+        } else {
+            ""
+        };
         let _ = writeln!(step, "    {place}:{before}");
         let text = choice(interface, machine, transitions, &state.name, &refuse);
         step.push_str(&indented(&text, 2));
     }
     step.push_str("END_CASE;\n");
     step.push_str(&assumptions.after(interface.own()));
-    let reset = format!("{} := -1;\n", state.name);
+    let reset = format!("{} := -1;\n{}", state.name, assumptions.reset());
     let mut locals = vec![state];
     locals.extend(assumptions.into_locals());
     Parts {
@@ -152,9 +161,9 @@ fn port_tests(port: &Port<'_>, values: &[(i64, i64)]) -> Vec<String> {
             // A single value that is left out reads better than what is left in.
             let count: i64 = values.iter().map(|(a, b)| b - a + 1).sum();
             if count == high - low && high - low > 1 {
-                let hole = values.first().map_or(low, |(a, b)| {
-                    if *a > low { low } else { b + 1 }
-                });
+                let hole = values
+                    .first()
+                    .map_or(low, |(a, b)| if *a > low { low } else { b + 1 });
                 return vec![is_not(hole)];
             }
             let bounds = |(a, b): &(i64, i64)| -> Vec<String> {

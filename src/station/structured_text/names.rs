@@ -72,10 +72,20 @@ pub(super) fn part(name: &str) -> String {
     }
 }
 
+/// What an identifier can begin with.
+pub(super) fn stem(name: &str) -> String {
+    let word = part(name);
+    if word.starts_with(|c: char| c.is_ascii_digit()) {
+        format!("v_{word}")
+    } else {
+        word
+    }
+}
+
 /// A name as an identifier.
 pub(super) fn identifier(name: &str) -> String {
-    let word = part(name);
-    if is_reserved(&word) || word.starts_with(|c: char| c.is_ascii_digit()) {
+    let word = stem(name);
+    if is_reserved(&word) {
         format!("v_{word}")
     } else {
         word

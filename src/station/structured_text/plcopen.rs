@@ -28,12 +28,7 @@ impl Document {
     }
 
     /// An element with what `inside` writes.
-    fn element(
-        &mut self,
-        name: &str,
-        attributes: &[(&str, &str)],
-        inside: impl FnOnce(&mut Self),
-    ) {
+    fn element(&mut self, name: &str, attributes: &[(&str, &str)], inside: impl FnOnce(&mut Self)) {
         let start = BytesStart::new(name).with_attributes(attributes.iter().copied());
         self.event(Event::Start(start));
         inside(self);
@@ -180,8 +175,11 @@ impl Block {
             d.element("interface", &[], |d| {
                 for (section, variables) in &self.sections {
                     let (name, constant) = section.element();
-                    let constant: &[(&str, &str)] =
-                        if constant { &[("constant", "true")] } else { &[] };
+                    let constant: &[(&str, &str)] = if constant {
+                        &[("constant", "true")]
+                    } else {
+                        &[]
+                    };
                     d.element(name, constant, |d| {
                         for variable in variables {
                             d.variable(variable);

@@ -67,7 +67,8 @@ pub(super) fn parts(
     let mut answers: BTreeMap<&[i64], usize> = BTreeMap::new();
     let mut rows: Vec<i64> = Vec::new();
     let [mut inputs, mut lows, mut highs] = [(); 3].map(|()| Table::default());
-    let [mut cubes, mut firsts, mut answer, mut to, mut states] = [(); 5].map(|()| Table::default());
+    let [mut cubes, mut firsts, mut answer, mut to, mut states] =
+        [(); 5].map(|()| Table::default());
     for list in std::iter::once(&machine.initial).chain(&machine.states) {
         states.0.push(to.0.len() as i64);
         for transition in list {
@@ -94,8 +95,16 @@ pub(super) fn parts(
     states.0.push(to.0.len() as i64);
 
     let constants = [
-        states.variable(interface, "state_first", "the first transition before step 0, and of every state"),
-        firsts.variable(interface, "transition_first", "the first cube of every transition"),
+        states.variable(
+            interface,
+            "state_first",
+            "the first transition before step 0, and of every state",
+        ),
+        firsts.variable(
+            interface,
+            "transition_first",
+            "the first cube of every transition",
+        ),
         answer.variable(interface, "transition_answer", "where its answer begins"),
         to.variable(interface, "transition_to", "the state it leads to"),
         cubes.variable(interface, "cube_first", "the first test of every cube"),
@@ -105,14 +114,17 @@ pub(super) fn parts(
         table(interface, "answers", rows, 0, "the outputs, in order"),
     ];
     let [s, t, a, g, c, i, l, h, o] = &constants;
-    let index = constants[..6].iter().map(element).max().unwrap_or(Width::Int);
+    let index = constants[..6]
+        .iter()
+        .map(element)
+        .max()
+        .unwrap_or(Width::Int);
     let (from, value) = (element(l).max(element(h)), codes::width(&interface.inputs));
     let value = value.max(from);
-    let mut variable = |wish: &str, width: Width| {
-        Variable::new(&interface.fresh(wish), Type::Integer(width), "")
-    };
+    let mut variable =
+        |wish: &str, width: Width| Variable::new(&interface.fresh(wish), Type::Integer(width), "");
     let (at, cube, test) = (
-        variable("at", index),
+        variable("row", index),
         variable("cube", index),
         variable("test", index),
     );
@@ -182,7 +194,10 @@ pub(super) fn parts(
     );
     let mut done = format!("{at_name} := {};\n", get(a, &taken.name, index));
     for (place, port) in interface.outputs.iter().enumerate() {
-        let source = format!("{}[{at_name} + {place}]", o.name);
+        let source = match place {
+            0 => format!("{}[{at_name}]", o.name),
+            _ => format!("{}[{at_name} + {place}]", o.name),
+        };
         done.push_str(&codes::write(port, &source, element(o)));
     }
     let Type::Integer(width) = state.kind else {
@@ -196,7 +211,7 @@ pub(super) fn parts(
     );
     let _ = write!(step, "{}END_IF;\n", indented(&done, 1));
     step.push_str(&assumptions.after(own));
-    let reset = format!("{} := -1;\n", state.name);
+    let reset = format!("{} := -1;\n{}", state.name, assumptions.reset());
     let mut locals = vec![state];
     locals.extend(assumptions.into_locals());
     Parts {

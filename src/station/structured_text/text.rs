@@ -66,7 +66,11 @@ impl Enumeration {
         }
         let _ = writeln!(out, "TYPE {} :\n(", self.name);
         for (place, (label, meaning)) in self.labels.iter().enumerate() {
-            let comma = if place + 1 < self.labels.len() { "," } else { "" };
+            let comma = if place + 1 < self.labels.len() {
+                ","
+            } else {
+                ""
+            };
             let _ = write!(out, "    {label}{comma}");
             if !meaning.is_empty() {
                 let _ = write!(out, " (* {meaning} *)");
