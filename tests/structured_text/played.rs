@@ -1,7 +1,7 @@
 //! Every controller of the library against its function block, 100,000 random steps each: as a CASE and as functions; fewer as
 //! tables, which the library's machines are too small for, and for the laboratory's controllers at real size.
 
-use crate::library::{Controlled, as_functions, large, machines};
+use crate::library::{as_functions, large, machines};
 use crate::play::{Counts, compare, compiled};
 use linewright::gr1::Specification;
 use linewright::mealy::Controller;
