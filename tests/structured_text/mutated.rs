@@ -5,7 +5,7 @@ use crate::play::{compare, compiled};
 use linewright::mealy::Controller;
 use linewright::station::structured_text::{block, block_of_tables};
 
-const STEPS: usize = 30_000;
+const STEPS: usize = 100_000;
 
 fn turn() -> &'static Controlled {
     let found = machines().iter().find(|c| c.controller.name() == "Turn");

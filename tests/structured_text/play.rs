@@ -292,14 +292,19 @@ pub fn play(
     if ports.outputs.len() != visible.len() {
         return Err(format!("{} outputs", ports.outputs.len()));
     }
-    let lows: Vec<i64> = given.iter().map(|p| p.domain.low()).collect();
-    let mut last = lows.clone();
+    let anywhere = |random: &mut Random| -> Vec<i64> {
+        let domains = given.iter().map(|p| &p.domain);
+        domains
+            .map(|d| d.low() + random.below(d.size()) as i64)
+            .collect()
+    };
+    let mut last = anywhere(&mut random);
     let mut refused = 0;
     // Whether all assumptions were kept since the beginning: a machine may accept a step that breaks one.
     let mut kept = true;
     for step in 0..steps {
         let place = |text: String| format!("{}, step {step}: {text}", controller.name());
-        if refused == REFUSED_AT_MOST || random.below(300) == 0 {
+        if refused == REFUSED_AT_MOST || random.below(150) == 0 {
             // A call that is to do both only resets.
             ports
                 .call(&mut instance, random.chance(50), true)
@@ -311,7 +316,7 @@ pub fn play(
                 return Err(place("a reset does not lead to the beginning".to_owned()));
             }
             reference.reset();
-            last.clone_from(&lows);
+            last = anywhere(&mut random);
             refused = 0;
             kept = true;
             counts.resets += 1;
