@@ -1,6 +1,10 @@
 //! Controllers as Structured Text and PLCopen XML, run by an interpreter that is written from IEC 61131-3 and shares no code with
 //! what writes them.
 
+#[path = "structured_text/compiler.rs"]
+mod compiler;
+#[path = "structured_text/expressions.rs"]
+mod expressions;
 #[path = "structured_text/hostile.rs"]
 mod hostile;
 #[path = "structured_text/interpreter.rs"]
@@ -21,6 +25,8 @@ mod played;
 mod plcopen;
 #[path = "structured_text/rules.rs"]
 mod rules;
+#[path = "structured_text/statements.rs"]
+mod statements;
 #[path = "support/mod.rs"]
 mod support;
 #[path = "structured_text/syntax.rs"]

@@ -80,7 +80,7 @@ fn renamed(names: &[String], labels: &[String], own: &str) -> (Specification, [C
     for (formula, name) in specification.assumptions.safety.iter_mut().zip(names) {
         formula.name.clone_from(name);
     }
-    specification.name = own.to_owned();
+    own.clone_into(&mut specification.name);
     let of = |owner| {
         let all = specification.variables.iter();
         let names: Vec<String> = all
@@ -100,12 +100,12 @@ fn renamed(names: &[String], labels: &[String], own: &str) -> (Specification, [C
     for controller in &mut controllers {
         match controller {
             Controller::Machine(m) => {
-                m.name = own.to_owned();
+                own.clone_into(&mut m.name);
                 rename(&mut m.inputs, &inputs);
                 rename(&mut m.outputs, &outputs);
             }
             Controller::Functions(f) => {
-                f.name = own.to_owned();
+                own.clone_into(&mut f.name);
                 rename(&mut f.inputs, &inputs);
                 rename(&mut f.outputs, &outputs);
             }

@@ -106,8 +106,11 @@ for path in sys.argv[2:]:
 sys.exit(1 if wrong else 0)
 ";
 
-/// What validates a document against a schema.
-fn validator(schema: &Path) -> Option<Box<dyn Fn(&[PathBuf]) -> Result<(), String>>> {
+/// Says what is wrong with the documents.
+type Validator = dyn Fn(&[PathBuf]) -> Result<(), String>;
+
+/// What validates documents against a schema.
+fn validator(schema: &Path) -> Option<Box<Validator>> {
     let schema = schema.to_path_buf();
     if Command::new("xmllint").arg("--version").output().is_ok() {
         return Some(Box::new(move |paths| {

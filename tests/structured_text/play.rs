@@ -6,7 +6,7 @@
 use crate::interpreter::{Instance, Program, Variable};
 use crate::syntax::{Section, parse};
 use linewright::gr1::{Domain, Formula, Specification, eval};
-use linewright::mealy::functions::{Refusal, State};
+use linewright::mealy::functions::{Functions, Refusal, State};
 use linewright::mealy::{Controller, Port};
 
 /// A generator of its own (xorshift), so that a seed means the same for ever.
@@ -58,6 +58,9 @@ enum Refused {
     Broken(Option<String>),
 }
 
+/// The outputs of a step, and where it leads to: a state, or what functions keep.
+type Answer = (Vec<i64>, Option<usize>, Option<State>);
+
 /// The controller itself.
 struct Reference<'a> {
     controller: &'a Controller,
@@ -74,7 +77,7 @@ impl<'a> Reference<'a> {
             controller,
             specification,
             state: None,
-            memory: controller.functions().map(|f| f.start()),
+            memory: controller.functions().map(Functions::start),
             before: None,
         }
     }
@@ -84,7 +87,7 @@ impl<'a> Reference<'a> {
     }
 
     /// What the answer is, and nothing is changed by asking.
-    fn answer(&self, inputs: &[i64]) -> Result<(Vec<i64>, Option<usize>, Option<State>), Refused> {
+    fn answer(&self, inputs: &[i64]) -> Result<Answer, Refused> {
         let ports = self.controller.inputs().iter().zip(inputs);
         let outside = ports.into_iter().position(|(p, v)| !p.domain.contains(*v));
         if let Some(place) = outside {

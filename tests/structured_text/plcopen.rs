@@ -29,17 +29,16 @@ fn plain(text: &str) -> String {
     while let Some((before, after)) = rest.split_once('&') {
         let (name, after) = after.split_once(';').expect("an entity ends");
         out.push_str(before);
-        match named.iter().find(|(n, _)| *n == name) {
-            Some((_, meaning)) => out.push_str(meaning),
-            None => {
-                let number = name.strip_prefix('#').expect("a known entity");
-                let number = match number.strip_prefix('x') {
-                    Some(digits) => u32::from_str_radix(digits, 16),
-                    None => number.parse(),
-                };
-                let number = number.expect("a number");
-                out.push(char::from_u32(number).expect("a character"));
-            }
+        if let Some((_, meaning)) = named.iter().find(|(n, _)| *n == name) {
+            out.push_str(meaning);
+        } else {
+            let number = name.strip_prefix('#').expect("a known entity");
+            let number = match number.strip_prefix('x') {
+                Some(digits) => u32::from_str_radix(digits, 16),
+                None => number.parse(),
+            };
+            let number = number.expect("a number");
+            out.push(char::from_u32(number).expect("a character"));
         }
         rest = after;
     }

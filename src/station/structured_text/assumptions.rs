@@ -6,7 +6,7 @@
 
 use super::Variable;
 use super::expression::Translator;
-use super::interface::{Interface, Own};
+use super::interface::{Interface, Own, mentions};
 use super::text::{indented, wrap_condition};
 use crate::gr1::{Formula, Specification, Time};
 use std::collections::BTreeMap;
@@ -73,11 +73,7 @@ impl Assumptions {
                 out.push_str("END_IF;\n");
             }
         }
-        let mentioned = |name: &str| {
-            let mut words = used.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
-            words.any(|w| w == name)
-        };
-        let kept = kept.into_iter().filter(|(_, name)| mentioned(name));
+        let kept = kept.into_iter().filter(|(_, name)| mentions(&used, name));
         let kept = kept.map(|(place, name)| {
             let input = interface.inputs[place].variable();
             let copy = Variable {
@@ -113,11 +109,12 @@ impl Assumptions {
                 self.unnamed
             );
             let (first, later) = (indented(&self.first, 2), indented(&self.later, 2));
-            out.push_str(&match (first.is_empty(), later.is_empty()) {
+            let text = match (first.is_empty(), later.is_empty()) {
                 (false, true) => format!("    IF {state} < 0 THEN\n{first}    END_IF;\n"),
                 (true, _) => format!("    IF {state} >= 0 THEN\n{later}    END_IF;\n"),
                 _ => format!("    IF {state} < 0 THEN\n{first}    ELSE\n{later}    END_IF;\n"),
-            });
+            };
+            out.push_str(&text);
             out.push_str("END_IF;\n");
         }
         if !self.kept.is_empty() {

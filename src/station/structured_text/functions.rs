@@ -74,6 +74,7 @@ impl Tables {
                 first.push((place * count) as i64);
             }
         }
+        modes.push(when.len() as i64);
         let outputs = || rows.iter().copied().flatten();
         let output_signals = outputs().map(|(b, _)| i64::from(b.0)).collect();
         let output_edges = outputs().map(|(_, e)| i64::from(e.0)).collect();
@@ -116,7 +117,12 @@ impl Tables {
                 "a way of pursuing a goal is taken when this holds",
             ),
             mode_first: make("mode_first", first, 0, "the first of its outputs"),
-            goal_mode: make("goal_mode", modes, 0, "the first mode of every goal"),
+            goal_mode: make(
+                "goal_mode",
+                modes,
+                0,
+                "the first mode of every goal, and one beyond the last",
+            ),
             goal_reached: make("goal_reached", reached, 0, "when it is reached"),
         }
     }
@@ -228,7 +234,7 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
 fn code_width(interface: &Interface<'_>) -> Width {
     let ports = || interface.inputs.iter().chain(&interface.outputs);
     let widths = ports().map(|p| {
-        let domain = &p.port.domain;
+        let domain = &p.of.domain;
         let size = domain.high().saturating_sub(domain.low());
         Width::of(domain.low().min(0), domain.high().max(size))
     });
@@ -316,19 +322,22 @@ fn step(
     let count = controls.first.len();
     let _ = write!(
         answer,
-        "(* Where the outputs are found: those of step 0, or of the first mode of the goal that holds; the last one always does. *)\n\
+        "(* Where the outputs are found: those of step 0, or of the first mode of the goal that holds. *)\n\
          {last} := 0;\n\
          IF {goal_name} >= 0 THEN\n\
-         \x20   {at} := {};\n{}\
-         \x20   WHILE NOT {value} DO\n\
-         \x20       {at} := {at} + 1;\n{}\
+         \x20   {row} := {} - 1;\n\
+         \x20   {last} := {} - 1;\n\
+         \x20   {value} := FALSE;\n\
+         \x20   WHILE (NOT {value}) AND ({row} < {last}) DO\n\
+         \x20       {row} := {row} + 1;\n{}\
          \x20   END_WHILE;\n\
          \x20   {last} := {};\n\
          END_IF;\n",
         get(&tables.goal_mode, goal_name),
-        indented(&evaluate(&tables.mode_when, at), 1),
+        get(&tables.goal_mode, &format!("{goal_name} + 1")),
         indented(&evaluate(&tables.mode_when, at), 2),
         get(&tables.mode_first, at),
+        row = at,
     );
     if count > 0 {
         let _ = write!(
@@ -379,7 +388,7 @@ fn take_apart(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
         return out;
     }
     out.push_str(&codes::read(port, code, width));
-    let low = port.port.domain.low();
+    let low = port.of.domain.low();
     if low != 0 {
         let _ = writeln!(out, "{code} := {code} - ({});", literal(low));
     }
@@ -409,7 +418,7 @@ fn put_together(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
         }
         let _ = writeln!(out, "IF {} THEN {code} := {code} + 1; END_IF;", signal(bit));
     }
-    let low = port.port.domain.low();
+    let low = port.of.domain.low();
     if low != 0 {
         let _ = writeln!(out, "{code} := {code} + ({});", literal(low));
     }

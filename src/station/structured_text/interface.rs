@@ -17,7 +17,7 @@ pub(super) struct Port<'a> {
     /// The labels of an enumeration, as declared.
     pub labels: Vec<String>,
     /// What it stands for.
-    pub port: &'a mealy::Port,
+    pub of: &'a mealy::Port,
 }
 
 /// The names of the block.
@@ -95,14 +95,14 @@ impl<'a> Interface<'a> {
         }
         interface.block = interface.names.unique(&format!("FB_{prefix}"));
         interface.errors.name = interface.names.unique(&format!("E_{prefix}_Error"));
-        interface.own.fine = interface.error("no_error", "none");
+        interface.own.fine = interface.error("no_error", "");
         interface.inputs = interface.ports(controller.inputs());
         interface.outputs = interface.ports(controller.outputs());
         for place in 0..interface.inputs.len() {
             let port = &interface.inputs[place];
             let label = (port.kind != Type::Bool).then(|| {
-                let wish = format!("outside_{}", part(&port.port.name));
-                let meaning = format!("{} has a value outside its domain", port.port.name);
+                let wish = format!("outside_{}", part(&port.of.name));
+                let meaning = format!("{} has a value outside its domain", port.of.name);
                 interface.error(&wish, &meaning)
             });
             interface.outside.push(label);
@@ -170,13 +170,12 @@ impl<'a> Interface<'a> {
         if self.known.contains_key(&key) {
             return;
         }
-        let prefix = match name {
-            Some(name) => stem(name),
+        let prefix = if let Some(name) = name {
+            stem(name)
+        } else {
             // An array's elements have the type in common.
-            None => {
-                let whole = port.name.split('[').next().unwrap_or_default();
-                format!("{}_{}", self.prefix, part(whole))
-            }
+            let whole = port.name.split('[').next().unwrap_or_default();
+            format!("{}_{}", self.prefix, part(whole))
         };
         let declared = Enumeration {
             name: self.names.unique(&format!("E_{prefix}")),
@@ -216,7 +215,7 @@ impl<'a> Interface<'a> {
                 name,
                 kind,
                 labels,
-                port,
+                of: port,
             }
         });
         named.collect()
@@ -253,13 +252,17 @@ impl<'a> Interface<'a> {
         let mut locals = parts.locals;
         inputs.extend(self.inputs.iter().map(Port::variable));
         for port in &self.outputs {
-            if port.port.internal {
+            if port.of.internal {
                 locals.push(port.variable());
             } else {
                 outputs.push(port.variable());
             }
         }
+        let used = |v: &Variable| mentions(&body, &v.name);
         let mut temporaries = parts.temporaries;
+        let mut constants = parts.constants;
+        temporaries.retain(used);
+        constants.retain(used);
         let refused = Variable::new(
             &own.refused,
             Type::Enumeration(errors.name.clone()),
@@ -272,7 +275,7 @@ impl<'a> Interface<'a> {
             (Section::Input, inputs),
             (Section::Output, outputs),
             (Section::Local, locals),
-            (Section::Constant, parts.constants),
+            (Section::Constant, constants),
             (Section::Temporary, temporaries),
         ];
         Block {
@@ -376,7 +379,7 @@ impl<'a> Interface<'a> {
                 continue;
             };
             let condition = if port.labels.is_empty() {
-                let domain = &port.port.domain;
+                let domain = &port.of.domain;
                 let (low, high) = (literal(domain.low()), literal(domain.high()));
                 format!("({0} < {low}) OR ({0} > {high})", port.name)
             } else {
@@ -394,6 +397,12 @@ impl<'a> Interface<'a> {
         }
         out
     }
+}
+
+/// Whether a name occurs in a text.
+pub(super) fn mentions(text: &str, name: &str) -> bool {
+    let mut words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    words.any(|w| w == name)
 }
 
 /// A formula with its name.
@@ -421,12 +430,12 @@ impl Port<'_> {
     }
 
     fn zero(&self) -> i64 {
-        let domain = &self.port.domain;
+        let domain = &self.of.domain;
         if domain.contains(0) { 0 } else { domain.low() }
     }
 
     pub fn variable(&self) -> Variable {
-        let port = self.port;
+        let port = self.of;
         let mut description = match &self.kind {
             Type::Integer(_) => described(&port.domain, &port.unit),
             _ => String::new(),

@@ -138,7 +138,7 @@ fn grouped(operands: &[String], operator: &str) -> String {
 /// The tests that all have to hold for a port to have one of these values; none where every value will do.
 fn port_tests(port: &Port<'_>, values: &[(i64, i64)]) -> Vec<String> {
     let name = &port.name;
-    let (low, high) = (port.port.domain.low(), port.port.domain.high());
+    let (low, high) = (port.of.domain.low(), port.of.domain.high());
     if values == [(low, high)] {
         return Vec::new();
     }

@@ -112,15 +112,15 @@ impl Names {
 /// Text that can stand in a comment: it neither ends it nor opens another, holds nothing that a system could take for a
 /// directive, no character that XML forbids, and none that changes the direction of reading.
 pub(super) fn comment(text: &str) -> String {
+    let hidden = |c: char| {
+        let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');
+        turns || c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}')
+    };
     let visible = |c: char| match c {
         '\n' | '\t' => ' ',
         '{' => '[',
         '}' => ']',
-        '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}' => {
-            '?'
-        }
-        '\u{fffe}' | '\u{ffff}' => '?',
-        c if c.is_control() => '?',
+        c if hidden(c) => '?',
         c => c,
     };
     let text: String = text.chars().map(visible).collect();

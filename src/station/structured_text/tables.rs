@@ -209,7 +209,7 @@ pub(super) fn parts(
         state.name,
         element(g).convert(width, &format!("{}[{}]", g.name, taken.name))
     );
-    let _ = write!(step, "{}END_IF;\n", indented(&done, 1));
+    let _ = writeln!(step, "{}END_IF;", indented(&done, 1));
     step.push_str(&assumptions.after(own));
     let reset = format!("{} := -1;\n{}", state.name, assumptions.reset());
     let mut locals = vec![state];

@@ -3,6 +3,9 @@
 use super::{Block, Enumeration, Initial, Section, Type, Variable};
 use std::fmt::Write;
 
+/// A variable and its comment stand on one line of at most so many characters, or on two.
+const WIDTH: usize = 110;
+
 /// Breaks a long text at its spaces; `indent` begins the further lines.
 pub(super) fn wrap(text: &str, indent: &str) -> String {
     crate::station::emit::text::wrap(text, indent)
@@ -94,12 +97,16 @@ impl Variable {
                 let _ = write!(out, " := [{}]", values.join(", "));
             }
         }
-        let mut out = wrap(&out, "    ");
-        out.push(';');
-        if !self.description.is_empty() {
-            let _ = write!(out, " (* {} *)", self.description);
+        let text = wrap(&out, "    ") + ";";
+        if self.description.is_empty() {
+            return text + "\n";
         }
-        out + "\n"
+        let comment = format!("(* {} *)", self.description);
+        if text.len() + comment.len() < WIDTH {
+            format!("{text} {comment}\n")
+        } else {
+            format!("{}\n{text}\n", wrap(&comment, "   "))
+        }
     }
 }
 
