@@ -14,6 +14,7 @@ pub mod interpret;
 pub mod load;
 mod messages;
 pub mod package;
+pub mod profile;
 pub mod toolchain;
 
 use crate::contract::machine::Machine;

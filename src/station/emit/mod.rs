@@ -9,7 +9,7 @@ pub mod controller;
 mod decisions;
 mod describe;
 pub mod expression;
-mod text;
+pub(super) mod text;
 
 use crate::contract::machine::{Machine, PlantSource, RealExpr};
 use crate::gr1::VarId;
