@@ -5,7 +5,7 @@
 //! the program it was found in has read back what a library returned with this very layout: [`Profile::confirmed`] then holds
 //! the fingerprint of the layout, so that a layout that was edited afterwards is not taken for a verified one.
 
-mod header;
+pub mod header;
 mod print;
 pub mod read;
 

@@ -199,6 +199,11 @@ impl CrossCompiler {
         }
     }
 
+    /// Whether it is looked for without being named.
+    pub fn is_usual(self) -> bool {
+        self != Self::Named
+    }
+
     /// Whether it is there; nothing is compiled.
     pub fn find(self) -> Option<Compiler> {
         let zig = ["cc", "-target", "x86_64-windows-gnu"];
