@@ -175,7 +175,7 @@ impl Writer<'_> {
         let _ = writeln!(out, "{library} := loadLibrary(\"C:\\linewright\\{}\") -- the absolute path", self.library);
         let _ = writeln!(out, "if {library} < 0");
         let _ = writeln!(out, "    print \"{name}: the library was not loaded. Is the path absolute, and Plant Simulation one of 64 bits?\"");
-        out.push_str("    Station.Failed := true\nelse\n");
+        out.push_str("    Station.LW_Handle := 0\n    Station.Failed := true\nelse\n");
         out.push_str("    -- Once for each station of this kind: replace Station by its name.\n");
         let _ = writeln!(out, "    Station.LW_Handle := {}", self.call("instantiate", &[]));
         out.push_str("    if Station.LW_Handle < 0\n");
@@ -232,20 +232,22 @@ impl Writer<'_> {
         let library = &self.names.library;
         let mut out = banner(&format!("{library}_reset: brings a station back to its beginning while the model runs"));
         out.push_str("-- Once for each station of this kind: replace Station by its name.\n");
-        let _ = writeln!(out, "if {} < 0", self.call("reset", &["Station.LW_Handle".to_owned()]));
-        out.push_str(&self.failed("Station", "Station.LW_Handle", "    "));
-        out.push_str("end\n\n");
+        out.push_str("if 0 < Station.LW_Handle\n");
+        let _ = writeln!(out, "    if {} < 0", self.call("reset", &["Station.LW_Handle".to_owned()]));
+        out.push_str(&self.failed("Station", "Station.LW_Handle", "        "));
+        out.push_str("    end\nend\n\n");
         out
     }
 
     fn end(&self) -> String {
         let library = &self.names.library;
         let mut out = banner(&format!("{library}_endSim: call it in the model's endSim"));
-        out.push_str("-- Once for each station of this kind: replace Station by its name.\n");
-        let _ = writeln!(out, "if {} < 0", self.call("deinstantiate", &["Station.LW_Handle".to_owned()]));
-        out.push_str(&self.failed("Station", "Station.LW_Handle", "    "));
-        out.push_str("end\nStation.LW_Handle := 0\n");
-        let _ = writeln!(out, "-- Once, behind the last station.\nfreeLibrary({library})");
+        let _ = writeln!(out, "if {library} < 0\n    print \"{}: there is no library to free\"\nelse", self.names.machine);
+        out.push_str("    -- Once for each station of this kind: replace Station by its name.\n    if 0 < Station.LW_Handle\n");
+        let _ = writeln!(out, "        if {} < 0", self.call("deinstantiate", &["Station.LW_Handle".to_owned()]));
+        out.push_str(&self.failed("Station", "Station.LW_Handle", "            "));
+        out.push_str("        end\n        Station.LW_Handle := 0\n    end\n");
+        let _ = writeln!(out, "    -- Once, behind the last station.\n    freeLibrary({library})\n    {library} := -1\nend");
         out
     }
 

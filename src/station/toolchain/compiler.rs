@@ -168,6 +168,11 @@ impl Compiler {
         command
     }
 
+    /// The program's path, as far as it is found on the PATH.
+    pub fn program(&self) -> PathBuf {
+        on_path(self.program.as_os_str()).unwrap_or_else(|| self.program.clone())
+    }
+
     /// What is started, as a person would write it.
     pub fn show(&self) -> String {
         let first = self.first.iter().map(|a| a.to_string_lossy());

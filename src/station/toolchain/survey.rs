@@ -103,7 +103,7 @@ fn host() -> Result<Found, Error> {
         });
     }
     Ok(Found {
-        command: compiler.show(),
+        command: compiler.program().display().to_string(),
         version,
     })
 }
