@@ -62,16 +62,16 @@ enum lw_uf_kind { LW_UF_OTHER, LW_UF_IS_INTEGER, LW_UF_IS_REAL, LW_UF_IS_STRING,
 #define LW_UF_FIELD_BOOLEAN boolean
 #endif
 
-#define LW_UF_TAG_OF(value) ((value)->type)
-#define LW_UF_READ(value, field, type) ((type)(value)->value.field)
-#define LW_UF_WRITE(ret, tag, field, data) ((void)((ret)->type = (tag), (ret)->value.field = (data)))
-#define lw_uf_real_of(value) LW_UF_READ(value, LW_UF_FIELD_REAL, double)
-#define lw_uf_integer_of(value) LW_UF_READ(value, LW_UF_FIELD_INTEGER, int64_t)
-#define lw_uf_boolean_of(value) (LW_UF_READ(value, LW_UF_FIELD_BOOLEAN, int) != 0)
-#define lw_uf_pointer_of(value) ((const void *)(value)->value.LW_UF_FIELD_STRING)
-#define lw_uf_set_real(ret, data) LW_UF_WRITE(ret, LW_UF_TAG_REAL, LW_UF_FIELD_REAL, data)
-#define lw_uf_set_integer(ret, data) LW_UF_WRITE(ret, LW_UF_TAG_INTEGER, LW_UF_FIELD_INTEGER, (LW_UF_INTEGER)(data))
-#define lw_uf_set_pointer(ret, data) LW_UF_WRITE(ret, LW_UF_TAG_STRING, LW_UF_FIELD_STRING, (void *)(data))
+#define LW_UF_TAG_OF(at) ((at)->type)
+#define LW_UF_READ(at, field, type) ((type)(at)->value.field)
+#define LW_UF_WRITE(at, tag, field, data) ((void)((at)->type = (tag), (at)->value.field = (data)))
+#define lw_uf_real_of(at) LW_UF_READ(at, LW_UF_FIELD_REAL, double)
+#define lw_uf_integer_of(at) LW_UF_READ(at, LW_UF_FIELD_INTEGER, int64_t)
+#define lw_uf_boolean_of(at) (LW_UF_READ(at, LW_UF_FIELD_BOOLEAN, int) != 0)
+#define lw_uf_pointer_of(at) ((const void *)(at)->value.LW_UF_FIELD_STRING)
+#define lw_uf_set_real(at, data) LW_UF_WRITE(at, LW_UF_TAG_REAL, LW_UF_FIELD_REAL, data)
+#define lw_uf_set_integer(at, data) LW_UF_WRITE(at, LW_UF_TAG_INTEGER, LW_UF_FIELD_INTEGER, (LW_UF_INTEGER)(data))
+#define lw_uf_set_pointer(at, data) LW_UF_WRITE(at, LW_UF_TAG_STRING, LW_UF_FIELD_STRING, (void *)(data))
 
 #else
 

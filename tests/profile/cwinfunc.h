@@ -18,7 +18,14 @@ typedef uint16_t mock_char;
 typedef char mock_char;
 #endif
 
-#pragma pack(push, MOCK_PACKING)
+/* Not every compiler expands a macro within this line. */
+#if MOCK_PACKING == 1
+#pragma pack(push, 1)
+#elif MOCK_PACKING == 4
+#pragma pack(push, 4)
+#else
+#pragma pack(push, 8)
+#endif
 typedef union mock_value {
     MOCK_INTEGER integer;
     double real;

@@ -354,8 +354,15 @@ fn wide(
         let beside = (0..size).any(|o| {
             (o < start || o >= start + widest) && (o < value || o >= end) && s.bytes[o] != 0
         });
-        let used = value + integer_bits as usize / 8;
-        beside || s.value.kind() == Kind::Integer && s.bytes[used..end].iter().any(|b| *b != 0)
+        let used = match s.value {
+            Value::Integer(_) => value + integer_bits as usize / 8,
+            Value::Boolean(_) => value + 4,
+            _ => end,
+        };
+        // Nothing has been returned yet when the probe looks at `ret`.
+        let answer = s.record.ret.get(value..end);
+        let set = |bytes: &[u8]| bytes.iter().any(|b| *b != 0);
+        beside || set(&s.bytes[used..end]) || answer.is_some_and(set)
     };
     let unclean = slots.iter().any(idle);
     let width = if widths.len() > 1 && !unclean && widths.contains(&4) {

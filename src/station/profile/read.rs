@@ -99,6 +99,7 @@ impl Reader {
         let (layout, tag) = (layout??, tag??);
         let layout = self.together(layout, tag);
         let fingerprint = layout.fingerprint();
+        let claimed = confirmed.is_some();
         let confirmed = confirmed.filter(|c| {
             if *c.get_ref() != fingerprint {
                 self.report(
@@ -110,12 +111,12 @@ impl Reader {
             *c.get_ref() == fingerprint
         });
         match verified {
-            Some(v) if *v.get_ref() && confirmed.is_none() => self.report(
+            Some(v) if *v.get_ref() && !claimed => self.report(
                 v.span(),
                 "nothing confirms this layout".to_owned(),
                 "set it to false: only `doctor --probe` on the dump of a confirmation writes a verified profile",
             ),
-            Some(v) if !*v.get_ref() && confirmed.is_some() => self.report(
+            Some(v) if !*v.get_ref() && claimed => self.report(
                 v.span(),
                 "an unverified profile has a confirmation".to_owned(),
                 "delete the line `confirmed`, or set this to true",
@@ -185,11 +186,33 @@ impl Reader {
         } else {
             fields.known.push("more_real");
         }
+        self.distinct(bits.as_ref().map(|b| *b.get_ref()), &tags);
         complete.then_some(PlacedTag {
             offset: offset?,
             bits: bits?,
             tags,
         })
+    }
+
+    /// Whether the tags fit their field, and differ.
+    fn distinct(&mut self, bits: Option<i64>, tags: &[(&'static str, Placed<i64>)]) {
+        for (i, (name, number)) in tags.iter().enumerate() {
+            if let Some(bits) = bits.filter(|b| *b < 64 && *number.get_ref() >> b != 0) {
+                self.report(
+                    number.span(),
+                    format!("{} does not fit the {bits} bits of a tag", number.get_ref()),
+                    "make `bits` larger, or correct the number",
+                );
+            }
+            let mut before = tags[..i].iter();
+            if let Some((other, _)) = before.find(|(_, n)| n.get_ref() == number.get_ref()) {
+                self.report(
+                    number.span(),
+                    format!("`{other}` and `{name}` have the same tag {}", number.get_ref()),
+                    "give each kind of value a tag of its own",
+                );
+            }
+        }
     }
 
     /// Whether layout and tag go together.
@@ -238,22 +261,6 @@ impl Reader {
                     place,
                     format!("{what} {of}, which is no multiple of {unit} as `packing = {packing}` wants it"),
                     "make the packing smaller, or correct the number",
-                );
-            }
-        }
-        for (i, (name, number)) in tag.tags.iter().enumerate() {
-            if bytes < 8 && *number.get_ref() >> (8 * bytes) != 0 {
-                self.report(
-                    number.span(),
-                    format!("{} does not fit the {} bits of a tag", number.get_ref(), 8 * bytes),
-                    "make `bits` larger, or correct the number",
-                );
-            }
-            if let Some((other, _)) = tag.tags[..i].iter().find(|(_, n)| n.get_ref() == number.get_ref()) {
-                self.report(
-                    number.span(),
-                    format!("`{other}` and `{name}` have the same tag {}", number.get_ref()),
-                    "give each kind of value a tag of its own",
                 );
             }
         }
