@@ -22,3 +22,5 @@ mod simtalk;
 #[path = "profile/suite.rs"]
 mod suite;
 mod support;
+#[path = "profile/windows.rs"]
+mod windows;

@@ -165,7 +165,7 @@ static variable string(const char *utf8)
     return v;
 }
 
-static variable boolean(int value)
+static variable truth(int value)
 {
     variable v = {MOCK_IS_BOOLEAN, 0, 0.0, NULL};
     v.integer = value;

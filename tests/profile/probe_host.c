@@ -19,7 +19,7 @@ int main(int argc, char **argv)
     }
     (void)layout();
     (void)string;
-    (void)boolean;
+    (void)truth;
     (void)duration;
     (void)real;
     (void)integer;

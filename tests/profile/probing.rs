@@ -31,7 +31,7 @@ pub fn build(folder: &Path, profile: Option<&str>) -> Probe {
 }
 
 /// The calls of a probe's SimTalk as C for the mock; also those that the user may uncomment.
-fn as_c(text: &str) -> String {
+pub fn as_c(text: &str) -> String {
     let optional = |line: &str| {
         let line = line.replace("-- callLibrary", "callLibrary");
         line.replace("-- var duration", "var duration") + "\n"
@@ -79,7 +79,7 @@ fn call(probe: &str, expression: &Expression) -> String {
             Expression::Text(t) => format!("string(\"{t}\")"),
             Expression::Name(n) => format!("v_{n}"),
             Expression::Number(n) if n == "true" || n == "false" => {
-                format!("boolean({})", i32::from(n == "true"))
+                format!("truth({})", i32::from(n == "true"))
             }
             Expression::Number(n) if n.contains('.') => format!("real({n})"),
             Expression::Number(n) => format!("integer({n}LL)"),
@@ -104,7 +104,7 @@ pub fn probe(mock: &Mock, probe: &Probe, folder: &Path, dump: &str) -> (String, 
 }
 
 /// What `doctor --probe` makes of a dump.
-fn doctor(folder: &Path, dump: &Path, out: &str) -> (String, Profile) {
+pub fn doctor(folder: &Path, dump: &Path, out: &str) -> (String, Profile) {
     let dump = dump.display().to_string();
     let output = support::linewright(folder, &["doctor", "--probe", &dump, "--out", out]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();

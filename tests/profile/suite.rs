@@ -11,7 +11,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 /// The manipulator with names and a rule that not every encoding can write.
-fn package(profile: &Profile) -> Package {
+pub fn package(profile: &Profile) -> Package {
     let (machine, controllers) = fixtures::manipulator();
     let mut machine = (*machine).clone();
     "Länge".clone_into(&mut machine.properties[0].name);
