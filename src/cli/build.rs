@@ -7,8 +7,8 @@ use super::libraries::{self, Target};
 use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
 use super::pipeline::Jobs;
-use super::select::Selection;
 use super::profiles;
+use super::select::Selection;
 use crate::diagnostics::{Diagnostic, has_errors, json};
 use crate::source::SourceMap;
 use crate::station::Toolchain;
@@ -81,8 +81,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Err(code) => return Ok(code),
     };
     let library = &loaded.library;
-    let picked = selection
-        .pick(&loaded, "machine", &library.machines, |m| (&m.name, m.span))?;
+    let picked = selection.pick(&loaded, "machine", &library.machines, |m| (&m.name, m.span))?;
     let mut jobs = Jobs::default().wishing(Wish {
         functions: true,
         ..Wish::default()

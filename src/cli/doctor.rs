@@ -184,7 +184,10 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
         None => row("Python", "not found (only tests need it)"),
     }
     if let Some(profile) = profile {
-        row("UF_Value", &format!("{}: {}", profile.shown(), profile.found));
+        row(
+            "UF_Value",
+            &format!("{}: {}", profile.shown(), profile.found),
+        );
     }
     row(
         "cache",

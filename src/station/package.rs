@@ -114,10 +114,10 @@ impl Package {
 
 /// The files that a machine's own includes: those of [`SUPPORT`], and the layout of `UF_Value`.
 pub fn support(profile: &Profile) -> Vec<(&'static str, String)> {
-    let fixed = SUPPORT.iter().map(|(name, text)| (*name, (*text).to_owned()));
-    fixed
-        .chain([(header::NAME, profile.to_header())])
-        .collect()
+    let fixed = SUPPORT
+        .iter()
+        .map(|(name, text)| (*name, (*text).to_owned()));
+    fixed.chain([(header::NAME, profile.to_header())]).collect()
 }
 
 /// Makes a folder and those above it.

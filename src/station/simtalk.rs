@@ -129,7 +129,10 @@ impl Writer<'_> {
     /// A call of the library, for the station that `of` names.
     fn call(&self, export: &str, arguments: &[String]) -> String {
         let arguments = arguments.iter().fold(String::new(), |s, a| s + ", " + a);
-        format!("callLibrary({}, \"{export}\"{arguments})", self.names.library)
+        format!(
+            "callLibrary({}, \"{export}\"{arguments})",
+            self.names.library
+        )
     }
 
     /// What is done when a call has failed: say why, and stop the station.
@@ -172,12 +175,23 @@ impl Writer<'_> {
     fn init(&self) -> String {
         let (name, library) = (&self.names.machine, &self.names.library);
         let mut out = banner(&format!("{library}_init: call it in the model's init"));
-        let _ = writeln!(out, "{library} := loadLibrary(\"C:\\linewright\\{}\") -- the absolute path", self.library);
+        let _ = writeln!(
+            out,
+            "{library} := loadLibrary(\"C:\\linewright\\{}\") -- the absolute path",
+            self.library
+        );
         let _ = writeln!(out, "if {library} < 0");
-        let _ = writeln!(out, "    print \"{name}: the library was not loaded. Is the path absolute, and Plant Simulation one of 64 bits?\"");
+        let _ = writeln!(
+            out,
+            "    print \"{name}: the library was not loaded. Is the path absolute, and Plant Simulation one of 64 bits?\""
+        );
         out.push_str("    Station.LW_Handle := 0\n    Station.Failed := true\nelse\n");
         out.push_str("    -- Once for each station of this kind: replace Station by its name.\n");
-        let _ = writeln!(out, "    Station.LW_Handle := {}", self.call("instantiate", &[]));
+        let _ = writeln!(
+            out,
+            "    Station.LW_Handle := {}",
+            self.call("instantiate", &[])
+        );
         out.push_str("    if Station.LW_Handle < 0\n");
         out.push_str(&self.failed("Station", "0", "        "));
         out.push_str("    end\nend\n\n");
@@ -186,10 +200,17 @@ impl Writer<'_> {
 
     fn entrance(&self) -> String {
         let (library, machine) = (&self.names.library, self.machine);
-        let mut out = banner(&format!("{library}_entrance: the entrance control of each station"));
+        let mut out = banner(&format!(
+            "{library}_entrance: the entrance control of each station"
+        ));
         out.push_str("-- LW_Operation says what is done:");
         for (index, operation) in machine.operations.iter().enumerate() {
-            let _ = write!(out, "{} {index} {}", if index == 0 { "" } else { "," }, operation.name);
+            let _ = write!(
+                out,
+                "{} {index} {}",
+                if index == 0 { "" } else { "," },
+                operation.name
+            );
         }
         out.push('\n');
         for (property, name) in machine.properties.iter().zip(&self.names.attributes) {
@@ -198,13 +219,22 @@ impl Writer<'_> {
             } else {
                 format!(" in {}", property.unit)
             };
-            let _ = writeln!(out, "-- {}.{name}: {}{unit}", holder(property.kind), property.name);
+            let _ = writeln!(
+                out,
+                "-- {}.{name}: {}{unit}",
+                holder(property.kind),
+                property.name
+            );
         }
         let handle = "?.LW_Handle".to_owned();
         let mut arguments = vec![handle.clone(), "?.LW_Operation".to_owned()];
         let properties = machine.properties.iter().zip(&self.names.attributes);
         arguments.extend(properties.map(|(p, name)| format!("{}.{name}", holder(p.kind))));
-        let _ = writeln!(out, "var duration: real := {}", self.call("simulate", &arguments));
+        let _ = writeln!(
+            out,
+            "var duration: real := {}",
+            self.call("simulate", &arguments)
+        );
         out.push_str("if duration < 0\n");
         out.push_str(&self.failed("?", &handle, "    "));
         out.push_str("else\n");
@@ -223,17 +253,27 @@ impl Writer<'_> {
                 get(format!("property.{}", property.name))
             );
         }
-        let _ = writeln!(out, "        ?.LW_Energy := ?.LW_Energy + {} -- in J", get("energy".to_owned()));
+        let _ = writeln!(
+            out,
+            "        ?.LW_Energy := ?.LW_Energy + {} -- in J",
+            get("energy".to_owned())
+        );
         out.push_str("        ?.ProcTime := duration -- in s\n    end\nend\n\n");
         out
     }
 
     fn reset(&self) -> String {
         let library = &self.names.library;
-        let mut out = banner(&format!("{library}_reset: brings a station back to its beginning while the model runs"));
+        let mut out = banner(&format!(
+            "{library}_reset: brings a station back to its beginning while the model runs"
+        ));
         out.push_str("-- Once for each station of this kind: replace Station by its name.\n");
         out.push_str("if 0 < Station.LW_Handle\n");
-        let _ = writeln!(out, "    if {} < 0", self.call("reset", &["Station.LW_Handle".to_owned()]));
+        let _ = writeln!(
+            out,
+            "    if {} < 0",
+            self.call("reset", &["Station.LW_Handle".to_owned()])
+        );
         out.push_str(&self.failed("Station", "Station.LW_Handle", "        "));
         out.push_str("    end\nend\n\n");
         out
@@ -242,12 +282,23 @@ impl Writer<'_> {
     fn end(&self) -> String {
         let library = &self.names.library;
         let mut out = banner(&format!("{library}_endSim: call it in the model's endSim"));
-        let _ = writeln!(out, "if {library} < 0\n    print \"{}: there is no library to free\"\nelse", self.names.machine);
+        let _ = writeln!(
+            out,
+            "if {library} < 0\n    print \"{}: there is no library to free\"\nelse",
+            self.names.machine
+        );
         out.push_str("    -- Once for each station of this kind: replace Station by its name.\n    if 0 < Station.LW_Handle\n");
-        let _ = writeln!(out, "        if {} < 0", self.call("deinstantiate", &["Station.LW_Handle".to_owned()]));
+        let _ = writeln!(
+            out,
+            "        if {} < 0",
+            self.call("deinstantiate", &["Station.LW_Handle".to_owned()])
+        );
         out.push_str(&self.failed("Station", "Station.LW_Handle", "            "));
         out.push_str("        end\n        Station.LW_Handle := 0\n    end\n");
-        let _ = writeln!(out, "    -- Once, behind the last station.\n    freeLibrary({library})\n    {library} := -1\nend");
+        let _ = writeln!(
+            out,
+            "    -- Once, behind the last station.\n    freeLibrary({library})\n    {library} := -1\nend"
+        );
         out
     }
 
@@ -297,7 +348,11 @@ impl Writer<'_> {
              | attribute | type | value |\n|---|---|---|\n\
              | `LW_Handle` | {} | 0; the methods set it |\n",
             self.library,
-            if self.profile.layout.integer_bits == 16 { "real" } else { "integer" }
+            if self.profile.layout.integer_bits == 16 {
+                "real"
+            } else {
+                "integer"
+            }
         );
         if !machine.operations.is_empty() {
             let operations: Vec<String> = machine
@@ -306,7 +361,11 @@ impl Writer<'_> {
                 .enumerate()
                 .map(|(i, o)| format!("{i} {}", o.name))
                 .collect();
-            let _ = writeln!(out, "| `LW_Operation` | integer | the operation: {} |", operations.join(", "));
+            let _ = writeln!(
+                out,
+                "| `LW_Operation` | integer | the operation: {} |",
+                operations.join(", ")
+            );
             out.push_str("| `LW_Energy` | real | 0; adds up joules |\n");
         }
         out.push_str(&self.attributes(PropertyKind::Parameter));
@@ -331,14 +390,23 @@ impl Writer<'_> {
             wanted.join(", ")
         );
         step += 1;
-        let _ = writeln!(out, "{step}. Call `{library}_init` in the model's `init`, and `{library}_endSim` in its `endSim`. Several models or frames may load the same library.");
+        let _ = writeln!(
+            out,
+            "{step}. Call `{library}_init` in the model's `init`, and `{library}_endSim` in its `endSim`. Several models or frames may load the same library."
+        );
         if machine.operations.is_empty() {
             out.push_str("\nThis machine has no operations: there is nothing for an entrance control to call. It is stepped through the plain C interface (`station.h`).\n");
         } else {
             step += 1;
-            let _ = writeln!(out, "{step}. Choose `{library}_entrance` as the entrance control of the stations.");
+            let _ = writeln!(
+                out,
+                "{step}. Choose `{library}_entrance` as the entrance control of the stations."
+            );
             step += 1;
-            let _ = writeln!(out, "{step}. Start the model with one part. The console shows errors; the processing time of the station has to be that of the operation.");
+            let _ = writeln!(
+                out,
+                "{step}. Start the model with one part. The console shows errors; the processing time of the station has to be that of the operation."
+            );
         }
         out.push_str(&self.trouble());
         out
@@ -347,15 +415,23 @@ impl Writer<'_> {
     /// The rows of a kind's attributes.
     fn attributes(&self, kind: PropertyKind) -> String {
         let properties = self.machine.properties.iter().zip(&self.names.attributes);
-        properties.filter(|(p, _)| p.kind == kind).fold(String::new(), |s, (p, name)| {
-            let unit = if p.unit.is_empty() {
-                String::new()
-            } else {
-                format!(", in {}", p.unit)
-            };
-            let domain = p.domain.as_ref().map_or(String::new(), |d| format!(", {}", d.describe()));
-            s + &format!("| `{name}` | real | `{}`{unit}{domain}; {} where nothing else is known |\n", p.name, p.default)
-        })
+        properties
+            .filter(|(p, _)| p.kind == kind)
+            .fold(String::new(), |s, (p, name)| {
+                let unit = if p.unit.is_empty() {
+                    String::new()
+                } else {
+                    format!(", in {}", p.unit)
+                };
+                let domain = p
+                    .domain
+                    .as_ref()
+                    .map_or(String::new(), |d| format!(", {}", d.describe()));
+                s + &format!(
+                    "| `{name}` | real | `{}`{unit}{domain}; {} where nothing else is known |\n",
+                    p.name, p.default
+                )
+            })
     }
 
     fn trouble(&self) -> String {

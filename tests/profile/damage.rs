@@ -25,7 +25,9 @@ fn judge(text: &str) -> (bool, bool) {
     let sound = |findings: &[Diagnostic]| {
         for finding in findings {
             assert!(finding.help.is_some(), "{finding:?}");
-            let inside = finding.span.is_none_or(|s| s.start <= s.end && s.end as usize <= text.len());
+            let inside = finding
+                .span
+                .is_none_or(|s| s.start <= s.end && s.end as usize <= text.len());
             assert!(inside, "{finding:?}");
         }
     };
@@ -81,13 +83,25 @@ fn mutated(text: &str, random: &mut Random) -> String {
             4 => lines[at] = "call lw_probe_real_1".to_owned(),
             5 => lines[at] = format!("points {} 00", random.below(600)),
             6 => {
-                let words = ["expects integer:9223372036854775807", "expects real:nan", "expects text:ff", "arg ", "ret null", "end", "\u{202e}", "linewright-probe 1"];
+                let words = [
+                    "expects integer:9223372036854775807",
+                    "expects real:nan",
+                    "expects text:ff",
+                    "arg ",
+                    "ret null",
+                    "end",
+                    "\u{202e}",
+                    "linewright-probe 1",
+                ];
                 lines[at] = words[random.below(words.len())].to_owned();
             }
             _ => {
                 let line = &mut lines[at];
                 let place = random.below(line.len());
-                if line.is_char_boundary(place) && line.is_char_boundary(place + 1) && place < line.len() {
+                if line.is_char_boundary(place)
+                    && line.is_char_boundary(place + 1)
+                    && place < line.len()
+                {
                     let digit = b"0123456789abcdef :\n"[random.below(19)] as char;
                     line.replace_range(place..=place, &digit.to_string());
                 }
@@ -116,10 +130,18 @@ fn damaged_dumps_give_findings() {
     for mock in mocks() {
         let (printed, path) = probe(&mock, &first, folder.path(), &format!("{}.txt", mock.name));
         let layout = mock.layout(&printed);
-        let profile = Profile { layout, ..Profile::assumed() };
+        let profile = Profile {
+            layout,
+            ..Profile::assumed()
+        };
         std::fs::write(folder.path().join("profile.toml"), profile.to_toml()).expect("a file");
         let second = build(folder.path(), Some("profile.toml"));
-        let (_, confirmed) = probe(&mock, &second, folder.path(), &format!("{}-2.txt", mock.name));
+        let (_, confirmed) = probe(
+            &mock,
+            &second,
+            folder.path(),
+            &format!("{}-2.txt", mock.name),
+        );
         for path in [path, confirmed] {
             let whole = std::fs::read_to_string(&path).expect("a dump");
             let second = whole.contains("lw_confirm_seen");

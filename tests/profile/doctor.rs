@@ -25,7 +25,9 @@ fn only(programs: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let places = std::env::var_os("PATH").expect("a path");
     for program in programs {
-        let found = std::env::split_paths(&places).map(|p| p.join(program)).find(|p| p.is_file());
+        let found = std::env::split_paths(&places)
+            .map(|p| p.join(program))
+            .find(|p| p.is_file());
         if let Some(found) = found {
             symlink(found, folder.path().join(program)).expect("a link");
         }
@@ -42,9 +44,15 @@ fn without_a_compiler_for_windows_there_is_a_way_out() {
         String::from_utf8_lossy(&output.stderr),
     );
     assert_eq!(output.status.code(), Some(0), "{text}{said}");
-    assert!(text.contains("Windows libraries        cannot be built here"), "{text}");
+    assert!(
+        text.contains("Windows libraries        cannot be built here"),
+        "{text}"
+    );
     assert!(said.contains("warning[LW506]"), "{said}");
-    assert!(said.contains("gcc-mingw-w64-x86-64") && said.contains("pip install ziglang"), "{said}");
+    assert!(
+        said.contains("gcc-mingw-w64-x86-64") && said.contains("pip install ziglang"),
+        "{said}"
+    );
     assert!(said.contains("note[LW541]"), "{said}");
     let output = doctor(&["--format", "json"], folder.path());
     let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -81,15 +89,22 @@ fn without_any_compiler_it_cannot_run() {
 #[test]
 fn what_is_found_is_listed() {
     let folder = only(&["cc", "as", "ld"]);
-    for (name, script) in [("x86_64-w64-mingw32-gcc", "echo MinGW of the test"), ("zig", "exit 1")] {
+    for (name, script) in [
+        ("x86_64-w64-mingw32-gcc", "echo MinGW of the test"),
+        ("zig", "exit 1"),
+    ] {
         let path = folder.path().join(name);
         std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).expect("a file");
-        std::fs::set_permissions(&path, std::os::unix::fs::PermissionsExt::from_mode(0o755)).expect("permissions");
+        std::fs::set_permissions(&path, std::os::unix::fs::PermissionsExt::from_mode(0o755))
+            .expect("permissions");
     }
     let output = doctor(&[], folder.path());
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(text.contains("MinGW of the test"), "{text}");
-    assert!(text.contains("zig cc                   not found"), "{text}");
+    assert!(
+        text.contains("zig cc                   not found"),
+        "{text}"
+    );
     assert!(text.contains("with x86_64-w64-mingw32-gcc"), "{text}");
     assert!(text.contains("profile \"default\" (unverified)"), "{text}");
 }

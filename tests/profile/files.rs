@@ -22,7 +22,14 @@ fn parse(text: &str) -> Result<Profile, String> {
 }
 
 fn layouts() -> impl Strategy<Value = Layout> {
-    let numbers = (0..4_usize, 0..4_usize, 0..3_usize, 0..4_usize, any::<bool>(), 0..3_u32);
+    let numbers = (
+        0..4_usize,
+        0..4_usize,
+        0..3_usize,
+        0..4_usize,
+        any::<bool>(),
+        0..3_u32,
+    );
     let tags = proptest::collection::btree_set(0..200_u64, 5..8);
     (numbers, tags).prop_map(|((packing, bits, integer, encoding, first, slack), tags)| {
         let packing: u32 = [1, 2, 4, 8][packing];
@@ -37,7 +44,10 @@ fn layouts() -> impl Strategy<Value = Layout> {
         let end = (tag + width).max(value + 8) + slack * packing;
         let tags: Vec<u64> = BTreeSet::into_iter(tags).collect();
         Layout {
-            size: end.next_multiple_of(packing).max(9).next_multiple_of(packing),
+            size: end
+                .next_multiple_of(packing)
+                .max(9)
+                .next_multiple_of(packing),
             packing,
             value,
             integer_bits: [16, 32, 64][integer],
@@ -86,16 +96,42 @@ fn every_mistake_is_found_at_once() {
     let changes: &[&[(&str, &str)]] = &[
         &[("[layout]", "[layout")],
         &[("size = 16", "size = 16\nsize = 17")],
-        &[("schema = \"linewright/uf-profile/1\"", "schema = \"linewright/uf-profile/9\"")],
-        &[("name = \"default\"", "name = \"\""), ("verified = false", "verified = \"no\"")],
-        &[("size = 16", "sise = 16"), ("bits = 32\ninteger", "bits = 33\ninteger"), ("strings = \"utf-8\"", "strings = \"utf8\"")],
-        &[("value = 8", "value = 2"), ("real = 2", "real = 1"), ("integer_bits = 32", "integer_bits = 24")],
+        &[(
+            "schema = \"linewright/uf-profile/1\"",
+            "schema = \"linewright/uf-profile/9\"",
+        )],
+        &[
+            ("name = \"default\"", "name = \"\""),
+            ("verified = false", "verified = \"no\""),
+        ],
+        &[
+            ("size = 16", "sise = 16"),
+            ("bits = 32\ninteger", "bits = 33\ninteger"),
+            ("strings = \"utf-8\"", "strings = \"utf8\""),
+        ],
+        &[
+            ("value = 8", "value = 2"),
+            ("real = 2", "real = 1"),
+            ("integer_bits = 32", "integer_bits = 24"),
+        ],
         &[("value = 8", "value = 2"), ("real = 2", "real = 1")],
-        &[("size = 16", "size = 12"), ("string = 3", "string = 99999999999")],
+        &[
+            ("size = 16", "size = 12"),
+            ("string = 3", "string = 99999999999"),
+        ],
         &[("verified = false", "verified = true")],
-        &[("verified = false", "verified = true\nconfirmed = \"0123456789abcdef\"")],
-        &[("string = 3", "string = 3\nboolean = 3\nmore_real = [2, 7, -1]")],
-        &[("string = 3", "string = 3\nboolean = 3\nmore_real = [2, 7]\nextra = 1")],
+        &[(
+            "verified = false",
+            "verified = true\nconfirmed = \"0123456789abcdef\"",
+        )],
+        &[(
+            "string = 3",
+            "string = 3\nboolean = 3\nmore_real = [2, 7, -1]",
+        )],
+        &[(
+            "string = 3",
+            "string = 3\nboolean = 3\nmore_real = [2, 7]\nextra = 1",
+        )],
         &[("[tag]", "[tags]")],
         &[("[layout]", "layout = 3\n[layouts]")],
         &[("offset = 0", "offset = 60")],
@@ -108,7 +144,10 @@ fn every_mistake_is_found_at_once() {
             text = text.replace(from, to);
         }
         let said = parse(&text).expect_err("a finding");
-        let shown: Vec<String> = change.iter().map(|(_, to)| to.replace('\n', " | ")).collect();
+        let shown: Vec<String> = change
+            .iter()
+            .map(|(_, to)| to.replace('\n', " | "))
+            .collect();
         report.push_str(&format!("--- {}\n{said}", shown.join(", ")));
     }
     insta::assert_snapshot!("mistakes", report);

@@ -10,7 +10,13 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 
 /// Results that are a code where they are below 0.
-const CODED: [&str; 5] = ["instantiate", "simulate", "reset", "deinstantiate", "get_integer"];
+const CODED: [&str; 5] = [
+    "instantiate",
+    "simulate",
+    "reset",
+    "deinstantiate",
+    "get_integer",
+];
 
 /// What is wrong with a machine's methods; empty when nothing is.
 fn wrong(text: &str, description: &Value) -> Vec<String> {
@@ -27,13 +33,21 @@ fn wrong(text: &str, description: &Value) -> Vec<String> {
         checker.method(method);
     }
     let mut found = checker.wrong;
-    let titled = |end: &str| methods.iter().find(|m| m.title.split(':').next().is_some_and(|t| t.ends_with(end)));
+    let titled = |end: &str| {
+        methods
+            .iter()
+            .find(|m| m.title.split(':').next().is_some_and(|t| t.ends_with(end)))
+    };
     for end in ["_init", "_reset", "_endSim"] {
         if titled(end).is_none() {
             found.push(format!("there is no method {end}"));
         }
     }
-    let all: Vec<(usize, &str)> = checker.called.iter().map(|(m, e)| (*m, e.as_str())).collect();
+    let all: Vec<(usize, &str)> = checker
+        .called
+        .iter()
+        .map(|(m, e)| (*m, e.as_str()))
+        .collect();
     let place = |wanted: &str| all.iter().position(|(_, e)| *e == wanted);
     let in_order = [
         ("loadLibrary", "instantiate"),
@@ -48,7 +62,9 @@ fn wrong(text: &str, description: &Value) -> Vec<String> {
             found.push(format!("`{first}` does not come before `{second}`"));
         }
     }
-    let has_operations = description["operations"].as_array().is_some_and(|o| !o.is_empty());
+    let has_operations = description["operations"]
+        .as_array()
+        .is_some_and(|o| !o.is_empty());
     if has_operations != place("simulate").is_some() {
         found.push("`simulate` is called if and only if there are operations".to_owned());
     }
@@ -85,11 +101,16 @@ impl Checker<'_> {
                     if let Some(export) = self.expression(value, method, true)
                         && export != "freeLibrary"
                     {
-                        self.wrong.push(format!("the result of `{export}` is not looked at"));
+                        self.wrong
+                            .push(format!("the result of `{export}` is not looked at"));
                     }
                 }
-                Statement::Assign(target, value) => self.assign(target, value, &body[i + 1..], method),
-                Statement::If(condition, then, otherwise) => self.branch(condition, then, otherwise, method),
+                Statement::Assign(target, value) => {
+                    self.assign(target, value, &body[i + 1..], method)
+                }
+                Statement::If(condition, then, otherwise) => {
+                    self.branch(condition, then, otherwise, method)
+                }
             }
         }
     }
@@ -106,19 +127,32 @@ impl Checker<'_> {
         };
         let coded = CODED.contains(&export.as_str()) || export == "loadLibrary";
         if coded && !looked_at {
-            self.wrong.push(format!("the code of `{export}` is not looked at"));
+            self.wrong
+                .push(format!("the code of `{export}` is not looked at"));
         }
     }
 
-    fn branch(&mut self, condition: &Expression, then: &[Statement], otherwise: &[Statement], method: usize) {
+    fn branch(
+        &mut self,
+        condition: &Expression,
+        then: &[Statement],
+        otherwise: &[Statement],
+        method: usize,
+    ) {
         self.expression(condition, method, true);
-        let handles = then.iter().any(|s| matches!(s, Statement::Assign(t, _) if t.ends_with(".Failed")));
+        let handles = then
+            .iter()
+            .any(|s| matches!(s, Statement::Assign(t, _) if t.ends_with(".Failed")));
         if let Expression::Operation(_, '<', _) = condition
             && !handles
             && otherwise.is_empty()
-            && !matches!(then.first(), Some(Statement::If(..) | Statement::Assign(..)))
+            && !matches!(
+                then.first(),
+                Some(Statement::If(..) | Statement::Assign(..))
+            )
         {
-            self.wrong.push("a negative code has no consequence".to_owned());
+            self.wrong
+                .push("a negative code has no consequence".to_owned());
         }
         self.block(then, method);
         let sound = self.sound;
@@ -136,17 +170,27 @@ impl Checker<'_> {
                 None
             }
             Expression::Call(name, arguments) if name == "callLibrary" => {
-                let [Expression::Name(library), Expression::Text(export), passed @ ..] = arguments.as_slice() else {
-                    self.wrong.push(format!("no library and export: {arguments:?}"));
+                let [
+                    Expression::Name(library),
+                    Expression::Text(export),
+                    passed @ ..,
+                ] = arguments.as_slice()
+                else {
+                    self.wrong
+                        .push(format!("no library and export: {arguments:?}"));
                     return None;
                 };
                 if *library != self.library {
-                    self.wrong.push(format!("`{library}` is not the library that was loaded"));
+                    self.wrong
+                        .push(format!("`{library}` is not the library that was loaded"));
                 }
                 match self.exports[export].as_u64() {
                     None => self.wrong.push(format!("`{export}` is not exported")),
                     Some(arity) if arity != passed.len() as u64 => {
-                        self.wrong.push(format!("`{export}` takes {arity} arguments, not {}", passed.len()));
+                        self.wrong.push(format!(
+                            "`{export}` takes {arity} arguments, not {}",
+                            passed.len()
+                        ));
                     }
                     Some(_) => {}
                 }
@@ -154,7 +198,8 @@ impl Checker<'_> {
                     self.simulate(passed);
                 }
                 if export == "get_real" && !looked_at && self.sound < 2 {
-                    self.wrong.push("a result is read before one was looked at".to_owned());
+                    self.wrong
+                        .push("a result is read before one was looked at".to_owned());
                 }
                 self.called.push((method, export.clone()));
                 Some(export.clone())
@@ -166,7 +211,8 @@ impl Checker<'_> {
                 if arguments.len() != 1 {
                     self.wrong.push(format!("`{name}` takes one argument"));
                 }
-                if let ("loadLibrary", Some(Expression::Text(path))) = (name.as_str(), arguments.first())
+                if let ("loadLibrary", Some(Expression::Text(path))) =
+                    (name.as_str(), arguments.first())
                     && !path.starts_with("C:\\")
                 {
                     self.wrong.push(format!("the path {path} is not absolute"));
@@ -195,7 +241,9 @@ impl Checker<'_> {
             })
             .collect();
         if passed != wanted {
-            self.wrong.push(format!("`simulate` is called with {passed:?}, not {wanted:?}"));
+            self.wrong.push(format!(
+                "`simulate` is called with {passed:?}, not {wanted:?}"
+            ));
         }
     }
 }
@@ -214,7 +262,11 @@ fn of_machine(machine: &Machine, package: &Package) -> (String, Value) {
 
 #[test]
 fn methods_of_fixtures_keep_to_the_exports() {
-    for (machine, controllers) in [fixtures::manipulator(), fixtures::belt(), fixtures::jammed()] {
+    for (machine, controllers) in [
+        fixtures::manipulator(),
+        fixtures::belt(),
+        fixtures::jammed(),
+    ] {
         let package = Package::emit(&machine, &controllers);
         let (text, description) = of_machine(&machine, &package);
         assert_eq!(wrong(&text, &description), Vec::<String>::new(), "{text}");
@@ -237,12 +289,18 @@ fn wrong_methods_are_noticed() {
         ("loadLibrary(\"C:\\linewright\\", "loadLibrary(\".\\"),
         ("LW_Manipulator := loadLibrary", "LW_Other := loadLibrary"),
         ("_endSim:", "_end:"),
-        ("Station.LW_Handle := callLibrary", "Station.LW_Handl := callLibrary"),
+        (
+            "Station.LW_Handle := callLibrary",
+            "Station.LW_Handl := callLibrary",
+        ),
     ];
     for (from, to) in changes {
         let changed = text.replace(from, to);
         assert_ne!(changed, text, "{from}");
-        assert!(!wrong(&changed, &description).is_empty(), "{to} is not noticed");
+        assert!(
+            !wrong(&changed, &description).is_empty(),
+            "{to} is not noticed"
+        );
     }
 }
 
@@ -250,7 +308,12 @@ fn wrong_methods_are_noticed() {
 fn a_machines_texts_read_well() {
     let (machine, controllers) = fixtures::manipulator();
     let package = Package::emit(&machine, &controllers);
-    let texts = simtalk::texts(&machine, &package, &Profile::assumed(), "manipulator-0123456789abcdef.dll");
+    let texts = simtalk::texts(
+        &machine,
+        &package,
+        &Profile::assumed(),
+        "manipulator-0123456789abcdef.dll",
+    );
     insta::assert_snapshot!("methods", texts.methods);
     insta::assert_snapshot!("page", texts.page.replace(&package.contract_hash, "[hash]"));
 }
@@ -262,18 +325,28 @@ fn the_laboratorys_machines_come_with_their_texts() {
     for file in ["cell", "camera", "printer", "milling", "belt"] {
         let file = format!("examples/ice-lab/{file}.lw");
         let out = format!("out/{file}");
-        let output = support::linewright(sandbox.path(), &["build", &file, "--target", "source", "--out", &out]);
+        let output = support::linewright(
+            sandbox.path(),
+            &["build", &file, "--target", "source", "--out", &out],
+        );
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{said}");
         let printed = String::from_utf8(output.stdout).expect("paths");
         let read = |ending: &str| {
-            let path = printed.lines().find(|l| l.ends_with(ending)).expect("a file");
+            let path = printed
+                .lines()
+                .find(|l| l.ends_with(ending))
+                .expect("a file");
             std::fs::read_to_string(sandbox.path().join(path)).expect("a text")
         };
         let source = printed.lines().next().expect("the C file");
         let source = std::fs::read_to_string(sandbox.path().join(source)).expect("C");
         let description = description_of(&source);
-        assert_eq!(wrong(&read(".simtalk.txt"), &description), Vec::<String>::new(), "{file}");
+        assert_eq!(
+            wrong(&read(".simtalk.txt"), &description),
+            Vec::<String>::new(),
+            "{file}"
+        );
         let page = read(".import.md");
         assert!(page.contains("(unverified)"), "{page}");
         let properties = description["properties"].as_array().expect("properties");
@@ -281,14 +354,24 @@ fn the_laboratorys_machines_come_with_their_texts() {
             let name = property["name"].as_str().expect("a name");
             assert!(page.contains(&format!("`{name}`")), "{file}: {name}");
         }
-        let names: BTreeSet<_> = page.lines().filter(|l| l.starts_with("| `LW_")).map(str::to_lowercase).collect();
-        assert!(names.len() >= properties.len(), "{file}: every property has an attribute of its own");
+        let names: BTreeSet<_> = page
+            .lines()
+            .filter(|l| l.starts_with("| `LW_"))
+            .map(str::to_lowercase)
+            .collect();
+        assert!(
+            names.len() >= properties.len(),
+            "{file}: every property has an attribute of its own"
+        );
     }
 }
 
 /// The JSON that a C file holds in the literals of `lw_description`.
 fn description_of(source: &str) -> Value {
-    let text = source.split_once("lw_description[] =").expect("a description").1;
+    let text = source
+        .split_once("lw_description[] =")
+        .expect("a description")
+        .1;
     let text = text.split_once("\";\n").expect("its end").0;
     let mut out = Vec::new();
     for line in text.lines().filter(|l| l.trim_start().starts_with('"')) {
@@ -301,8 +384,16 @@ fn description_of(source: &str) -> Value {
             }
             match characters.next() {
                 Some(first @ b'0'..=b'7') => {
-                    let digits = [first, characters.next().unwrap_or(b'0'), characters.next().unwrap_or(b'0')];
-                    out.push(digits.iter().fold(0, |n: u8, d| n.wrapping_mul(8) + (d - b'0')));
+                    let digits = [
+                        first,
+                        characters.next().unwrap_or(b'0'),
+                        characters.next().unwrap_or(b'0'),
+                    ];
+                    out.push(
+                        digits
+                            .iter()
+                            .fold(0, |n: u8, d| n.wrapping_mul(8) + (d - b'0')),
+                    );
                 }
                 Some(b'n') => out.push(b'\n'),
                 Some(other) => out.push(other),

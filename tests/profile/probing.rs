@@ -23,7 +23,9 @@ pub fn build(folder: &Path, profile: Option<&str>) -> Probe {
     assert!(output.status.success(), "{said}");
     let printed = String::from_utf8(output.stdout).expect("paths");
     let files: Vec<PathBuf> = printed.lines().map(|l| folder.join(l)).collect();
-    let text = files.iter().find(|f| f.to_string_lossy().ends_with(".simtalk.txt"));
+    let text = files
+        .iter()
+        .find(|f| f.to_string_lossy().ends_with(".simtalk.txt"));
     Probe {
         library: files[0].clone(),
         text: std::fs::read_to_string(text.expect("a SimTalk text")).expect("a text"),
@@ -41,8 +43,12 @@ pub fn as_c(text: &str) -> String {
     let [method] = methods.as_slice() else {
         panic!("the probe is one method")
     };
-    let [Statement::Assign(probe, load), Statement::If(_, _, calls)] = method.body.as_slice() else {
-        panic!("the method loads the library, and calls it if that went well: {:?}", method.body)
+    let [Statement::Assign(probe, load), Statement::If(_, _, calls)] = method.body.as_slice()
+    else {
+        panic!(
+            "the method loads the library, and calls it if that went well: {:?}",
+            method.body
+        )
     };
     assert!(matches!(load, Expression::Call(name, _) if name == "loadLibrary"));
     let mut out = String::new();
@@ -192,7 +198,10 @@ fn the_dump_lies_beside_the_library() {
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{text}");
     // Without --out the profile itself is shown.
-    assert!(text.contains("schema = \"linewright/uf-profile/1\""), "{text}");
+    assert!(
+        text.contains("schema = \"linewright/uf-profile/1\""),
+        "{text}"
+    );
     // A file that is there and differs is kept.
     std::fs::write(folder.path().join("mine.toml"), "mine").expect("a file");
     let output = support::linewright(

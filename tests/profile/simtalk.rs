@@ -85,7 +85,11 @@ fn block(lines: &mut impl Iterator<Item = String>) -> (Vec<Statement>, String) {
 fn statement(line: &str, lines: &mut impl Iterator<Item = String>) -> Statement {
     if let Some(condition) = line.strip_prefix("if ") {
         let (then, end) = block(lines);
-        let (otherwise, end) = if end == "else" { block(lines) } else { (Vec::new(), end) };
+        let (otherwise, end) = if end == "else" {
+            block(lines)
+        } else {
+            (Vec::new(), end)
+        };
         assert_eq!(end, "end", "`{line}` has no end");
         return Statement::If(whole(condition), then, otherwise);
     }
@@ -164,9 +168,14 @@ impl<'t> Reader<'t> {
             return Expression::Text(text.to_owned());
         }
         self.rest = self.rest.trim_start();
-        let numeric = self.rest.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+        let numeric = self
+            .rest
+            .starts_with(|c: char| c.is_ascii_digit() || c == '-');
         let belongs = |c: char| {
-            c.is_ascii_alphanumeric() || "_.".contains(c) || (numeric && c == '-') || (!numeric && "?@".contains(c))
+            c.is_ascii_alphanumeric()
+                || "_.".contains(c)
+                || (numeric && c == '-')
+                || (!numeric && "?@".contains(c))
         };
         let end = self.rest.find(|c| !belongs(c)).unwrap_or(self.rest.len());
         let (word, rest) = self.rest.split_at(end);

@@ -24,12 +24,20 @@ pub fn package(profile: &Profile) -> Package {
 
 /// A library of the machine; `more` are options of the compiler.
 fn library(profile: &Profile, folder: &Path, more: &[&str]) -> PathBuf {
-    let mut flags = vec!["-std=gnu99", "-fPIC", "-shared", "-fvisibility=hidden", "-g"];
+    let mut flags = vec![
+        "-std=gnu99",
+        "-fPIC",
+        "-shared",
+        "-fvisibility=hidden",
+        "-g",
+    ];
     flags.extend(["-Wall", "-Wextra", "-Wconversion", "-Werror"]);
     flags.extend(more);
     let toolchain = Toolchain::host().with_flags(&flags);
     let built = toolchain.build(&package(profile), folder, true);
-    built.unwrap_or_else(|e| panic!("{}: {e}", profile.name)).path
+    built
+        .unwrap_or_else(|e| panic!("{}: {e}", profile.name))
+        .path
 }
 
 #[test]
@@ -69,8 +77,15 @@ fn sanitizers_find_nothing() {
         .arg(folder.join("trial"))
         .output()
         .is_ok_and(|o| o.status.success());
-    if !works || !Command::new(folder.join("trial")).status().is_ok_and(|s| s.success()) {
-        support::skip("asan", "the C compiler has no address sanitizer that runs here");
+    if !works
+        || !Command::new(folder.join("trial"))
+            .status()
+            .is_ok_and(|s| s.success())
+    {
+        support::skip(
+            "asan",
+            "the C compiler has no address sanitizer that runs here",
+        );
         return;
     }
     let first = build(folder, None);
@@ -91,25 +106,36 @@ fn the_vendors_header_is_taken_where_it_is_asked_for() {
     for mock in mocks() {
         let include = format!("-I{}", here().display());
         let mut options: Vec<String> = mock.options();
-        let integer = options.iter().find_map(|o| o.strip_prefix("-DMOCK_INTEGER="));
-        let encoding = options.iter().find_map(|o| o.strip_prefix("-DMOCK_ENCODING="));
+        let integer = options
+            .iter()
+            .find_map(|o| o.strip_prefix("-DMOCK_INTEGER="));
+        let encoding = options
+            .iter()
+            .find_map(|o| o.strip_prefix("-DMOCK_ENCODING="));
         let own = [
             "-DUF_USE_VENDOR_HEADER".to_owned(),
             format!("-DLW_UF_INTEGER={}", integer.expect("a type")),
             format!("-DLW_UF_ENCODING={}", encoding.expect("a number")),
             include,
         ];
-        if let Some(boolean) = options.iter().find_map(|o| o.strip_prefix("-DMOCK_BOOLEAN=")) {
+        if let Some(boolean) = options
+            .iter()
+            .find_map(|o| o.strip_prefix("-DMOCK_BOOLEAN="))
+        {
             let boolean = format!("-DLW_UF_TAG_BOOLEAN={boolean}");
             options.push(boolean);
         }
-        let time = options.iter().find_map(|o| o.strip_prefix("-DMOCK_TIME=").map(str::to_owned));
+        let time = options
+            .iter()
+            .find_map(|o| o.strip_prefix("-DMOCK_TIME=").map(str::to_owned));
         if let Some(time) = time {
             options.push(format!("-DLW_UF_MORE_REAL(tag)=((tag)=={time})"));
         }
         options.extend(own);
         // The header is included by the library's own files: it is not ours, and neither are its warnings.
-        options.extend(["-Wno-conversion", "-Wno-sign-compare", "-Wno-type-limits"].map(str::to_owned));
+        options.extend(
+            ["-Wno-conversion", "-Wno-sign-compare", "-Wno-type-limits"].map(str::to_owned),
+        );
         let options: Vec<&str> = options.iter().map(String::as_str).collect();
         let library = library(&Profile::assumed(), &folder.join(mock.name), &options);
         let host = mock.host("suite_host.c", folder, &[]);
@@ -132,6 +158,10 @@ fn the_runner_refuses_other_layouts() {
     let error = Library::open(&library(&profile, folder.path(), &[])).expect_err("another layout");
     let finding = error.to_diagnostic();
     assert_eq!(finding.code, codes::PROFILE_FOREIGN);
-    assert!(finding.message.contains("\"renamed\""), "{}", finding.message);
+    assert!(
+        finding.message.contains("\"renamed\""),
+        "{}",
+        finding.message
+    );
     assert!(finding.help.is_some());
 }

@@ -14,7 +14,11 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A Windows program that sees a mock's layout.
 fn host(mock: &Mock, compiler: &Compiler, source: &str, folder: &Path) -> PathBuf {
-    let program = folder.join(format!("{}-{}.exe", source.trim_end_matches(".c"), mock.name));
+    let program = folder.join(format!(
+        "{}-{}.exe",
+        source.trim_end_matches(".c"),
+        mock.name
+    ));
     let output = compiler
         .command()
         .args(["-std=gnu11", "-O1", "-Wno-unused-function"])
@@ -41,15 +45,28 @@ fn run(wine: &Wine, host: &Path, library: &Path) -> (bool, String) {
 }
 
 /// Builds the probe for Windows and runs it in a mock; what the mock printed, and the dump.
-fn probe(mock: &Mock, compiler: &Compiler, wine: &Wine, folder: &Path, profile: Option<&str>) -> (String, PathBuf) {
+fn probe(
+    mock: &Mock,
+    compiler: &Compiler,
+    wine: &Wine,
+    folder: &Path,
+    profile: Option<&str>,
+) -> (String, PathBuf) {
     let out = format!("{}-{}", mock.name, profile.map_or("first", |_| "second"));
     let mut arguments = vec!["build", "--probe", "--target", "windows", "--out", &out];
     arguments.extend(profile.iter().flat_map(|p| ["--profile", p]));
     let output = support::linewright(folder, &arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     let printed = String::from_utf8(output.stdout).expect("paths");
     let find = |ending: &str| {
-        let line = printed.lines().find(|l| l.ends_with(ending)).expect("a file");
+        let line = printed
+            .lines()
+            .find(|l| l.ends_with(ending))
+            .expect("a file");
         folder.join(line)
     };
     let text = std::fs::read_to_string(find(".simtalk.txt")).expect("a text");
@@ -58,7 +75,10 @@ fn probe(mock: &Mock, compiler: &Compiler, wine: &Wine, folder: &Path, profile: 
     let library = find(".dll");
     let (passed, printed) = run(wine, &host, &library);
     assert!(passed, "{}: {printed}", mock.name);
-    (printed, PathBuf::from(format!("{}.dump.txt", library.display())))
+    (
+        printed,
+        PathBuf::from(format!("{}.dump.txt", library.display())),
+    )
 }
 
 #[test]
@@ -78,12 +98,19 @@ fn layouts_are_recovered_and_confirmed_on_windows() {
         let (printed, dump) = probe(mock, &compiler, wine, folder, None);
         let out = format!("{}.toml", mock.name);
         let (said, profile) = doctor(folder, &dump, &out);
-        assert_eq!(profile.layout, mock.layout(&printed), "{}: {said}", mock.name);
+        assert_eq!(
+            profile.layout,
+            mock.layout(&printed),
+            "{}: {said}",
+            mock.name
+        );
         let (_, dump) = probe(mock, &compiler, wine, folder, Some(&out));
         let (said, verified) = doctor(folder, &dump, &format!("{}-verified.toml", mock.name));
         assert!(verified.verified(), "{said}");
         let toolchain = Toolchain::windows().expect("a compiler");
-        let built = toolchain.build(&package(&verified), folder, false).expect("a library");
+        let built = toolchain
+            .build(&package(&verified), folder, false)
+            .expect("a library");
         let host = host(mock, &compiler, "suite_host.c", folder);
         let (passed, printed) = run(wine, &host, &built.path);
         assert!(passed, "{}: {printed}", mock.name);

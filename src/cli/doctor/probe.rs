@@ -54,7 +54,9 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
     }
     let mut written = None;
     if let Some((_, profile, _)) = &found {
-        findings.extend(profiles::caution(profile));
+        findings.extend(profiles::caution(profile).map(|note| {
+            note.with_help("confirm it: `linewright build --probe --profile FILE --target windows` makes the second round; give its dump to `doctor --probe`")
+        }));
         if let Some(out) = out {
             match keep(out, &profile.to_toml()) {
                 Ok(()) => written = Some(out.display().to_string()),
@@ -82,7 +84,11 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
             console.findings(&sources, &findings)?;
             if let Some(written) = written {
                 console.remark(&format!("wrote {written}\n"))?;
-                console.remark(&next_step(found.as_ref().map(|f| &f.1), &written))?;
+                if found.is_some_and(|(_, profile, _)| profile.verified()) {
+                    console.remark(&format!(
+                        "now build with it: linewright build FILE --target windows --profile {written}\n"
+                    ))?;
+                }
             }
         }
     }
@@ -137,7 +143,11 @@ fn report(dump: &Dump, profile: &Profile, facts: &[Fact], whole: bool) -> String
             Sureness::Likely => "likely",
             Sureness::Open => "open",
         };
-        let _ = writeln!(out, "  {:10} {:22} {sure:8} {}", fact.what, fact.found, fact.why);
+        let _ = writeln!(
+            out,
+            "  {:10} {sure:8} {}: {}",
+            fact.what, fact.found, fact.why
+        );
     }
     out.push('\n');
     if whole {
@@ -147,23 +157,15 @@ fn report(dump: &Dump, profile: &Profile, facts: &[Fact], whole: bool) -> String
     out
 }
 
-fn next_step(profile: Option<&Profile>, file: &str) -> String {
-    match profile {
-        Some(profile) if profile.verified() => format!(
-            "verified: values that were returned with this layout came back unchanged\nnow build with it: linewright build FILE --target windows --profile {file}\n"
-        ),
-        _ => format!(
-            "now confirm it: linewright build --probe --profile {file} --target windows, run its SimTalk, and give the new dump to `doctor --probe`\n"
-        ),
-    }
-}
-
 /// Writes a file that is not there; one that is and says the same is left, any other is kept.
 fn keep(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
     match std::fs::read(path) {
         Ok(old) if old == text.as_bytes() => Ok(()),
         Ok(_) => {
-            let message = format!("{} is there already, and says something else", path.display());
+            let message = format!(
+                "{} is there already, and says something else",
+                path.display()
+            );
             Err(Box::new(
                 Diagnostic::error(codes::FILE_KEPT, None, message)
                     .with_help("name another file with --out, or move that one away first"),

@@ -109,10 +109,10 @@ impl Reader {
         }
         // The first ones say enough.
         if self.findings.len() < 20 {
-            self.findings.push(
-                Diagnostic::warning(codes::DUMP, place, message)
-                    .with_help("the call that it belongs to is left out; run the probe again for a whole dump"),
-            );
+            self.findings
+                .push(Diagnostic::warning(codes::DUMP, place, message).with_help(
+                    "the call that it belongs to is left out; run the probe again for a whole dump",
+                ));
         }
     }
 
@@ -154,12 +154,18 @@ impl Reader {
             }
             return;
         }
-        let dump = self.sessions.last_mut().expect("a session; please report this");
+        let dump = self
+            .sessions
+            .last_mut()
+            .expect("a session; please report this");
         match word {
             "platform" => dump.platform = shortened(rest),
             "pointers" if rest == "64" => {}
             "pointers" => {
-                let message = format!("the probe ran in a program with pointers of {} bits", shortened(rest));
+                let message = format!(
+                    "the probe ran in a program with pointers of {} bits",
+                    shortened(rest)
+                );
                 self.findings.push(
                     Diagnostic::error(codes::DUMP, place, message)
                         .with_help("station libraries have 64 bits, as Plant Simulation has"),
@@ -187,7 +193,10 @@ impl Reader {
 
     fn within_call(&mut self, word: &str, rest: &str, place: Span) {
         let Some((record, _)) = &mut self.open else {
-            self.damaged(place, format!("`{}` stands outside of a call", shortened(word)));
+            self.damaged(
+                place,
+                format!("`{}` stands outside of a call", shortened(word)),
+            );
             return;
         };
         let read = match word {
@@ -207,7 +216,10 @@ impl Reader {
             _ => None,
         };
         if read.is_none() {
-            self.damaged(place, format!("`{}` cannot be read", shortened(&format!("{word} {rest}"))));
+            self.damaged(
+                place,
+                format!("`{}` cannot be read", shortened(&format!("{word} {rest}"))),
+            );
         }
     }
 
@@ -243,7 +255,10 @@ impl Reader {
             .count();
         if earlier > 0 {
             let span = Span::new(self.file, 0, 0);
-            let message = format!("the dump holds {} sessions; the last one counts", earlier + 1);
+            let message = format!(
+                "the dump holds {} sessions; the last one counts",
+                earlier + 1
+            );
             self.findings.push(
                 Diagnostic::note(codes::DUMP, span, message)
                     .with_help("delete the dump before the probe runs again"),
@@ -319,7 +334,10 @@ mod tests {
         let call = &dump.calls[0];
         let text = Value::Text("Lw".to_owned());
         assert_eq!(call.expects, [Value::Integer(-2), text, Value::Real(1.5)]);
-        assert_eq!((call.ret.as_slice(), call.at(0)), (&[0, 255][..], Some(&b"Lw\0"[..])));
+        assert_eq!(
+            (call.ret.as_slice(), call.at(0)),
+            (&[0, 255][..], Some(&b"Lw\0"[..]))
+        );
         for call in super::super::calls() {
             let words: Vec<String> = call.arguments.iter().map(Value::word).collect();
             assert_eq!(values(&words.join(" ")), Some(call.arguments));
@@ -339,7 +357,13 @@ mod tests {
 
     #[test]
     fn what_is_no_dump_is_an_error() {
-        for text in ["", "hello\n", "linewright-probe 2\n", "linewright-probe 1\n", "\u{0}\n"] {
+        for text in [
+            "",
+            "hello\n",
+            "linewright-probe 2\n",
+            "linewright-probe 1\n",
+            "\u{0}\n",
+        ] {
             let (dump, findings) = read(text);
             assert_eq!(dump.calls.len(), 0);
             assert_eq!(findings, [Severity::Error], "{text:?}");
@@ -358,8 +382,20 @@ mod tests {
 
     #[test]
     fn damaged_lines_lose_their_call_alone() {
-        for (from, to) in [("arg 01", "arg 0"), ("ret 00ff", "ret zz"), ("integer:-2", "integer:x"), ("points 0", "points 9999"), ("ret 00ff", "what")] {
-            let (dump, findings) = read(&format!("{}{}", GOOD.replace("call a", "call b").replace("end a", "end b").as_str(), GOOD.replace("linewright-probe 1\n", "").replace(from, to)));
+        for (from, to) in [
+            ("arg 01", "arg 0"),
+            ("ret 00ff", "ret zz"),
+            ("integer:-2", "integer:x"),
+            ("points 0", "points 9999"),
+            ("ret 00ff", "what"),
+        ] {
+            let (dump, findings) = read(&format!(
+                "{}{}",
+                GOOD.replace("call a", "call b")
+                    .replace("end a", "end b")
+                    .as_str(),
+                GOOD.replace("linewright-probe 1\n", "").replace(from, to)
+            ));
             assert_eq!(dump.calls.len(), 1, "{to}");
             assert!(findings.contains(&Severity::Warning));
         }

@@ -9,9 +9,7 @@ use super::dump::{Dump, Record};
 use super::{Kind, SEEN, Value, returned};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::source::{FileId, Span};
-use crate::station::profile::{
-    Encoding, LARGEST_SIZE, Layout, Profile, Tag, VALUE_BYTES, read,
-};
+use crate::station::profile::{Encoding, LARGEST_SIZE, Layout, Profile, Tag, VALUE_BYTES, read};
 use serde::Serialize;
 
 /// How sure an answer is.
@@ -77,7 +75,10 @@ pub fn infer(dump: &Dump) -> Result<Inference, Box<Diagnostic>> {
         tag,
     };
     // Texts that came changed are said above; everything else has to fit.
-    let misfit = dump.calls.iter().find_map(|r| explain(&layout, r, false).err());
+    let misfit = dump
+        .calls
+        .iter()
+        .find_map(|r| explain(&layout, r, false).err());
     match misfit {
         Some(finding) => Err(finding),
         None => Ok(Inference { layout, facts }),
@@ -95,10 +96,9 @@ fn judge(dump: &Dump, text: &str) -> Result<Profile, Vec<Diagnostic>> {
     let mut profile = read::parse(FileId::default(), text).map_err(|findings| {
         let first = findings.first().map_or("", |f| f.message.as_str());
         let message = format!("the profile in the dump is damaged: {first}");
-        vec![
-            Diagnostic::error(codes::DUMP, start, message)
-                .with_help("build the probe again with `build --probe --profile FILE`, and run it again"),
-        ]
+        vec![Diagnostic::error(codes::DUMP, start, message).with_help(
+            "build the probe again with `build --probe --profile FILE`, and run it again",
+        )]
     })?;
     let wanted = returned(profile.layout.integer_bits);
     let seen: Vec<&Record> = dump.calls.iter().filter(|r| r.name == SEEN).collect();
@@ -137,7 +137,10 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
         (Kind::Integer, "integers", 2),
         (Kind::Text, "strings", 1),
     ] {
-        let firsts = dump.calls.iter().filter_map(|r| Some((r, r.expects.first()?)));
+        let firsts = dump
+            .calls
+            .iter()
+            .filter_map(|r| Some((r, r.expects.first()?)));
         let firsts: Vec<(&Record, &Value)> = firsts
             .filter(|(_, v)| v.kind() == kind && !is_empty(v))
             .collect();
@@ -147,7 +150,9 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
         }
         left.retain(|&v| firsts.iter().all(|(r, value)| holds(r, v, value)));
         if left.is_empty() {
-            let message = format!("no place in the first {LARGEST_SIZE} bytes at `arg` holds all {what} that were passed");
+            let message = format!(
+                "no place in the first {LARGEST_SIZE} bytes at `arg` holds all {what} that were passed"
+            );
             return Err(open(firsts.first().map(|(r, _)| *r), message));
         }
     }
@@ -155,11 +160,18 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
     facts.push(Fact {
         what: "value",
         found: format!("offset {}", left[0]),
-        sure: if certain { Sureness::Certain } else { Sureness::Open },
+        sure: if certain {
+            Sureness::Certain
+        } else {
+            Sureness::Open
+        },
         why: if certain {
             "all numbers stand there, and the addresses of all texts".to_owned()
         } else {
-            format!("all values also stand at offset {}; the second round decides", left[1])
+            format!(
+                "all values also stand at offset {}; the second round decides",
+                left[1]
+            )
         },
     });
     Ok(left[0])
@@ -179,7 +191,9 @@ fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, B
         })
     };
     let least = value + VALUE_BYTES as usize;
-    let sizes: Vec<usize> = (least.max(9)..=LARGEST_SIZE as usize).filter(fits).collect();
+    let sizes: Vec<usize> = (least.max(9)..=LARGEST_SIZE as usize)
+        .filter(fits)
+        .collect();
     let Some(&size) = sizes.first() else {
         let message = "at no distance do the arguments of one call follow each other".to_owned();
         return Err(open(several.first().copied(), message));
@@ -188,11 +202,18 @@ fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, B
     facts.push(Fact {
         what: "size",
         found: format!("{size} bytes"),
-        sure: if certain { Sureness::Certain } else { Sureness::Open },
+        sure: if certain {
+            Sureness::Certain
+        } else {
+            Sureness::Open
+        },
         why: if certain {
             "so far apart are the arguments of one call".to_owned()
         } else {
-            format!("{} bytes would fit as well; the second round decides", sizes[1])
+            format!(
+                "{} bytes would fit as well; the second round decides",
+                sizes[1]
+            )
         },
     });
     Ok(size)
@@ -249,11 +270,16 @@ fn integer_bits(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> u32 
     facts.push(Fact {
         what: "integers",
         found: format!("{bits} bits"),
-        sure: if certain { Sureness::Certain } else { Sureness::Likely },
+        sure: if certain {
+            Sureness::Certain
+        } else {
+            Sureness::Likely
+        },
         why: if certain {
             "so many bits are those of each integer, its sign included".to_owned()
         } else {
-            "run the probe again with all its integers: no negative or no large one was passed".to_owned()
+            "run the probe again with all its integers: no negative or no large one was passed"
+                .to_owned()
         },
     });
     bits
@@ -290,14 +316,33 @@ fn tag(
             if clear(start, *first - start) && (start..*first).all(zero) {
                 let needed = *first + width - start;
                 *first = start;
-                return Ok(wide(slots, start, needed, &places[1..], value, packing, integer_bits, facts));
+                return Ok(wide(
+                    slots,
+                    start,
+                    needed,
+                    &places[1..],
+                    value,
+                    packing,
+                    integer_bits,
+                    facts,
+                ));
             }
             let start = *first;
-            return Ok(wide(slots, start, width, &places[1..], value, packing, integer_bits, facts));
+            return Ok(wide(
+                slots,
+                start,
+                width,
+                &places[1..],
+                value,
+                packing,
+                integer_bits,
+                facts,
+            ));
         }
     }
     drop(places);
-    let message = "no bytes beside the value tell integers, real numbers and strings apart".to_owned();
+    let message =
+        "no bytes beside the value tell integers, real numbers and strings apart".to_owned();
     Err(open(slots.first().map(|s| s.record), message))
 }
 
@@ -318,7 +363,10 @@ fn number(bytes: &[u8], offset: usize, width: usize) -> Option<u64> {
 }
 
 /// How wide the tag is that begins at `start` and takes at least `needed` bytes.
-#[expect(clippy::too_many_arguments, reason = "one question, all of whose evidence stands here")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "one question, all of whose evidence stands here"
+)]
 fn wide(
     slots: &[Slot<'_>],
     start: usize,
@@ -373,7 +421,11 @@ fn wide(
     facts.push(Fact {
         what: "tag",
         found: format!("offset {start}"),
-        sure: if others.is_empty() { Sureness::Certain } else { Sureness::Likely },
+        sure: if others.is_empty() {
+            Sureness::Certain
+        } else {
+            Sureness::Likely
+        },
         why: match others.first() {
             None => "there kinds differ and values of a kind agree".to_owned(),
             Some(other) => format!("kinds also differ at offset {other}; the second round decides"),
@@ -383,13 +435,23 @@ fn wide(
     facts.push(Fact {
         what: "tag width",
         found: format!("{} bits", 8 * width),
-        sure: if widths.len() > 1 { Sureness::Likely } else { Sureness::Certain },
+        sure: if widths.len() > 1 {
+            Sureness::Likely
+        } else {
+            Sureness::Certain
+        },
         why: if widths.len() <= 1 {
             "no other width explains the bytes".to_owned()
         } else if unclean {
-            format!("of {} the widest: the bytes above are always 0, others are not cleared", words.join(", "))
+            format!(
+                "of {} the widest: the bytes above are always 0, others are not cleared",
+                words.join(", ")
+            )
         } else {
-            format!("{} would do as well and make no difference: the bytes above are always 0", words.join(", "))
+            format!(
+                "{} would do as well and make no difference: the bytes above are always 0",
+                words.join(", ")
+            )
         },
     });
     let of = |kind| {
@@ -408,7 +470,9 @@ fn wide(
     if let Some(tag) = time {
         shown.push_str(&format!(", time {tag}"));
     }
-    let optional = slots.iter().any(|s| matches!(s.value.kind(), Kind::Boolean | Kind::Time));
+    let optional = slots
+        .iter()
+        .any(|s| matches!(s.value.kind(), Kind::Boolean | Kind::Time));
     facts.push(Fact {
         what: "tags",
         found: shown,
@@ -416,7 +480,8 @@ fn wide(
         why: if optional {
             "each stands in all values of its kind".to_owned()
         } else {
-            "each stands in all values of its kind; truth values and times were not passed".to_owned()
+            "each stands in all values of its kind; truth values and times were not passed"
+                .to_owned()
         },
     });
     Tag {
@@ -449,15 +514,20 @@ fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> Encoding
     let latin = |t: &str| t.chars().all(|c| u32::from(c) < 256);
     let umlauts = texts.iter().any(|(t, _)| !t.is_ascii() && latin(t));
     let beyond = texts.iter().any(|(t, _)| !latin(t));
-    let (every, without_euro, plain) = (
-        reading(&|_| true),
-        reading(&latin),
-        reading(&str::is_ascii),
-    );
+    let (every, without_euro, plain) =
+        (reading(&|_| true), reading(&latin), reading(&str::is_ascii));
     let (found, sure, why) = if let ([one], true, true) = (every.as_slice(), umlauts, beyond) {
-        (*one, Sureness::Certain, "umlauts and the euro sign arrive so".to_owned())
+        (
+            *one,
+            Sureness::Certain,
+            "umlauts and the euro sign arrive so".to_owned(),
+        )
     } else if let ([one], true) = (without_euro.as_slice(), umlauts) {
-        (*one, Sureness::Likely, "umlauts arrive so; the text with a euro sign came changed or not at all".to_owned())
+        (
+            *one,
+            Sureness::Likely,
+            "umlauts arrive so; the text with a euro sign came changed or not at all".to_owned(),
+        )
     } else if umlauts && without_euro.contains(&Encoding::Latin1) {
         (
             Encoding::Latin1,
@@ -514,14 +584,20 @@ fn holds(record: &Record, offset: usize, value: &Value) -> bool {
 /// Whether the bytes begin with a text in an encoding, and its end.
 fn reads(bytes: &[u8], text: &str, encoding: Encoding) -> bool {
     let mut wanted = encode(text, encoding);
-    wanted.extend(if encoding == Encoding::Utf16 { &[0, 0][..] } else { &[0] });
+    wanted.extend(if encoding == Encoding::Utf16 {
+        &[0, 0][..]
+    } else {
+        &[0]
+    });
     bytes.starts_with(&wanted)
 }
 
 /// A text in an encoding; `?` stands for what it does not have.
 pub fn encode(text: &str, encoding: Encoding) -> Vec<u8> {
     let single = |c: char| match (u32::from(c), encoding) {
-        (point @ (0..0x80 | 0xa0..0x100), _) | (point @ 0x80..0xa0, Encoding::Latin1) => point as u8,
+        (point @ (0..0x80 | 0xa0..0x100), _) | (point @ 0x80..0xa0, Encoding::Latin1) => {
+            point as u8
+        }
         (point, Encoding::Windows1252) => {
             let place = WINDOWS.iter().position(|w| u32::from(*w) == point);
             place.map_or(b'?', |i| 0x80 + i as u8)
@@ -563,7 +639,11 @@ fn explain(layout: &Layout, record: &Record, texts: bool) -> Result<(), Box<Diag
 
 /// How an argument is not what was passed.
 fn misread(layout: &Layout, slot: &Slot<'_>, texts: bool) -> Option<String> {
-    let tag = number(slot.bytes, layout.tag.offset as usize, layout.tag.bits as usize / 8)?;
+    let tag = number(
+        slot.bytes,
+        layout.tag.offset as usize,
+        layout.tag.bits as usize / 8,
+    )?;
     let at = layout.value as usize;
     let bytes = &slot.bytes[at..at + VALUE_BYTES as usize];
     let tags = &layout.tag;

@@ -12,10 +12,15 @@ pub const STEM: &str = "linewright_probe";
 
 /// The probe; with a profile that of the second round, which also returns values with it.
 pub fn package(profile: Option<&Profile>) -> Package {
-    let mut own = String::from("/* The probe of Plant Simulation's UF_Value, emitted by linewright. `probe.c` says what it does. */\n");
+    let mut own = String::from(
+        "/* The probe of Plant Simulation's UF_Value, emitted by linewright. `probe.c` says what it does. */\n",
+    );
     own.push_str("#define LW_PROBE_CALLS(CALL)");
     for call in all(profile) {
-        let words = call.arguments.iter().fold(String::new(), |s, v| s + " " + &v.word());
+        let words = call
+            .arguments
+            .iter()
+            .fold(String::new(), |s, v| s + " " + &v.word());
         let _ = write!(
             own,
             " \\\n    CALL({}, {}U, {})",
@@ -32,7 +37,11 @@ pub fn package(profile: Option<&Profile>) -> Package {
             .lines()
             .map(|line| format!("    {}", string(&format!("profile {line}\n"))))
             .collect();
-        let _ = writeln!(own, "\n/* The profile, line by line. */\n#define LW_PROBE_PROFILE \\\n{}", lines.join(" \\\n"));
+        let _ = writeln!(
+            own,
+            "\n/* The profile, line by line. */\n#define LW_PROBE_PROFILE \\\n{}",
+            lines.join(" \\\n")
+        );
         let names = ["LW_CONFIRM_INTEGER", "LW_CONFIRM_REAL", "LW_CONFIRM_STRING"];
         for (name, value) in names.iter().zip(returned(profile.layout.integer_bits)) {
             let value = match value {
@@ -43,7 +52,10 @@ pub fn package(profile: Option<&Profile>) -> Package {
             };
             let _ = writeln!(own, "#define {name} {value}");
         }
-        support.push(("uf_value.h", include_str!("../../../ffi/uf_value.h").to_owned()));
+        support.push((
+            "uf_value.h",
+            include_str!("../../../ffi/uf_value.h").to_owned(),
+        ));
         support.push((header::NAME, profile.to_header()));
     }
     own.push_str("\n#include \"probe.c\"\n");
@@ -75,7 +87,10 @@ pub fn simtalk(profile: Option<&Profile>, library: &str) -> String {
          --    hundred bytes of this program's memory, around the values that are passed below. Give it to\n\
          --        linewright doctor --probe FILE --out profile.toml\n\n",
     );
-    let _ = writeln!(out, "var probe := loadLibrary(\"C:\\linewright\\{library}\")");
+    let _ = writeln!(
+        out,
+        "var probe := loadLibrary(\"C:\\linewright\\{library}\")"
+    );
     out.push_str("if probe < 0\n    print \"The probe could not be loaded. Is the path absolute, and this program one of 64 bits?\"\nelse\n");
     for call in calls() {
         let before = if call.optional { "    -- " } else { "    " };
@@ -83,8 +98,16 @@ pub fn simtalk(profile: Option<&Profile>, library: &str) -> String {
             out.push_str("    -- Where the lines below are accepted, take their first dashes away: they are not needed, but say more.\n");
         }
         if matches!(call.arguments.first(), Some(Value::Time(_))) {
-            let _ = writeln!(out, "{before}var duration: time := {}", literal(&call.arguments[0]));
-            let _ = writeln!(out, "{before}callLibrary(probe, \"{}\", duration)", call.name);
+            let _ = writeln!(
+                out,
+                "{before}var duration: time := {}",
+                literal(&call.arguments[0])
+            );
+            let _ = writeln!(
+                out,
+                "{before}callLibrary(probe, \"{}\", duration)",
+                call.name
+            );
             continue;
         }
         let _ = writeln!(out, "{before}{}", line(&call));
@@ -96,7 +119,10 @@ pub fn simtalk(profile: Option<&Profile>, library: &str) -> String {
              \x20   var number := callLibrary(probe, \"lw_confirm_real\")\n\
              \x20   var text := callLibrary(probe, \"lw_confirm_string\")\n",
         );
-        let _ = writeln!(out, "    callLibrary(probe, \"{SEEN}\", whole, number, text)");
+        let _ = writeln!(
+            out,
+            "    callLibrary(probe, \"{SEEN}\", whole, number, text)"
+        );
     }
     out.push_str("    freeLibrary(probe)\nend\n");
     out

@@ -1,8 +1,8 @@
 //! A profile as the C header `uf_profile.h` that `ffi/uf_value.h` includes: part of a package like any other file, so that content
 //! hash, sources and reproducibility follow by themselves.
 
-use crate::station::emit::text::{comment, string};
 use super::{Encoding, Profile};
+use crate::station::emit::text::{comment, string};
 use std::fmt::Write as _;
 
 /// The header's name in a package.

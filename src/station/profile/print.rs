@@ -8,7 +8,9 @@ impl Profile {
     pub fn to_toml(&self) -> String {
         let layout = &self.layout;
         let tag = &layout.tag;
-        let mut out = String::from("# A layout of Plant Simulation's UF_Value. Offsets and sizes are in bytes.\n");
+        let mut out = String::from(
+            "# A layout of Plant Simulation's UF_Value. Offsets and sizes are in bytes.\n",
+        );
         let _ = writeln!(out, "schema = {}", quoted(SCHEMA));
         let _ = writeln!(out, "name = {}", quoted(&self.name));
         let _ = writeln!(out, "found = {}", quoted(&self.found));
@@ -21,7 +23,11 @@ impl Profile {
             );
         }
         let _ = writeln!(out, "\n[layout]");
-        let _ = writeln!(out, "size = {} # from one argument to the next", layout.size);
+        let _ = writeln!(
+            out,
+            "size = {} # from one argument to the next",
+            layout.size
+        );
         let _ = writeln!(out, "packing = {}", layout.packing);
         let _ = writeln!(out, "value = {} # offset", layout.value);
         let _ = writeln!(out, "integer_bits = {}", layout.integer_bits);

@@ -137,9 +137,13 @@ impl Reader {
         let packing = self.one_of(fields, "packing", &[1, 2, 4, 8]);
         let value = self.number(fields, "value", 0..=i64::from(LARGEST_SIZE - VALUE_BYTES));
         let integer_bits = self.one_of(fields, "integer_bits", &[16, 32, 64]);
-        let strings = self.required(fields, "strings", "an encoding", |v| v.as_str().map(str::to_owned));
+        let strings = self.required(fields, "strings", "an encoding", |v| {
+            v.as_str().map(str::to_owned)
+        });
         let strings = strings.and_then(|given| {
-            let known = Encoding::ALL.into_iter().find(|e| e.word() == given.get_ref());
+            let known = Encoding::ALL
+                .into_iter()
+                .find(|e| e.word() == given.get_ref());
             if known.is_none() {
                 let words = Encoding::ALL.map(Encoding::word);
                 let help = match nearest(given.get_ref(), words.into_iter()) {
@@ -208,7 +212,10 @@ impl Reader {
             if let Some((other, _)) = before.find(|(_, n)| n.get_ref() == number.get_ref()) {
                 self.report(
                     number.span(),
-                    format!("`{other}` and `{name}` have the same tag {}", number.get_ref()),
+                    format!(
+                        "`{other}` and `{name}` have the same tag {}",
+                        number.get_ref()
+                    ),
                     "give each kind of value a tag of its own",
                 );
             }
@@ -227,15 +234,27 @@ impl Reader {
         if value + width > size {
             self.report(
                 layout.value.span(),
-                format!("the value takes the bytes {value} to {}, but the whole only {size}", value + width - 1),
-                format!("make `size` at least {}, or put the value further to the front", value + width),
+                format!(
+                    "the value takes the bytes {value} to {}, but the whole only {size}",
+                    value + width - 1
+                ),
+                format!(
+                    "make `size` at least {}, or put the value further to the front",
+                    value + width
+                ),
             );
         }
         if offset + bytes > size {
             self.report(
                 tag.offset.span(),
-                format!("the tag takes the bytes {offset} to {}, but the whole only {size}", offset + bytes - 1),
-                format!("make `size` at least {}, or put the tag further to the front", offset + bytes),
+                format!(
+                    "the tag takes the bytes {offset} to {}, but the whole only {size}",
+                    offset + bytes - 1
+                ),
+                format!(
+                    "make `size` at least {}, or put the tag further to the front",
+                    offset + bytes
+                ),
             );
         }
         if offset < value + width && value < offset + bytes {
@@ -301,7 +320,9 @@ impl Reader {
             self.report(
                 place,
                 format!("`{key}` is missing{within}"),
-                format!("add `{key} = ...`, {wanted}; `linewright explain LW540` shows a whole profile"),
+                format!(
+                    "add `{key} = ...`, {wanted}; `linewright explain LW540` shows a whole profile"
+                ),
             );
             return None;
         };
