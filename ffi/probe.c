@@ -206,35 +206,33 @@ static FILE *lw_probe_open(void)
 
 #endif
 
+/* What a session begins with. */
+#if defined(_WIN32)
+#define LW_PROBE_PLATFORM "windows"
+#else
+#define LW_PROBE_PLATFORM "unix"
+#endif
+#if defined(LW_PROBE_PROFILE)
+#define LW_PROBE_HEADING LW_PROBE_PROFILE
+#else
+#define LW_PROBE_HEADING ""
+#endif
+
 static void lw_probe_flush(void)
 {
+    static int begun;
     FILE *file = lw_probe_open();
     if (file != NULL) {
+        /* Once in the library's life, and again where the dump was taken away. */
+        if (fseek(file, 0, SEEK_END) != 0 || ftell(file) == 0 || !begun) {
+            (void)fprintf(file, "linewright-probe 1\nplatform %s\npointers %u\n%s", LW_PROBE_PLATFORM,
+                          (unsigned)(8U * sizeof(void *)), LW_PROBE_HEADING);
+            begun = 1;
+        }
         (void)fwrite(lw_probe_block, 1, lw_probe_length, file);
         (void)fclose(file);
     }
     lw_probe_length = 0;
-}
-
-static void lw_probe_header(void)
-{
-    static int written;
-    if (written) {
-        return;
-    }
-    written = 1;
-    lw_probe_say("linewright-probe 1\n");
-#if defined(_WIN32)
-    lw_probe_say("platform windows\n");
-#else
-    lw_probe_say("platform unix\n");
-#endif
-    lw_probe_say("pointers ");
-    lw_probe_number(8U * sizeof(void *));
-    lw_probe_say("\n");
-#if defined(LW_PROBE_PROFILE)
-    lw_probe_say(LW_PROBE_PROFILE);
-#endif
 }
 
 /* The bytes at an address of the host, as one line. */
@@ -281,7 +279,6 @@ static void lw_probe_record(const char *name, const char *expects, size_t count,
     unsigned char bytes[LW_PROBE_MOST];
     size_t wanted = LW_PROBE_ARGUMENT * (count + 1U);
     size_t length;
-    lw_probe_header();
     lw_probe_say("call ");
     lw_probe_say(name);
     lw_probe_say("\nexpects");

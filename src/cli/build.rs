@@ -36,10 +36,10 @@ pub struct Arguments {
     /// The folder to write to [default: .linewright beside the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// The layout of Plant Simulation's `UF_Value` [default: an assumed, unverified one]
+    /// The layout of Plant Simulation's UF_Value [default: an assumed, unverified one]
     #[arg(long, value_name = "FILE")]
     pub profile: Option<PathBuf>,
-    /// Build the library that finds the layout of `UF_Value`, and the `SimTalk` that calls it; with a profile, what confirms it
+    /// Build the library that finds the layout of UF_Value, and the SimTalk that calls it; with a profile, what confirms it
     #[arg(long, conflicts_with = "selection")]
     pub probe: bool,
     /// Compile again what is there already

@@ -285,7 +285,7 @@ fn bytes(hex: &str) -> Option<Vec<u8>> {
     }
     let digit = |b: u8| (b as char).to_digit(16).map(|d| d as u8);
     let hex = hex.as_bytes();
-    if hex.len() % 2 != 0 || hex.len() > 2 * MOST_BYTES {
+    if !hex.len().is_multiple_of(2) || hex.len() > 2 * MOST_BYTES {
         return None;
     }
     hex.chunks_exact(2)

@@ -11,6 +11,7 @@ use crate::diagnostics::{Diagnostic, codes};
 use crate::source::{FileId, Span};
 use crate::station::profile::{Encoding, LARGEST_SIZE, Layout, Profile, Tag, VALUE_BYTES, read};
 use serde::Serialize;
+use std::fmt::Write as _;
 
 /// How sure an answer is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -382,7 +383,7 @@ fn wide(
     let zero = |o: usize| slots.iter().all(|s| s.bytes[o] == 0);
     let possible = |w: &usize| {
         *w >= needed
-            && start % packing.min(*w) == 0
+            && start.is_multiple_of(packing.min(*w))
             && start + w <= size
             && (start + w <= value || start >= end)
             && (start + needed..start + w).all(zero)
@@ -465,10 +466,10 @@ fn wide(
     let time = of(Kind::Time).filter(|t| !known(*t) && boolean != Some(*t));
     let mut shown = format!("integer {}, real {}, string {}", base[0], base[1], base[2]);
     if let Some(tag) = boolean {
-        shown.push_str(&format!(", boolean {tag}"));
+        let _ = write!(shown, ", boolean {tag}");
     }
     if let Some(tag) = time {
-        shown.push_str(&format!(", time {tag}"));
+        let _ = write!(shown, ", time {tag}");
     }
     let optional = slots
         .iter()

@@ -128,7 +128,7 @@ pub fn returned(integer_bits: u32) -> [Value; 3] {
     };
     [
         Value::Integer(integer),
-        Value::Real(2718.281_25),
+        Value::Real(2_718.281_25),
         Value::Text("Rückgabe geprüft".to_owned()),
     ]
 }
