@@ -183,6 +183,7 @@ LW_EXPORT void simulate(UF_Value *ret, UF_Value *arg)
     if (code == LW_OK) {
         code = lw_serve(slot, operation, properties);
     }
+    slot->verdict = code;
     lw_give_real(ret, code == LW_OK ? slot->service.seconds : (double)code);
     lw_lock_give(&slot->lock);
 }
@@ -233,7 +234,8 @@ static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result
         return LW_OK;
     }
     if (strcmp(name, "rule") == 0) {
-        *result = lw_whole(0, slot->error.rule == NULL ? "" : slot->error.rule);
+        const char *rule = slot->verdict == LW_OK ? NULL : slot->error.rule;
+        *result = lw_whole(0, rule == NULL ? "" : rule);
         return LW_OK;
     }
     if (strncmp(name, "output.", 7) == 0) {

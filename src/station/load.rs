@@ -303,6 +303,28 @@ impl Instance {
         &self.library
     }
 
+    /// Calls `simulate` with an operation and the values of all properties: gives the duration in seconds, and leaves the other results
+    /// in the library.
+    pub fn serve(&mut self, operation: usize, values: &[f64]) -> Result<f64, CallError> {
+        let Ok(index) = i32::try_from(operation) else {
+            return Err(CallError::operation(operation));
+        };
+        // The export is not told how many values there are.
+        if values.len() + 2 != self.library.results.len() {
+            return Err(CallError::value_count());
+        }
+        self.arguments.clear();
+        self.arguments.push(UfValue::integer(self.handle));
+        self.arguments.push(UfValue::integer(index));
+        self.arguments
+            .extend(values.iter().map(|v| UfValue::real(*v)));
+        match call(self.library.simulate, &mut self.arguments) {
+            Answer::Real(seconds) if seconds >= 0.0 => Ok(seconds),
+            Answer::Real(code) => Err(self.library.error(self.handle, code as i32)),
+            _ => Err(unexpected("simulate")),
+        }
+    }
+
     fn result(&mut self, index: usize) -> Result<f64, CallError> {
         let library = &self.library;
         let name = UfValue::string(&library.results[index]);
@@ -317,24 +339,7 @@ impl Instance {
 
 impl Controller for Instance {
     fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Result<Service, CallError> {
-        let library = Arc::clone(&self.library);
-        let Ok(index) = i32::try_from(operation) else {
-            return Err(CallError::operation(operation));
-        };
-        // The export is not told how many values there are.
-        if values.len() + 2 != library.results.len() {
-            return Err(CallError::value_count());
-        }
-        self.arguments.clear();
-        self.arguments.push(UfValue::integer(self.handle));
-        self.arguments.push(UfValue::integer(index));
-        self.arguments
-            .extend(values.iter().map(|v| UfValue::real(*v)));
-        let seconds = match call(library.simulate, &mut self.arguments) {
-            Answer::Real(seconds) if seconds >= 0.0 => seconds,
-            Answer::Real(code) => return Err(library.error(self.handle, code as i32)),
-            _ => return Err(unexpected("simulate")),
-        };
+        let seconds = self.serve(operation, values)?;
         let service = Service {
             seconds,
             joules: self.result(0)?,

@@ -84,6 +84,12 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
     }
 }
 
+/// How many bytes of tables a machine takes in a station library, without names and formulas: what decides whether it had better be
+/// functions.
+pub fn table_bytes(machine: &mealy::Machine) -> usize {
+    splits::Decisions::of(machine).bytes()
+}
+
 /// The sizes of all tables; the signals are those of the largest component that is functions.
 fn sizes(machine: &Machine, values: usize, justice: usize, signals: usize) -> String {
     let mut out = String::new();

@@ -46,6 +46,8 @@ pub struct Compiler {
     program: PathBuf,
     /// What stands before all other arguments.
     first: Vec<OsString>,
+    /// How many of them belong to its name: `cc` of `zig cc`.
+    named: usize,
     environment: Vec<(OsString, OsString)>,
 }
 
@@ -108,6 +110,7 @@ impl Compiler {
         Self {
             program,
             first: first.iter().map(OsString::from).collect(),
+            named: first.len(),
             environment: Vec::new(),
         }
     }
@@ -152,6 +155,7 @@ impl Compiler {
         Self {
             program: tool.path().to_owned(),
             first: tool.args().to_vec(),
+            named: 0,
             environment: tool
                 .get_envs()
                 .map(|(k, v)| (k.to_owned(), v.to_owned()))
@@ -175,7 +179,7 @@ impl Compiler {
 
     /// What is started, as a person would write it.
     pub fn show(&self) -> String {
-        let first = self.first.iter().map(|a| a.to_string_lossy());
+        let first = self.first[..self.named].iter().map(|a| a.to_string_lossy());
         let program = self.program.display().to_string();
         let words: Vec<_> = std::iter::once(program.into()).chain(first).collect();
         words.join(" ")
