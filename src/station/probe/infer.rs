@@ -147,14 +147,14 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
             .collect();
         if firsts.len() < least {
             let message = format!("the dump has too few calls with {what}");
-            return Err(open(dump.calls.first(), message));
+            return Err(Box::new(open(dump.calls.first(), message)));
         }
         left.retain(|&v| firsts.iter().all(|(r, value)| holds(r, v, value)));
         if left.is_empty() {
             let message = format!(
                 "no place in the first {LARGEST_SIZE} bytes at `arg` holds all {what} that were passed"
             );
-            return Err(open(firsts.first().map(|(r, _)| *r), message));
+            return Err(Box::new(open(firsts.first().map(|(r, _)| *r), message)));
         }
     }
     let certain = left.len() == 1;
@@ -183,7 +183,7 @@ fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, B
     let several: Vec<&Record> = dump.calls.iter().filter(|r| r.expects.len() > 1).collect();
     if several.is_empty() {
         let message = "the dump has no call with several arguments".to_owned();
-        return Err(open(dump.calls.first(), message));
+        return Err(Box::new(open(dump.calls.first(), message)));
     }
     let fits = |size: &usize| {
         several.iter().all(|r| {
@@ -197,7 +197,7 @@ fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, B
         .collect();
     let Some(&size) = sizes.first() else {
         let message = "at no distance do the arguments of one call follow each other".to_owned();
-        return Err(open(several.first().copied(), message));
+        return Err(Box::new(open(several.first().copied(), message)));
     };
     let certain = sizes.len() == 1;
     facts.push(Fact {
@@ -344,7 +344,7 @@ fn tag(
     drop(places);
     let message =
         "no bytes beside the value tell integers, real numbers and strings apart".to_owned();
-    Err(open(slots.first().map(|s| s.record), message))
+    Err(Box::new(open(slots.first().map(|s| s.record), message)))
 }
 
 /// The number that all values of a kind have in common at a place.
@@ -556,9 +556,9 @@ fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> Encoding
     found
 }
 
-fn open(record: Option<&Record>, message: String) -> Box<Diagnostic> {
+fn open(record: Option<&Record>, message: String) -> Diagnostic {
     let place = record.map(|r| r.place);
-    Box::new(Diagnostic::error(codes::LAYOUT_OPEN, place, message).with_help(VENDOR))
+    Diagnostic::error(codes::LAYOUT_OPEN, place, message).with_help(VENDOR)
 }
 
 /// A text of which nothing can be found again.

@@ -97,7 +97,7 @@ impl Reader {
         });
         self.unknown(&top);
         let (layout, tag) = (layout??, tag??);
-        let layout = self.together(layout, tag);
+        let layout = self.together(&layout, &tag);
         let fingerprint = layout.fingerprint();
         let claimed = confirmed.is_some();
         let confirmed = confirmed.filter(|c| {
@@ -223,7 +223,7 @@ impl Reader {
     }
 
     /// Whether layout and tag go together.
-    fn together(&mut self, layout: PlacedLayout, tag: PlacedTag) -> Layout {
+    fn together(&mut self, layout: &PlacedLayout, tag: &PlacedTag) -> Layout {
         let bytes = *tag.bits.get_ref() / 8;
         let (size, value, offset) = (
             *layout.size.get_ref(),

@@ -71,8 +71,8 @@ pub fn survey() -> Survey {
     Survey {
         host: host(),
         cross: cross.collect(),
-        wine: wine().map(asked),
-        python: python.map(asked),
+        wine: wine().as_deref().map(asked),
+        python: python.as_deref().map(asked),
         packages,
     }
 }
@@ -109,8 +109,8 @@ fn host() -> Result<Found, Error> {
 }
 
 /// A program and what it says of its version.
-fn asked(program: PathBuf) -> Found {
-    let output = Command::new(&program)
+fn asked(program: &Path) -> Found {
+    let output = Command::new(program)
         .arg("--version")
         .env("WINEDEBUG", "-all")
         .stdin(Stdio::null())
