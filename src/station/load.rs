@@ -2,9 +2,11 @@
 //!
 //! An operation is called through the exports that Plant Simulation calls (`instantiate`, `simulate`, `get_real`,
 //! `deinstantiate`), so that what runs in the bundled runner is what ships; a single step, which Plant Simulation has no use
-//! for, goes through `lw_step`. A library is compared with its manifest before it is loaded: loading a truncated one
+//! for, goes through `lw_step`. Arguments are passed in the assumed layout of `UF_Value`, whatever Plant Simulation's may be; a library
+//! that is built with another one is refused. A library is compared with its manifest before it is loaded: loading a truncated one
 //! would end this process.
 
+use super::profile::Profile;
 use super::toolchain::Manifest;
 use super::{CallError, Controller, Error, ErrorCode, Service};
 use serde_json::Value;
@@ -127,7 +129,17 @@ impl Library {
         // SAFETY: the file is byte for byte what our compiler run made of our own C, which has no constructors.
         let library =
             unsafe { libloading::Library::new(absolute) }.map_err(|e| damaged(e.to_string()))?;
-        Self::bind(path, library).map_err(damaged)
+        let library = Self::bind(path, library).map_err(damaged)?;
+        // Nothing but its description has been called yet, and that takes no `UF_Value`.
+        let profile = &library.description["profile"];
+        let own = Profile::assumed().describe();
+        if profile["layout"] != own["layout"] {
+            return Err(Error::ProfileForeign {
+                path: path.to_owned(),
+                profile: format!("profile {}", profile["name"]),
+            });
+        }
+        Ok(library)
     }
 
     fn bind(path: &Path, library: libloading::Library) -> Result<Arc<Self>, String> {

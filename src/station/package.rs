@@ -1,5 +1,6 @@
 //! A station library before it is compiled: the C files, and the name they get.
 
+use super::profile::{Profile, header};
 use super::{Error, emit};
 use crate::contract::machine::Machine;
 use crate::mealy;
@@ -19,15 +20,16 @@ pub const SUPPORT: [(&str, &str); 6] = [
     ),
 ];
 
-/// The C of one machine.
+/// The C of one machine, or of the probe.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Package {
     /// The machine's name.
     pub name: String,
     /// The machine's name as a file's: `AssemblyCell` is `assembly_cell`.
     pub stem: String,
-    /// The C file to compile; it includes those of [`SUPPORT`].
+    /// The C file to compile; it includes the others.
     pub c_source: String,
+    support: Vec<(&'static str, String)>,
     /// What `station_describe` returns.
     pub description: String,
     /// Of everything that decides how the machine behaves, 64 hexadecimal digits.
@@ -42,20 +44,52 @@ impl Package {
     /// # Panics
     /// When they do not belong together.
     pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Self {
-        let emitted = emit::emit(machine, controllers);
+        Self::emit_with(machine, controllers, &Profile::assumed())
+    }
+
+    /// The same for a layout of `UF_Value` other than the assumed one.
+    ///
+    /// # Panics
+    /// When machine and controllers do not belong together.
+    pub fn emit_with(
+        machine: &Machine,
+        controllers: &[mealy::Controller],
+        profile: &Profile,
+    ) -> Self {
+        let emitted = emit::emit(machine, controllers, profile);
+        Self {
+            description: emitted.description,
+            contract_hash: emitted.contract_hash,
+            ..Self::of_files(
+                &machine.name,
+                &file_stem(&machine.name),
+                emitted.source,
+                support(profile),
+            )
+        }
+    }
+
+    /// A package of these files, of which the first is compiled.
+    pub(super) fn of_files(
+        name: &str,
+        stem: &str,
+        c_source: String,
+        support: Vec<(&'static str, String)>,
+    ) -> Self {
         let mut hash = Sha256::new();
-        let own = ("", emitted.source.as_str());
-        for (name, text) in std::iter::once(own).chain(SUPPORT) {
+        let files = support.iter().map(|(name, text)| (*name, text.as_str()));
+        for (name, text) in std::iter::once(("", c_source.as_str())).chain(files) {
             // Lengths keep two lists of files with the same joined text apart.
             hash.update(format!("{name}:{}\n", text.len()));
             hash.update(text);
         }
         Self {
-            name: machine.name.clone(),
-            stem: file_stem(&machine.name),
-            c_source: emitted.source,
-            description: emitted.description,
-            contract_hash: emitted.contract_hash,
+            name: name.to_owned(),
+            stem: stem.to_owned(),
+            c_source,
+            support,
+            description: String::new(),
+            contract_hash: String::new(),
             hash: emit::hex(&hash.finalize()),
         }
     }
@@ -63,7 +97,8 @@ impl Package {
     /// All files of the package, by name; the first is the one to compile.
     pub fn files(&self) -> Vec<(String, &str)> {
         let own = (format!("{}.c", self.stem), self.c_source.as_str());
-        let support = SUPPORT.iter().map(|(n, t)| ((*n).to_owned(), *t));
+        let support = self.support.iter();
+        let support = support.map(|(name, text)| ((*name).to_owned(), text.as_str()));
         std::iter::once(own).chain(support).collect()
     }
 
@@ -75,6 +110,14 @@ impl Package {
         }
         Ok(folder.join(format!("{}.c", self.stem)))
     }
+}
+
+/// The files that a machine's own includes: those of [`SUPPORT`], and the layout of `UF_Value`.
+pub fn support(profile: &Profile) -> Vec<(&'static str, String)> {
+    let fixed = SUPPORT
+        .iter()
+        .map(|(name, text)| (*name, (*text).to_owned()));
+    fixed.chain([(header::NAME, profile.to_header())]).collect()
 }
 
 /// Makes a folder and those above it.

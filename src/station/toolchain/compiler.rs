@@ -172,6 +172,11 @@ impl Compiler {
         command
     }
 
+    /// The program's path, as far as it is found on the PATH.
+    pub fn program(&self) -> PathBuf {
+        on_path(self.program.as_os_str()).unwrap_or_else(|| self.program.clone())
+    }
+
     /// What is started, as a person would write it.
     pub fn show(&self) -> String {
         let first = self.first[..self.named].iter().map(|a| a.to_string_lossy());
@@ -201,6 +206,11 @@ impl CrossCompiler {
             Self::Zig => "zig cc",
             Self::PythonZig => "python3 -m ziglang cc",
         }
+    }
+
+    /// Whether it is looked for without being named.
+    pub fn is_usual(self) -> bool {
+        self != Self::Named
     }
 
     /// Whether it is there; nothing is compiled.
