@@ -14,6 +14,7 @@ pub mod interpret;
 pub mod load;
 mod messages;
 pub mod package;
+pub mod structured_text;
 pub mod toolchain;
 
 use crate::contract::machine::Machine;

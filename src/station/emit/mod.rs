@@ -10,7 +10,7 @@ mod decisions;
 mod describe;
 pub mod expression;
 mod splits;
-mod text;
+pub(super) mod text;
 
 use crate::contract::machine::{Machine, PlantSource, RealExpr};
 use crate::gr1::{Domain, Timing, VarId};
