@@ -87,7 +87,10 @@ static lw_slot *lw_enter_value(const UF_Value *arg, int32_t *code)
 LW_EXPORT void instantiate(UF_Value *ret, UF_Value *arg)
 {
     (void)arg;
-    lw_give_integer(ret, lw_create());
+    /* An instance whose handle nobody gets could never be ended. */
+    if (ret != NULL) {
+        lw_give_integer(ret, lw_create());
+    }
 }
 
 LW_EXPORT void deinstantiate(UF_Value *ret, UF_Value *arg)
@@ -274,6 +277,8 @@ static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result
             int inside = range->whole && value >= range->low && value <= range->high && floor(value) <= value
                          && floor(value) >= value;
             *result = inside ? lw_whole((int64_t)value, lw_label(range->labels, (int64_t)value)) : lw_measured(value);
+            /* A zero keeps its sign. */
+            result->value = value;
             return LW_OK;
         }
     }

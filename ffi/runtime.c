@@ -251,8 +251,8 @@ int32_t lw_step(lw_handle handle, const int64_t *plant, size_t plant_count, int6
                 outputs[i] = after.values[lw_output_table[i].value];
             }
         }
-        slot->verdict = code;
     }
+    slot->verdict = code;
     lw_lock_give(&slot->lock);
     return code;
 }
@@ -302,6 +302,7 @@ int32_t lw_simulate(lw_handle handle, int32_t operation, double *properties, siz
             }
         }
     }
+    slot->verdict = code;
     lw_lock_give(&slot->lock);
     return code;
 }

@@ -17,6 +17,7 @@ pub mod package;
 pub mod probe;
 pub mod profile;
 pub mod simtalk;
+pub mod structured_text;
 pub mod toolchain;
 
 use crate::contract::machine::Machine;

@@ -103,3 +103,28 @@ pub fn files_named(name: &str) -> Vec<PathBuf> {
     found.sort();
     found
 }
+
+/// The Python that has a module: `LINEWRIGHT_PYTHON`, or else `python3` on the PATH. Without one the test is skipped for the want of
+/// `what`.
+pub fn python_with(what: &str, module: &str) -> Option<PathBuf> {
+    let python = std::env::var_os("LINEWRIGHT_PYTHON").unwrap_or_else(|| "python3".into());
+    let python = PathBuf::from(python);
+    let imported = Command::new(&python)
+        .args(["-c", &format!("import {module}")])
+        .output();
+    match imported {
+        Ok(output) if output.status.success() => Some(python),
+        Ok(_) => {
+            let why = format!("{} has no module {module}", python.display());
+            skip(what, &why);
+            None
+        }
+        Err(error) => {
+            skip(
+                what,
+                &format!("{} does not start: {error}", python.display()),
+            );
+            None
+        }
+    }
+}
