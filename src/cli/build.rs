@@ -20,7 +20,8 @@ use std::path::{Path, PathBuf};
     linewright build examples/ice-lab/cell.lw
     linewright build examples/ice-lab/camera.lw::QualityCheck --target source --out station
 
-A C compiler is needed for `linux`, none for `source`.")]
+`linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` \
+needs none.")]
 pub struct Arguments {
     /// A file with machines, and the name of one of them; without a name, all that the file declares
     #[arg(value_name = "FILE[::NAME]")]
@@ -71,6 +72,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut findings = loaded.findings.clone();
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
 
+    // A missing compiler is said once, not once a machine.
+    let mut toolchains = Vec::new();
+    for target in &arguments.target {
+        match target.toolchain() {
+            Ok(toolchain) => toolchains.push((target, toolchain)),
+            Err(finding) => findings.push(*finding),
+        }
+    }
     let default = default_folder(&arguments.selection.path);
     let folder = arguments.out.as_deref().unwrap_or(&default);
     let mut libraries = Vec::new();
@@ -81,14 +90,11 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         if !fits {
             continue;
         }
-        for target in &arguments.target {
-            match libraries::build(&plan, *target, folder, arguments.rebuild) {
+        for (target, toolchain) in &toolchains {
+            match libraries::build(&plan, toolchain.as_ref(), folder, arguments.rebuild) {
                 Ok(files) => libraries.push(Built {
                     machine: plan.machine.name.clone(),
-                    target: match target {
-                        Target::Linux => "linux",
-                        Target::Source => "source",
-                    },
+                    target: target.name(),
                     files: files.iter().map(|f| f.display().to_string()).collect(),
                 }),
                 Err(finding) => findings.push(*finding),

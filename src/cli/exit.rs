@@ -46,13 +46,15 @@ impl ExitCode {
     }
 
     fn of_error(finding: &Diagnostic) -> Self {
-        const CANNOT_RUN: [codes::Code; 8] = [
+        const CANNOT_RUN: [codes::Code; 10] = [
             codes::FILE_UNREADABLE,
             codes::SYNTAX,
             codes::IMPORT_MISSING,
             codes::LINE_LIMIT,
             codes::COMPILER_MISSING,
             codes::COMPILER_FAILED,
+            codes::CROSS_COMPILER_MISSING,
+            codes::MSVC_MISSING,
             codes::LIBRARY_DAMAGED,
             codes::OUTPUT_UNWRITABLE,
         ];

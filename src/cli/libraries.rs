@@ -26,32 +26,56 @@ pub fn compose(controlled: &Controlled<'_>) -> Composition {
 pub enum Target {
     /// A shared library for this computer
     Linux,
+    /// A 64-bit DLL, with MinGW or Zig
+    Windows,
+    /// A 64-bit DLL, with Microsoft's compiler; on Windows only
+    Msvc,
     /// The C sources, with all headers they need
     Source,
 }
 
-/// Writes a machine's station library, or its sources, into a folder, and gives the files that a user needs.
+impl Target {
+    /// As it is written on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linux => "linux",
+            Self::Windows => "windows",
+            Self::Msvc => "msvc",
+            Self::Source => "source",
+        }
+    }
+
+    /// The compiler for it; none for the sources.
+    pub fn toolchain(self) -> Result<Option<Toolchain>, Box<Diagnostic>> {
+        let found = match self {
+            Self::Linux => Ok(Some(Toolchain::shipping())),
+            Self::Windows => Toolchain::windows().map(Some),
+            Self::Msvc => Toolchain::msvc().map(Some),
+            Self::Source => Ok(None),
+        };
+        found.map_err(|e| Box::new(e.to_diagnostic()))
+    }
+}
+
+/// Writes a machine's station library, or its sources where there is no toolchain, into a folder, and gives the files that a user
+/// needs.
 pub fn build(
     controlled: &Controlled<'_>,
-    target: Target,
+    toolchain: Option<&Toolchain>,
     folder: &Path,
     rebuild: bool,
 ) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
     let package = package(controlled);
     let explain = |e: station::Error| Box::new(e.to_diagnostic());
-    match target {
-        Target::Linux => {
-            let built = Toolchain::host()
-                .build(&package, folder, rebuild)
-                .map_err(explain)?;
-            Ok(vec![built.path])
-        }
-        Target::Source => {
-            package.write_source(folder).map_err(explain)?;
-            let files = package.files();
-            Ok(files.iter().map(|(name, _)| folder.join(name)).collect())
-        }
+    if let Some(toolchain) = toolchain {
+        let built = toolchain
+            .build(&package, folder, rebuild)
+            .map_err(explain)?;
+        return Ok(vec![built.path]);
     }
+    package.write_source(folder).map_err(explain)?;
+    let files = package.files();
+    Ok(files.iter().map(|(name, _)| folder.join(name)).collect())
 }
 
 /// The C of a machine.

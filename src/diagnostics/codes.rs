@@ -81,6 +81,8 @@ codes! {
     LIBRARY_DAMAGED = "LW503", "a station library is damaged";
     OUTPUT_UNWRITABLE = "LW504", "a file or folder cannot be written";
     LIBRARY_CALL = "LW505", "a station library answered with an error";
+    CROSS_COMPILER_MISSING = "LW506", "no C compiler for Windows was found";
+    MSVC_MISSING = "LW507", "Microsoft's compiler was not found";
 }
 
 /// The code of an id such as `LW101`, in either case.

@@ -114,6 +114,12 @@ pub enum Error {
         /// Why it was not.
         cause: String,
     },
+    /// There is no C compiler for 64-bit Windows.
+    #[error("no C compiler for 64-bit Windows was found on this computer")]
+    CrossCompilerMissing,
+    /// There is no Microsoft compiler.
+    #[error("Microsoft's C compiler was not found on this computer")]
+    MsvcMissing,
     /// The C compiler gave an error.
     #[error("the C compiler `{command}` failed on the library of `{machine}`:\n{stderr}")]
     CompilerFailed {
@@ -152,6 +158,14 @@ impl Error {
             Self::CompilerMissing { .. } => (
                 codes::COMPILER_MISSING,
                 "install a C compiler (Debian and Ubuntu: `apt install gcc`; macOS: `xcode-select --install`), or name one in the environment variable CC",
+            ),
+            Self::CrossCompilerMissing => (
+                codes::CROSS_COMPILER_MISSING,
+                "install MinGW (Debian and Ubuntu: `apt install gcc-mingw-w64-x86-64`) or Zig (`pip install ziglang`, or zig on the PATH); `linewright doctor` shows what is found",
+            ),
+            Self::MsvcMissing => (
+                codes::MSVC_MISSING,
+                "build on a Windows computer with the Visual Studio Build Tools, or use `--target windows`, whose libraries Windows programs load as well",
             ),
             Self::CompilerFailed { .. } => (
                 codes::COMPILER_FAILED,
