@@ -9,6 +9,7 @@ use super::options::{Format, GlobalOptions};
 use super::pipeline::Jobs;
 use super::select::Selection;
 use crate::diagnostics::{has_errors, json};
+use crate::station::fmi;
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -21,7 +22,7 @@ use std::path::{Path, PathBuf};
     linewright build examples/ice-lab/camera.lw::QualityCheck --target source --out station
 
 `linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` \
-needs none.")]
+needs none. `fmu` takes what there is.")]
 pub struct Arguments {
     /// A file with machines, and the name of one of them; without a name, all that the file declares
     #[arg(value_name = "FILE[::NAME]")]
@@ -74,7 +75,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
 
     // A missing compiler is said once, not once a machine.
     let mut toolchains = Vec::new();
+    let mut units = None;
     for target in &arguments.target {
+        if *target == Target::Fmu {
+            let (found, missing) = fmi::toolchains();
+            findings.extend(missing);
+            units = Some(found);
+            continue;
+        }
         match target.toolchain() {
             Ok(toolchain) => toolchains.push((target, toolchain)),
             Err(finding) => findings.push(*finding),
@@ -97,6 +105,23 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                     target: target.name(),
                     files: files.iter().map(|f| f.display().to_string()).collect(),
                 }),
+                Err(finding) => findings.push(*finding),
+            }
+        }
+        if let Some(toolchains) = &units {
+            match libraries::build_units(&plan, toolchains, folder) {
+                Ok((files, missing)) => {
+                    for finding in missing {
+                        if !findings.contains(&finding) {
+                            findings.push(finding);
+                        }
+                    }
+                    libraries.push(Built {
+                        machine: plan.machine.name.clone(),
+                        target: Target::Fmu.name(),
+                        files: files.iter().map(|f| f.display().to_string()).collect(),
+                    });
+                }
                 Err(finding) => findings.push(*finding),
             }
         }

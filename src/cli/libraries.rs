@@ -4,7 +4,7 @@ use crate::contract::machine::Machine;
 use crate::diagnostics::Diagnostic;
 use crate::mealy;
 use crate::station::composition::{self, Composition};
-use crate::station::{self, Package, Toolchain};
+use crate::station::{self, Package, Toolchain, fmi};
 use std::path::{Path, PathBuf};
 
 /// A machine with the verified controllers of its components, in their order.
@@ -30,6 +30,8 @@ pub enum Target {
     Windows,
     /// A 64-bit DLL, with Microsoft's compiler; on Windows only
     Msvc,
+    /// Co-simulation units of FMI 2.0 and 3.0, with the binaries that there are compilers for
+    Fmu,
     /// The C sources, with all headers they need
     Source,
 }
@@ -41,17 +43,18 @@ impl Target {
             Self::Linux => "linux",
             Self::Windows => "windows",
             Self::Msvc => "msvc",
+            Self::Fmu => "fmu",
             Self::Source => "source",
         }
     }
 
-    /// The compiler for it; none for the sources.
+    /// The compiler for it; none for the sources. Units have several, and take what there is: see [`fmi::toolchains`].
     pub fn toolchain(self) -> Result<Option<Toolchain>, Box<Diagnostic>> {
         let found = match self {
             Self::Linux => Ok(Some(Toolchain::shipping())),
             Self::Windows => Toolchain::windows().map(Some),
             Self::Msvc => Toolchain::msvc().map(Some),
-            Self::Source => Ok(None),
+            Self::Fmu | Self::Source => Ok(None),
         };
         found.map_err(|e| Box::new(e.to_diagnostic()))
     }
@@ -78,12 +81,22 @@ pub fn build(
     Ok(files.iter().map(|(name, _)| folder.join(name)).collect())
 }
 
+/// Writes a machine's FMI units into a folder, and gives their paths and what they lack.
+pub fn build_units(
+    controlled: &Controlled<'_>,
+    toolchains: &[Toolchain],
+    folder: &Path,
+) -> Result<(Vec<PathBuf>, Vec<Diagnostic>), Box<Diagnostic>> {
+    let controllers = controllers(controlled);
+    fmi::build(controlled.machine, &controllers, toolchains, folder)
+        .map_err(|e| Box::new(e.to_diagnostic()))
+}
+
 /// The C of a machine.
 pub fn package(controlled: &Controlled<'_>) -> Package {
-    let controllers: Vec<mealy::Controller> = controlled
-        .controllers
-        .iter()
-        .map(|c| (*c).clone())
-        .collect();
-    Package::emit(controlled.machine, &controllers)
+    Package::emit(controlled.machine, &controllers(controlled))
+}
+
+fn controllers(controlled: &Controlled<'_>) -> Vec<mealy::Controller> {
+    controlled.controllers.iter().map(|c| (*c).clone()).collect()
 }

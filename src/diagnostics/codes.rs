@@ -83,6 +83,7 @@ codes! {
     LIBRARY_CALL = "LW505", "a station library answered with an error";
     CROSS_COMPILER_MISSING = "LW506", "no C compiler for Windows was found";
     MSVC_MISSING = "LW507", "Microsoft's compiler was not found";
+    UNIT_WITHOUT_BINARY = "LW530", "an FMI unit lacks a binary";
 }
 
 /// The code of an id such as `LW101`, in either case.

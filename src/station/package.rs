@@ -34,6 +34,8 @@ pub struct Package {
     pub contract_hash: String,
     /// Of all files that are compiled, 64 hexadecimal digits.
     pub hash: String,
+    /// What the C file includes: [`SUPPORT`], or what an FMI unit needs.
+    support: &'static [(&'static str, &'static str)],
 }
 
 impl Package {
@@ -43,9 +45,26 @@ impl Package {
     /// When they do not belong together.
     pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Self {
         let emitted = emit::emit(machine, controllers);
+        Self::of_unit(
+            machine,
+            emitted.contract_hash,
+            emitted.description,
+            emitted.source,
+            &SUPPORT,
+        )
+    }
+
+    /// The package of a C file that includes these files.
+    pub(super) fn of_unit(
+        machine: &Machine,
+        contract_hash: String,
+        description: String,
+        c_source: String,
+        support: &'static [(&'static str, &'static str)],
+    ) -> Self {
         let mut hash = Sha256::new();
-        let own = ("", emitted.source.as_str());
-        for (name, text) in std::iter::once(own).chain(SUPPORT) {
+        let own = ("", c_source.as_str());
+        for (name, text) in std::iter::once(own).chain(support.iter().copied()) {
             // Lengths keep two lists of files with the same joined text apart.
             hash.update(format!("{name}:{}\n", text.len()));
             hash.update(text);
@@ -53,17 +72,18 @@ impl Package {
         Self {
             name: machine.name.clone(),
             stem: file_stem(&machine.name),
-            c_source: emitted.source,
-            description: emitted.description,
-            contract_hash: emitted.contract_hash,
+            c_source,
+            description,
+            contract_hash,
             hash: emit::hex(&hash.finalize()),
+            support,
         }
     }
 
     /// All files of the package, by name; the first is the one to compile.
     pub fn files(&self) -> Vec<(String, &str)> {
         let own = (format!("{}.c", self.stem), self.c_source.as_str());
-        let support = SUPPORT.iter().map(|(n, t)| ((*n).to_owned(), *t));
+        let support = self.support.iter().map(|(n, t)| ((*n).to_owned(), *t));
         std::iter::once(own).chain(support).collect()
     }
 
@@ -129,11 +149,13 @@ fn file_stem(name: &str) -> String {
             '_'
         });
     }
-    if stem.is_empty() {
-        stem.push('_');
+    // A name in C as well: units of FMI are called so.
+    if !stem.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        stem.insert_str(0, "m_");
     }
-    // Not the name of a file that comes with every package.
-    if SUPPORT.iter().any(|(n, _)| *n == format!("{stem}.c")) {
+    // Not the name of a file that comes with a package.
+    let mut taken = SUPPORT.iter().map(|(n, _)| *n).chain(["fmi.c", "fmi2.c", "fmi3.c"]);
+    if taken.any(|n| n == format!("{stem}.c")) {
         stem.push('_');
     }
     stem
@@ -150,5 +172,7 @@ mod tests {
         assert_eq!(file_stem("Belt3"), "belt3");
         assert_eq!(file_stem("Fräse/1"), "fr_se_1");
         assert_eq!(file_stem("runtime"), "runtime_");
+        assert_eq!(file_stem("fmi2"), "fmi2_");
+        assert_eq!(file_stem("2nd"), "m_2nd");
     }
 }
