@@ -156,8 +156,9 @@ static int64_t lw_fmi_wire_value(const lw_slot *slot, int wire)
 
 /* ---- Calls ------------------------------------------------------------------------------------------------------- */
 
-/* The values that both versions of FMI share. */
-enum { LW_FMI_OK = 0, LW_FMI_DISCARD = 2, LW_FMI_ERROR = 3 };
+/* The values that both versions of FMI share. A step that is refused is an Error, "could not be carried out at all": Discard would
+ * promise that a part of it was, and hosts try a shorter one again and again. */
+enum { LW_FMI_OK = 0, LW_FMI_ERROR = 3 };
 
 /* Where an instance is in its life. */
 enum { LW_FMI_INSTANTIATED = 1, LW_FMI_INITIALIZING = 2, LW_FMI_STEPPING = 4, LW_FMI_TERMINATED = 8, LW_FMI_ANY = 15 };
@@ -278,6 +279,7 @@ static void lw_fmi_initialize(lw_slot *slot, lw_fmi_unit *unit)
     memset(unit, 0, sizeof *unit);
     unit->phase = LW_FMI_INSTANTIATED;
     unit->enabled = 1;
+    unit->operation = LW_FMI_FIRST_OPERATION;
     for (int i = 0; i < LW_PLANT; i++) {
         if (lw_plant_table[i].source == LW_FROM_SCRIPT) {
             unit->signals[i] = lw_plant_table[i].script[0];
@@ -363,7 +365,7 @@ static void lw_fmi_step(lw_fmi_call *call, double at, double size)
     code = lw_fmi_ticks(call->slot, call->unit, (int64_t)round(ticks));
     if (code != LW_OK) {
         call->broken = 1;
-        call->status = code == LW_ERROR_ASSUMPTION || code == LW_ERROR_DOMAIN ? LW_FMI_DISCARD : LW_FMI_ERROR;
+        call->status = LW_FMI_ERROR;
     }
 }
 

@@ -54,8 +54,7 @@ static void lw_fmi_log(const lw_fmi_host *host, int status, const char *text)
         text++;
     }
     format[length] = '\0';
-    host->logger(host->environment, host->name, (fmi2Status)status,
-                 (fmi2Status)status == fmi2Discard ? "logStatusDiscard" : "logStatusError", format);
+    host->logger(host->environment, host->name, (fmi2Status)status, "logStatusError", format);
 }
 
 #include "fmi.c"

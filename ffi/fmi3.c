@@ -44,8 +44,7 @@ typedef struct lw_fmi_host {
 static void lw_fmi_log(const lw_fmi_host *host, int status, const char *text)
 {
     if (host->logger != NULL) {
-        host->logger(host->environment, (fmi3Status)status,
-                     (fmi3Status)status == fmi3Discard ? "logStatusDiscard" : "logStatusError", text);
+        host->logger(host->environment, (fmi3Status)status, "logStatusError", text);
     }
 }
 

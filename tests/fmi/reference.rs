@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// How a step was answered.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Answer {
-    /// 0 OK, 2 Discard, 3 Error.
+    /// 0 OK, 3 Error.
     pub status: i32,
     /// What the host is told; `None` where it is not known here (the step limit names what was waited for).
     pub message: Option<String>,
@@ -62,7 +62,12 @@ pub struct Reference {
 }
 
 impl Reference {
-    pub fn new(machine: &Arc<Machine>, controllers: &Arc<Vec<mealy::Controller>>) -> Self {
+    /// A unit after its initialization, with the operation that its description says.
+    pub fn new(
+        machine: &Arc<Machine>,
+        controllers: &Arc<Vec<mealy::Controller>>,
+        operation: usize,
+    ) -> Self {
         let script = |source: &PlantSource| match source {
             PlantSource::Signal { script } => script[0],
             _ => 0,
@@ -73,7 +78,7 @@ impl Reference {
             started: false,
             wires: vec![0; machine.wire_count()],
             enabled: true,
-            operation: 0,
+            operation,
             signals: machine.plant.iter().map(|p| script(&p.source)).collect(),
             given: defaults.clone(),
             job: None,
@@ -105,9 +110,8 @@ impl Reference {
                     self.job = None;
                     return Answer { status: 3, message: None };
                 }
-                let refused = matches!(error.code, ErrorCode::Assumption | ErrorCode::Domain);
                 return Answer {
-                    status: if refused { 2 } else { 3 },
+                    status: 3,
                     message: Some(error.message),
                 };
             }

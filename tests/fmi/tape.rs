@@ -15,7 +15,6 @@
 
 use crate::reference::{Answer, Read, Reference};
 use linewright::contract::machine::{Machine, PlantSource, PropertyKind};
-use linewright::gr1::Domain;
 use linewright::mealy;
 use linewright::station::fmi::Unit;
 use linewright::station::fmi::variables::{Causality, Kind, Start, Variable, group};
@@ -109,7 +108,12 @@ pub fn record(
         units: Vec::new(),
         saved: vec![None; PLACES],
     };
-    let fresh = Reference::new(machine, controllers);
+    let first = unit.interface.find("operation").and_then(|v| v.start);
+    let first = match first {
+        Some(Start::Whole(index)) => index as usize,
+        _ => 0,
+    };
+    let fresh = Reference::new(machine, controllers, first);
     for sequence in 0..sequences {
         let instance = sequence % INSTANCES;
         if instance == recorder.units.len() {
@@ -254,15 +258,6 @@ impl Recorder<'_> {
                 whole + fraction
             }
         }
-    }
-}
-
-/// Whether a start value is what the machine says; for the archive's tests.
-pub fn is_start(variable: &Variable, domain: &Domain) -> bool {
-    match variable.start {
-        Some(Start::Whole(value)) => domain.contains(value),
-        Some(Start::Real(value)) => value.is_finite(),
-        None => false,
     }
 }
 

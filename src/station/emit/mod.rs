@@ -25,7 +25,7 @@ use text::{comment, identifier, long_string, string, wrap};
 pub struct Emitted {
     /// The C file.
     pub source: String,
-    /// The machine in it, without the runtime and the adapter: what another adapter is put behind.
+    /// The machine in it, without its description, the runtime and the adapter: what another adapter is put behind.
     pub unit: String,
     /// The contract hash that `station_describe` shows: of everything that decides how the machine behaves.
     pub contract_hash: String,
@@ -72,14 +72,12 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Emitted {
     } else {
         format!(" *\n * {}\n", wrap(doc.trim(), " * "))
     };
-    let unit = format!(
-        "{sizes}#define LW_HANDLE_MARK {mark}\n\n#include \"machine.h\"\n\n{body}\
-         static const char lw_description[] =\n    {};\n",
-        long_string(&description, "    ")
-    );
+    let unit =
+        format!("{sizes}#define LW_HANDLE_MARK {mark}\n\n#include \"machine.h\"\n\n{body}");
     let source = format!(
         "/* The machine {name}, emitted by linewright from its contracts.\n{doc} *\n * Compile this file alone, with the files of ffi/ beside it:\n *\n *     cc -std=c99 -O2 -fPIC -shared -fvisibility=hidden -ffp-contract=off -pthread THIS.c -o THIS.so -lm\n */\n\
-         {unit}\n#include \"runtime.c\"\n#include \"plant_simulation.c\"\n"
+         {unit}static const char lw_description[] =\n    {};\n\n#include \"runtime.c\"\n#include \"plant_simulation.c\"\n",
+        long_string(&description, "    ")
     );
     Emitted {
         source,

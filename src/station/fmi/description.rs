@@ -93,13 +93,8 @@ pub(super) fn description(unit: &Unit) -> String {
         units(xml, unit);
         types(xml, unit);
         xml.within("LogCategories", &vec![], |xml| {
-            let categories = [
-                ("logStatusDiscard", "steps that were refused because the plant broke an assumption"),
-                ("logStatusError", "other calls that were refused"),
-            ];
-            for (name, description) in categories {
-                xml.element("Category", &vec![("name", name.to_owned()), ("description", description.to_owned())]);
-            }
+            let about = "calls that were refused, with the reason";
+            xml.element("Category", &vec![("name", "logStatusError".to_owned()), ("description", about.to_owned())]);
         });
         let step = unit.step_seconds;
         xml.element(

@@ -43,9 +43,9 @@ pub(super) fn documentation(unit: &Unit) -> String {
         );
     }
     out.push_str(
-        "<li>Where the plant breaks an assumption of a contract, the step is answered with Discard and nothing changes but \
+        "<li>Where the plant breaks an assumption of a contract, the step is answered with Error and nothing changes but \
          <code>verdict</code>; the logged text names the rule. Set other inputs, and step again.</li>\n\
-         <li>At the step limit of an operation the step is answered with Error, and the machine is as before its first step.</li>\n</ul>\n",
+         <li>At the step limit of an operation the machine is set back to before its first step.</li>\n</ul>\n",
     );
     let groups = [
         (Causality::Input, "Inputs"),

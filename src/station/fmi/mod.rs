@@ -15,14 +15,16 @@ mod tables;
 mod units;
 pub mod variables;
 
+use super::interpret::Interpreter;
 use super::toolchain::Platform;
-use super::{Error, Package, Toolchain, emit};
-use crate::contract::machine::Machine;
+use super::{Controller as _, Error, Package, Toolchain, emit};
+use crate::contract::machine::{Machine, PlantSource};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::mealy;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use variables::Interface;
 
 /// A version of the standard.
@@ -112,19 +114,21 @@ impl Unit {
     /// When they do not belong together.
     pub fn emit(machine: &Machine, controllers: &[mealy::Controller], version: Version) -> Self {
         let emitted = emit::emit(machine, controllers);
+        let first = first_operation(machine, controllers);
+        let tables = tables::tables(machine, first);
         let mut hash = Sha256::new();
-        for text in [&emitted.unit, &tables::tables(machine), version.adapter()] {
+        for text in [&emitted.unit, &tables, version.adapter()] {
             hash.update(text);
         }
         let token = token(&emit::hex(&hash.finalize()));
         Self {
             version,
-            interface: Interface::of(machine),
+            interface: Interface::of(machine, first),
             package: Package::of_unit(
                 machine,
                 emitted.contract_hash,
                 emitted.description,
-                tables::source(machine, &emitted.unit, &token, version),
+                tables::source(machine, &emitted.unit, &tables, &token, version),
                 version.support(),
             ),
             token,
@@ -147,6 +151,25 @@ impl Unit {
     pub fn archive(&self, binaries: &[(Platform, Vec<u8>)]) -> Vec<u8> {
         archive::archive(self, binaries)
     }
+}
+
+/// The operation that a unit begins with where its host says nothing: the first that can be done again and again with the start
+/// values of all other inputs, so that a unit simulates as it was imported. What grips a part cannot; then it is the first one.
+fn first_operation(machine: &Machine, controllers: &[mealy::Controller]) -> usize {
+    const TIMES: usize = 3;
+    let mut still = machine.clone();
+    for input in &mut still.plant {
+        if let PlantSource::Signal { script } = &mut input.source {
+            script.truncate(1);
+        }
+    }
+    let fresh = Interpreter::new(Arc::new(still), Arc::new(controllers.to_vec()));
+    let values: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
+    let repeats = |operation: &usize| {
+        let mut trial = fresh.clone();
+        (0..TIMES).all(|_| trial.simulate(*operation, &mut values.clone()).is_ok())
+    };
+    (0..machine.operations.len()).find(repeats).unwrap_or(0)
 }
 
 /// A hash in the customary form of a token.

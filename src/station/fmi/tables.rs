@@ -9,7 +9,7 @@ use crate::station::emit::text::{comment, string};
 use std::fmt::Write;
 
 /// The whole file.
-pub(super) fn source(machine: &Machine, unit: &str, token: &str, version: Version) -> String {
+pub(super) fn source(machine: &Machine, unit: &str, tables: &str, token: &str, version: Version) -> String {
     let (number, prefix) = match version {
         Version::Two => ("2.0", "FMI2_FUNCTION_PREFIX"),
         Version::Three => ("3.0", "FMI3_FUNCTION_PREFIX"),
@@ -19,23 +19,24 @@ pub(super) fn source(machine: &Machine, unit: &str, token: &str, version: Versio
          Compile this file alone, with the others of this folder beside it:\n *\n *     \
          cc -std=c99 -O2 -fPIC -shared -fvisibility=hidden -ffp-contract=off -pthread THIS.c -o THIS.so -lm\n *\n * \
          Linked into a program, {prefix} begins the names of its functions. */\n\
-         #define LW_PRIVATE\n{unit}\n\
+         #define LW_PRIVATE\n{unit}\
          /* ---- FMI {} */\n\n\
          #include \"fmi.h\"\n\n\
+         /* modelDescription.xml describes the unit. */\nstatic const char lw_description[] = \"\";\n\n\
          #define LW_FMI_TOKEN {}\n{}\
          #include \"runtime.c\"\n#include \"{}\"\n",
         comment(&machine.name),
         "-".repeat(98),
         string(token),
-        tables(machine),
+        tables,
         version.adapter(),
     )
 }
 
 /// What the adapters must know beside the machine's own tables.
-pub(super) fn tables(machine: &Machine) -> String {
+pub(super) fn tables(machine: &Machine, first_operation: usize) -> String {
     let mut out = format!(
-        "#define LW_FMI_IDLE_WATTS {}\n#define LW_FMI_STEP_TEXT {}\n\n",
+        "#define LW_FMI_FIRST_OPERATION {first_operation}\n#define LW_FMI_IDLE_WATTS {}\n#define LW_FMI_STEP_TEXT {}\n\n",
         real_literal(machine.idle_watts),
         string(&machine.step_seconds.to_string())
     );

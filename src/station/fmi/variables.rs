@@ -125,10 +125,10 @@ pub(super) fn kind(domain: &Domain) -> Kind {
 }
 
 impl Interface {
-    /// The variables of a machine's unit.
-    pub fn of(machine: &Machine) -> Self {
+    /// The variables of a machine's unit, which begins with this operation.
+    pub fn of(machine: &Machine, first_operation: usize) -> Self {
         let mut all = Self::default();
-        all.general(machine);
+        all.general(machine, first_operation);
         all.inputs(machine);
         all.outputs(machine);
         // Types and variables share their names, and a variable's is the one that people meet.
@@ -164,7 +164,7 @@ impl Interface {
     }
 
     /// What every unit has; the order of the numbers is that of `ffi/fmi.h`.
-    fn general(&mut self, machine: &Machine) {
+    fn general(&mut self, machine: &Machine, first_operation: usize) {
         use Causality::{Independent, Input, Output};
         // `time` comes first, so that nothing else gets that name.
         type Row = (&'static str, usize, Causality, Kind, &'static str, &'static str);
@@ -193,9 +193,10 @@ impl Interface {
             self.add(name, reference(group::UNIT, *index), *causality, *kind, (*about).to_owned());
             self.last().unit = (*unit).to_owned();
             if *causality == Input {
-                self.last().start = Some(Start::Whole(i64::from(*name == "enabled")));
+                self.last().start = Some(Start::Whole(1));
             }
             if *name == "operation" {
+                self.last().start = Some(Start::Whole(first_operation as i64));
                 let labels = machine.operations.iter().map(|o| o.name.clone()).collect();
                 self.last().kind = Kind::Enumeration(self.enumeration("Operation", labels));
             }

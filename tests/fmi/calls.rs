@@ -1,0 +1,73 @@
+//! The unit's own library under a plain C host: trajectories, wrong calls, and that the comparison can fail.
+
+use crate::hosts::{build_package, command, host, laboratory, record, run, unpack};
+use crate::tape::compare;
+use linewright::station::fmi::Version;
+use std::process::Command;
+
+#[test]
+fn trajectories_are_the_machines() {
+    let folder = tempfile::tempdir().unwrap();
+    let hosts = Version::ALL.map(|v| host("cc", v, folder.path()));
+    for (seed, built) in (1..).zip(laboratory()) {
+        let version = usize::from(built.unit.version == Version::Three);
+        let tape = record(built, 60, 80, seed);
+        let library = unpack(built, false, folder.path());
+        let start = Command::new(&hosts[version]);
+        let mut command = command(start, "play", &library, &built.unit, built.machine.step_seconds);
+        let printed = run(&mut command, &tape.text);
+        let name = format!("{} {:?}", built.machine.name, built.unit.version);
+        compare(&tape, &printed, true).unwrap_or_else(|e| panic!("{name}: {e}"));
+        println!(
+            "{name}: {} steps, {} operations, {} of them compared with simulate, {} refused",
+            tape.expected.len(),
+            tape.completed,
+            tape.compared,
+            tape.refused
+        );
+        if !built.machine.operations.is_empty() {
+            assert!(tape.completed > 50 && tape.compared > 20, "{name}");
+        }
+        assert!(tape.refused > 20 && tape.refused < tape.expected.len() / 2, "{name}");
+    }
+}
+
+#[test]
+fn wrong_calls_are_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    for built in laboratory().iter().filter(|b| b.machine.name == "AssemblyCell") {
+        let host = host("cc", built.unit.version, folder.path());
+        let library = unpack(built, false, folder.path());
+        let mut command = command(Command::new(host), "check", &library, &built.unit, built.machine.step_seconds);
+        let printed = run(&mut command, "");
+        assert_eq!(printed, "HOST PASSED\n");
+    }
+}
+
+/// A host that compares nothing would pass as well: so one number of one table is changed.
+#[test]
+fn a_damaged_table_is_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    for built in laboratory().iter().filter(|b| b.machine.name == "Printer") {
+        let host = host("cc", built.unit.version, folder.path());
+        let tape = record(built, 20, 60, 5);
+        let played = |package: &linewright::station::Package| {
+            let library = build_package(package, folder.path());
+            let start = Command::new(&host);
+            let mut command = command(start, "play", &library, &built.unit, built.machine.step_seconds);
+            compare(&tape, &run(&mut command, &tape.text), true)
+        };
+        let mut package = built.unit.package.clone();
+        assert_eq!(played(&package), Ok(()), "the unit as it is");
+        // The first row of the last table of rows: another answer.
+        let at = package.c_source.rfind("_rows[] = {").expect("a table of rows");
+        let row = at + package.c_source[at..].find("    { ").expect("a row");
+        let end = row + package.c_source[row..].find('}').expect("its end");
+        let numbers: Vec<&str> = package.c_source[row + 6..end].split(',').map(str::trim).collect();
+        let changed = if numbers[2] == "0" { "1" } else { "0" };
+        let damaged = format!("    {{ {}, {}, {changed}, {} ", numbers[0], numbers[1], numbers[3]);
+        package.c_source.replace_range(row..end, &damaged);
+        let verdict = played(&package).expect_err("a damaged table is seen");
+        println!("{verdict}");
+    }
+}
