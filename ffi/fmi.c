@@ -21,6 +21,7 @@ typedef struct lw_fmi_unit {
     double given[LW_PROPERTIES + 1];
     /* The operation that is under way, with what it began with. */
     int running;
+    int done; /* the last step ended one */
     int32_t performed;
     int64_t plant[LW_PLANT + 1];
     double held[LW_PROPERTIES + 1];
@@ -64,7 +65,7 @@ static int32_t lw_fmi_begin(const lw_state *state, lw_fmi_unit *unit, lw_error *
 /* Ends an operation: what `lw_perform` does after its last step. */
 static int32_t lw_fmi_finish(const lw_state *state, lw_fmi_unit *unit, lw_error *error)
 {
-    int32_t code = lw_leave(unit->held, state->wires, unit->results, error);
+    int32_t code = lw_leave(unit->held, state->values, unit->results, error);
     if (code == LW_OK) {
         unit->last = unit->job.service;
         unit->seconds += unit->last.seconds;
@@ -104,7 +105,8 @@ static int32_t lw_fmi_tick(lw_state *state, lw_fmi_unit *unit, lw_error *error)
         unit->job.properties = NULL;
     }
     if (code == LW_OK && unit->running) {
-        if (machine_done(state->wires)) {
+        unit->done = machine_done(state->values);
+        if (unit->done) {
             code = lw_fmi_finish(state, unit, error);
         } else if (unit->job.service.steps >= LW_STEP_LIMIT) {
             code = lw_limit(&unit->job, lw_operation_table[unit->performed].name, error);
@@ -118,14 +120,17 @@ static void lw_fmi_restart(lw_slot *slot, lw_fmi_unit *unit)
 {
     memset(&slot->state, 0, sizeof slot->state);
     unit->running = 0;
+    unit->done = 0;
     memset(&unit->job, 0, sizeof unit->job);
 }
 
 /* So many of the machine's steps, all or none. */
 static int32_t lw_fmi_ticks(lw_slot *slot, lw_fmi_unit *unit, int64_t ticks)
 {
-    lw_state state = slot->state;
+    lw_state state;
     lw_fmi_unit after = *unit;
+    memset(&state, 0, sizeof state);
+    lw_wake(slot, &state);
     for (int64_t i = 0; i < ticks; i++) {
         int32_t code = lw_fmi_tick(&state, &after, &slot->error);
         if (code != LW_OK) {
@@ -137,21 +142,16 @@ static int32_t lw_fmi_ticks(lw_slot *slot, lw_fmi_unit *unit, int64_t ticks)
         }
     }
     after.ticks += ticks;
-    slot->state = state;
+    lw_lay_down(slot, &state);
     *unit = after;
     return LW_OK;
-}
-
-/* Whether the last step ended an operation. */
-static int lw_fmi_done(const lw_slot *slot)
-{
-    return slot->state.started && machine_done(slot->state.wires);
 }
 
 /* What a wire shows. */
 static int64_t lw_fmi_wire_value(const lw_slot *slot, int wire)
 {
-    return slot->state.started ? slot->state.wires[wire] : lw_fmi_wire_table[wire].before;
+    int value = wire < LW_PLANT ? wire : lw_output_table[wire - LW_PLANT].value;
+    return slot->state.started ? slot->state.values[value] : lw_fmi_wire_table[wire].before;
 }
 
 /* ---- Calls ------------------------------------------------------------------------------------------------------- */
@@ -408,7 +408,7 @@ static int lw_fmi_type_of(uint32_t reference)
     case LW_FMI_RESULTS:
         return LW_OPERATIONS > 0 && index < LW_PROPERTIES ? LW_FMI_REAL : -1;
     case LW_FMI_WIRES:
-        return index < LW_WIRES && (index >= LW_PLANT || lw_plant_table[index].source == LW_FROM_PROPERTY)
+        return index < LW_PLANT + LW_OUTPUTS && (index >= LW_PLANT || lw_plant_table[index].source == LW_FROM_PROPERTY)
                    ? lw_fmi_wire_table[index].type
                    : -1;
     default:
@@ -482,7 +482,7 @@ static lw_fmi_value lw_fmi_read(const lw_fmi_call *call, uint32_t reference)
             value.whole = unit->operation;
             break;
         case LW_FMI_DONE:
-            value.whole = lw_fmi_done(call->slot);
+            value.whole = unit->done;
             break;
         case LW_FMI_COMPLETED:
             value.whole = unit->completed;
@@ -592,7 +592,7 @@ typedef struct lw_fmi_saved {
     char token[sizeof LW_FMI_TOKEN];
     uint64_t size;
     uint64_t sum; /* with 0 in its own place */
-    lw_state state;
+    lw_rest state;
     lw_fmi_unit unit;
 } lw_fmi_saved;
 

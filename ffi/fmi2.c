@@ -106,7 +106,9 @@ LW_FMI_EXPORT fmi2Component LW_FMI2(fmi2Instantiate)(fmi2String name, fmi2Type t
         lw_fmi_log(&host, LW_FMI_ERROR, "fmi2Instantiate: the instance has no name");
         return NULL;
     }
-    (void)lw_copy(name, host.name, sizeof host.name);
+    for (size_t i = 0; name[i] != '\0' && i + 1 < sizeof host.name; i++) {
+        host.name[i] = name[i];
+    }
     if (type != fmi2CoSimulation) {
         lw_fmi_log(&host, LW_FMI_ERROR, "fmi2Instantiate: this unit is for co-simulation only");
         return NULL;

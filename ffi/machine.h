@@ -4,10 +4,8 @@
  * adapter at its end. So a library is one translation unit, compiled by one run of the compiler, and all storage has a
  * fixed size.
  *
- * Values.  Booleans are 0 and 1, labels are numbered from 0, integers are themselves. Each component has its variables in
- * the order of its contract, from `first_value` on in `lw_state.values`.
- *
- * Wires.  The plant's inputs, then the outputs and internal variables of every component in order. */
+ * Values.  Booleans are 0 and 1, labels are numbered from 0, integers are themselves. `lw_state.values` holds the
+ * plant's inputs first, then every component's variables in the order of its contract, from `first_value` on. */
 #ifndef LW_MACHINE_H
 #define LW_MACHINE_H
 
@@ -20,26 +18,30 @@
 
 #include <math.h>
 
-#if !defined(LW_COMPONENTS) || !defined(LW_PLANT) || !defined(LW_WIRES) || !defined(LW_VALUES) || \
+#if !defined(LW_COMPONENTS) || !defined(LW_NUMBER) || !defined(LW_PLANT) || !defined(LW_OUTPUTS) || !defined(LW_VALUES) || \
     !defined(LW_PROPERTIES) || !defined(LW_OPERATIONS) || !defined(LW_JUSTICE) || !defined(LW_HANDLE_MARK)
 #error "machine.h is included by a generated machine file, after the machine's sizes"
 #endif
 
-/* One test of a guard: low <= input <= high. `input` counts the component's inputs. */
-typedef struct lw_test {
-    int input;
-    int64_t low;
-    int64_t high;
-} lw_test;
+/* The smallest type that holds every value of every domain of this machine: tables and resting instances are small. What is
+ * computed with is an int64_t. */
+typedef LW_NUMBER lw_number;
 
-/* A row holds when all its tests do; it gives an answer (a row of the table of outputs) and leads to a state. Places in
- * `row_of`: 0 is before step 0, s + 1 is state s. */
-typedef struct lw_row {
-    int first_test;
-    int tests;
+/* A comparison of one of the component's variables, an input: whereto when it is at most `bound`, and when it is more. A way
+ * is the number of a further split, or -1 - n for leaf n. */
+typedef struct lw_split {
+    int variable;
+    int at_most;
+    int above;
+    lw_number bound;
+} lw_split;
+
+/* What a step gives: a row of the table of outputs, and the place that follows; -1 where there is no transition. Place 0 is before step
+ * 0, place s + 1 is state s. */
+typedef struct lw_leaf {
     int answer;
     int to;
-} lw_row;
+} lw_leaf;
 
 /* A controller whose guard table would be too large is functions of signals: of the bits of the step before (signal 2k) and of
  * this step (2k + 1). A decision goes on with one edge or the other; edge 2n leads to node n - 1, edge 2n + 1 to its
@@ -109,14 +111,23 @@ typedef struct lw_side {
     lw_promise safety;
 } lw_side;
 
-/* The values of a property: whole numbers from `low` to `high`, where `whole` is not 0. */
+/* The values of a property: whole numbers from `low` to `high`, where `whole` is not 0; with `labels`, these stand for the
+ * numbers from 0 on. */
 typedef struct lw_range {
     int whole;
     double low;
     double high;
+    const char *const *labels;
 } lw_range;
 
-/* One input of a component: `value` counts the component's variables. */
+/* An output or internal variable as a host sees it: `turn_a.angle`. `labels` stand for the numbers from 0 on, or are null. */
+typedef struct lw_wire {
+    const char *name;
+    int value; /* counts all values */
+    const char *const *labels;
+} lw_wire;
+
+/* An input of a component whose binding could leave its domain: `value` counts the component's variables. */
 typedef struct lw_input {
     const char *name;
     const char *domain;
@@ -125,8 +136,8 @@ typedef struct lw_input {
     int64_t high;
 } lw_input;
 
-/* A number of the plant, over the properties and the wires. */
-typedef double lw_real(const double *properties, const int64_t *wires);
+/* A number of the plant, over the properties and all values. */
+typedef double lw_real(const double *properties, const int64_t *values);
 
 /* How an action's time is charged. */
 enum { LW_TIME_STEP, LW_TIME_EXECUTION };
@@ -135,24 +146,24 @@ typedef struct lw_component {
     const char *name;
     int moore;
     int first_value;
-    int first_wire;
-    int inputs;
+    int inputs; /* those that have to be checked */
     int outputs;
     const lw_input *input;
     const int *output; /* the outputs' places among the component's variables */
-    const int *row_of; /* the rows of place p are row_of[p] up to row_of[p + 1] */
-    const lw_row *rows;
-    const lw_test *tests;
-    const int64_t *answers; /* `outputs` values a row */
-    const lw_functions *functions; /* instead of rows, tests and answers, or null */
-    void (*bind)(const int64_t *wires, int64_t *current);
+    const int *way; /* where each place begins */
+    const lw_split *splits;
+    const lw_leaf *leaves;
+    const lw_number *answers; /* `outputs` values a row */
+    const int *first_answer;  /* of a Moore component: its answer in each place, or -1 */
+    const lw_functions *functions; /* instead of the five above, or null */
+    void (*bind)(const int64_t *values, int64_t *current);
     lw_side assumptions;
     lw_side guarantees;
     /* Justice assumptions: notes in `held` the step in which each one held. Null where there are none. */
     void (*justice)(const int64_t *previous, const int64_t *current, int earlier, int64_t step, int64_t *held);
     int first_justice;
     /* Null for the coordinator. */
-    int (*active)(const int64_t *wires);
+    int (*active)(const int64_t *values);
     int time;
     lw_real *seconds;
     lw_real *watts;
@@ -178,18 +189,42 @@ typedef struct lw_operation {
     int64_t value;
 } lw_operation;
 
-/* Everything that a step changes. All zero is "before step 0". */
+/* Everything that a step changes, while it is worked with. All zero is "before step 0". */
 typedef struct lw_state {
     int started;
     int place[LW_COMPONENTS + 1];
     int64_t values[LW_VALUES + 1];
-    int64_t wires[LW_WIRES + 1];
 } lw_state;
+
+/* The same of an instance at rest. */
+typedef struct lw_rest {
+    int started;
+    int place[LW_COMPONENTS + 1];
+    lw_number values[LW_VALUES + 1];
+} lw_rest;
 
 #if defined(__GNUC__)
 #define LW_MAY_BE_UNUSED __attribute__((unused))
 #else
 #define LW_MAY_BE_UNUSED
+#endif
+
+/* A loop over a component's constant tables that becomes plain statements, where the compiler can do that. */
+#if defined(__clang__) && defined(__OPTIMIZE__)
+#define LW_UNROLL _Pragma("clang loop unroll(full)")
+#elif defined(__GNUC__) && defined(__OPTIMIZE__)
+#define LW_UNROLL _Pragma("GCC unroll 32")
+#else
+#define LW_UNROLL
+#endif
+
+/* A function that is compiled anew for every component, with its tables as constants; where speed is asked for at all. */
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
+#define LW_INLINE LW_MAY_BE_UNUSED static inline __attribute__((always_inline))
+#elif defined(_MSC_VER) && !defined(__GNUC__)
+#define LW_INLINE static __forceinline
+#else
+#define LW_INLINE LW_MAY_BE_UNUSED static
 #endif
 
 /* The contract language's integer operators that C lacks. No value leaves an int64_t, and no divisor is 0: both were

@@ -9,14 +9,26 @@
  *     simulate(handle, operation, values...) real: the duration in seconds, 0 or more; or a negative code. `operation` is an
  *                                            index from 0 or a name; `values` are all of the machine's properties in the
  *                                            order of `station_describe`, real or integer
- *     get_real(handle, name)                 real: a result of the last operation that ended: "seconds", "joules", "steps",
- *                                            or a property by its name ("property.steps" where the names clash);
- *                                            integer: a negative code
+ *     get_real(handle, name)                 real: a result as a number; integer: a negative code
+ *     get_integer(handle, name)              integer: a result that is a whole number, or a negative code. Where results are below
+ *                                            0 themselves, get_real tells the two apart
+ *     get_string(handle, name)               string: a result in words; integer: a negative code
+ *
+ *         "verdict"          0 or the code of the last operation; in words `ok`, or what was wrong (`assumption`)
+ *         "rule"             in words only: the rule that was broken, `turn_a: gripped`
+ *         "time", "energy"   of the last operation that ended, in s and J; "seconds" and "joules" are the same
+ *         "steps"            of its controller
+ *         a property's name  after that operation; "property.steps" where names clash. In words: its label
+ *         "output.NAME"      an output or internal variable after the last step, `output.turn_a.angle`
+ *
  *     reset(handle)                          integer: 0 or a negative code
  *     deinstantiate(handle)                  integer: 0 or a negative code
  *     last_error(handle)                     string: the instance's last error; for a handle that is not valid (0, say) that
- *                                            of the library. It stays as it is until the next call of last_error
+ *                                            of the library
  *     station_describe()                     string: static JSON
+ *
+ * A string that is returned belongs to the library. It stays as it is for the next 15 strings that the library returns: who owns a
+ * returned string, and when it is copied, is not known of the host.
  *
  * The codes are those of station.h. Listing 2 of the paper loads and frees the library at every entry, which loses all
  * state: load it once, when the model starts, and make one instance for each station. */
@@ -94,6 +106,25 @@ LW_EXPORT void reset(UF_Value *ret, UF_Value *arg)
     lw_give_integer(ret, code);
 }
 
+/* A place for a text that is shown to the host. */
+static const char *lw_show(const char *text)
+{
+    static char shown[16][LW_TEXT_SIZE];
+    static unsigned next;
+    char *place;
+    size_t length = strlen(text);
+    if (length >= LW_TEXT_SIZE) {
+        length = LW_TEXT_SIZE - 1;
+    }
+    lw_lock_take(&lw_table_lock);
+    place = shown[next];
+    next = (next + 1) % 16;
+    memcpy(place, text, length);
+    place[length] = '\0';
+    lw_lock_give(&lw_table_lock);
+    return place;
+}
+
 /* The operation of the second argument: its index, or a negative code. */
 static int32_t lw_which_operation(const UF_Value *arg, lw_error *error)
 {
@@ -102,9 +133,7 @@ static int32_t lw_which_operation(const UF_Value *arg, lw_error *error)
         if (index >= 0 && index < LW_OPERATIONS) {
             return (int32_t)index;
         }
-        lw_fail(error, LW_ERROR_OPERATION, "there is no operation ");
-        lw_say_integer(error, index);
-        return LW_ERROR_OPERATION;
+        return lw_fail_operation(error, index);
     }
     if (arg[1].type == LW_UF_TAG_STRING && arg[1].value.LW_UF_FIELD_STRING != NULL) {
         for (int i = 0; i < LW_OPERATIONS; i++) {
@@ -112,7 +141,10 @@ static int32_t lw_which_operation(const UF_Value *arg, lw_error *error)
                 return i;
             }
         }
-        return lw_fail_name(error, LW_ERROR_OPERATION, "there is no operation `", arg[1].value.LW_UF_FIELD_STRING, "`");
+        lw_fail(error, LW_ERROR_OPERATION, "there is no operation `");
+        lw_say_name(error, arg[1].value.LW_UF_FIELD_STRING);
+        lw_say(error, "`");
+        return LW_ERROR_OPERATION;
     }
     return lw_fail(error, LW_ERROR_ARGUMENT, "the operation must be an integer or a string");
 }
@@ -147,65 +179,189 @@ LW_EXPORT void simulate(UF_Value *ret, UF_Value *arg)
     lw_lock_give(&slot->lock);
 }
 
+/* A result: its value, and what it is in words where that is more than a number. */
+typedef struct lw_result {
+    double value;
+    int whole;         /* a whole number of an int64_t, which is in `number` */
+    int64_t number;
+    const char *words; /* or null */
+} lw_result;
+
+static const char *lw_label(const char *const *labels, int64_t number)
+{
+    return labels == NULL ? NULL : labels[number];
+}
+
+static lw_result lw_whole(int64_t number, const char *words)
+{
+    lw_result result;
+    result.value = (double)number;
+    result.whole = 1;
+    result.number = number;
+    result.words = words;
+    return result;
+}
+
+static lw_result lw_measured(double value)
+{
+    lw_result result = {0.0, 0, 0, NULL};
+    result.value = value;
+    return result;
+}
+
+static const char *lw_verdict_words(int32_t verdict)
+{
+    static const char *const words[] = {"ok", "handle", "argument", "domain", "operation", "assumption", "guarantee", "limit", "memory",
+                                        "internal"};
+    return verdict <= 0 && verdict >= LW_ERROR_INTERNAL ? words[-verdict] : "internal";
+}
+
+/* The result of a name. */
+static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result)
+{
+    const char *property = strncmp(name, "property.", 9) == 0 ? name + 9 : name;
+    if (strcmp(name, "verdict") == 0) {
+        *result = lw_whole(slot->verdict, lw_verdict_words(slot->verdict));
+        return LW_OK;
+    }
+    if (strcmp(name, "rule") == 0) {
+        *result = lw_whole(0, slot->error.rule == NULL ? "" : slot->error.rule);
+        return LW_OK;
+    }
+    if (strncmp(name, "output.", 7) == 0) {
+        for (int i = 0; i < LW_OUTPUTS; i++) {
+            const lw_wire *output = &lw_output_table[i];
+            if (strcmp(name + 7, output->name) == 0) {
+                int64_t number = slot->state.values[output->value];
+                if (!slot->state.started) {
+                    return lw_fail(&slot->error, LW_ERROR_ARGUMENT, "no step has been made yet");
+                }
+                *result = lw_whole(number, lw_label(output->labels, number));
+                return LW_OK;
+            }
+        }
+    }
+    if (!slot->ended) {
+        return lw_fail(&slot->error, LW_ERROR_ARGUMENT, "no operation has ended yet");
+    }
+    if (strcmp(name, "time") == 0 || strcmp(name, "seconds") == 0) {
+        *result = lw_measured(slot->service.seconds);
+        return LW_OK;
+    }
+    if (strcmp(name, "energy") == 0 || strcmp(name, "joules") == 0) {
+        *result = lw_measured(slot->service.joules);
+        return LW_OK;
+    }
+    if (strcmp(name, "steps") == 0) {
+        *result = lw_whole(slot->service.steps, NULL);
+        return LW_OK;
+    }
+    for (int i = 0; i < LW_PROPERTIES; i++) {
+        if (strcmp(property, lw_property_names[i]) == 0) {
+            const lw_range *range = &lw_property_ranges[i];
+            double value = slot->properties[i];
+            /* A property that no operation wrote is what the host gave, in its range or not. */
+            int inside = range->whole && value >= range->low && value <= range->high && floor(value) <= value
+                         && floor(value) >= value;
+            *result = inside ? lw_whole((int64_t)value, lw_label(range->labels, (int64_t)value)) : lw_measured(value);
+            return LW_OK;
+        }
+    }
+    lw_fail(&slot->error, LW_ERROR_ARGUMENT, "there is no result `");
+    lw_say_name(&slot->error, name);
+    lw_say(&slot->error, "`");
+    return LW_ERROR_ARGUMENT;
+}
+
+/* The result that the two arguments of a getter ask for; its instance, locked, or null. */
+static lw_slot *lw_get(const UF_Value *arg, lw_result *result, int32_t *code)
+{
+    lw_slot *slot = lw_enter_value(arg, code);
+    if (slot == NULL) {
+        return NULL;
+    }
+    if (arg[1].type == LW_UF_TAG_STRING && arg[1].value.LW_UF_FIELD_STRING != NULL) {
+        *code = lw_find_result(slot, arg[1].value.LW_UF_FIELD_STRING, result);
+    } else {
+        *code = lw_fail(&slot->error, LW_ERROR_ARGUMENT, "the name must be a string");
+    }
+    return slot;
+}
+
 LW_EXPORT void get_real(UF_Value *ret, UF_Value *arg)
 {
+    lw_result result;
     int32_t code;
-    double value = 0.0;
-    const char *name;
-    lw_slot *slot = lw_enter_value(arg, &code);
-    if (slot == NULL) {
-        lw_give_integer(ret, code);
-        return;
-    }
-    name = arg[1].type == LW_UF_TAG_STRING ? arg[1].value.LW_UF_FIELD_STRING : NULL;
-    if (name == NULL) {
-        code = lw_fail(&slot->error, LW_ERROR_ARGUMENT, "the name must be a string");
-    } else if (!slot->ended) {
-        code = lw_fail(&slot->error, LW_ERROR_ARGUMENT, "no operation has ended yet");
-    } else if (strcmp(name, "seconds") == 0) {
-        value = slot->service.seconds;
-    } else if (strcmp(name, "joules") == 0) {
-        value = slot->service.joules;
-    } else if (strcmp(name, "steps") == 0) {
-        value = (double)slot->service.steps;
+    lw_slot *slot = lw_get(arg, &result, &code);
+    if (code == LW_OK) {
+        lw_give_real(ret, result.value);
     } else {
-        int i = 0;
-        const char *property = strncmp(name, "property.", 9) == 0 ? name + 9 : name;
-        while (i < LW_PROPERTIES && strcmp(property, lw_property_names[i]) != 0) {
-            i++;
-        }
-        if (i == LW_PROPERTIES) {
-            code = lw_fail_name(&slot->error, LW_ERROR_ARGUMENT, "there is no result `", name, "`");
+        lw_give_integer(ret, code);
+    }
+    if (slot != NULL) {
+        lw_lock_give(&slot->lock);
+    }
+}
+
+LW_EXPORT void get_integer(UF_Value *ret, UF_Value *arg)
+{
+    lw_result result;
+    int32_t code;
+    lw_slot *slot = lw_get(arg, &result, &code);
+    if (code == LW_OK && !result.whole) {
+        code = lw_fail(&slot->error, LW_ERROR_ARGUMENT, "the result is not a whole number: ask get_real for it");
+    } else if (code == LW_OK && (result.number < INT32_MIN || result.number > INT32_MAX)) {
+        code = lw_fail(&slot->error, LW_ERROR_DOMAIN, "the result does not fit 32 bits: ask get_real for it");
+    }
+    lw_give_integer(ret, code == LW_OK ? (int32_t)result.number : code);
+    if (slot != NULL) {
+        lw_lock_give(&slot->lock);
+    }
+}
+
+LW_EXPORT void get_string(UF_Value *ret, UF_Value *arg)
+{
+    lw_result result;
+    lw_text text;
+    int32_t code;
+    lw_slot *slot = lw_get(arg, &result, &code);
+    if (code == LW_OK) {
+        text.length = 0;
+        text.text[0] = '\0';
+        if (result.words != NULL) {
+            lw_write(&text, result.words);
+        } else if (result.whole) {
+            lw_write_integer(&text, result.number);
         } else {
-            value = slot->properties[i];
+            lw_write_real(&text, result.value);
         }
+    }
+    if (slot != NULL) {
+        lw_lock_give(&slot->lock);
     }
     if (code == LW_OK) {
-        lw_give_real(ret, value);
+        lw_give_string(ret, lw_show(text.text));
     } else {
         lw_give_integer(ret, code);
     }
-    lw_lock_give(&slot->lock);
 }
 
 LW_EXPORT void last_error(UF_Value *ret, UF_Value *arg)
 {
-    /* The text shown is a copy, which later errors leave alone: who owns a returned string is not known. */
-    static char alone[LW_TEXT_SIZE];
+    lw_text text;
     lw_slot *slot = NULL;
     if (arg != NULL && arg[0].type == LW_UF_TAG_INTEGER) {
         slot = lw_enter_quietly(lw_handle_of(arg));
     }
     if (slot != NULL) {
-        memcpy(slot->shown, slot->error.text, sizeof slot->shown);
-        lw_give_string(ret, slot->shown);
+        lw_put_into_words(&slot->error, &text);
         lw_lock_give(&slot->lock);
     } else {
         lw_lock_take(&lw_table_lock);
-        memcpy(alone, lw_table_error.text, sizeof alone);
-        lw_give_string(ret, alone);
+        lw_put_into_words(&lw_table_error, &text);
         lw_lock_give(&lw_table_lock);
     }
+    lw_give_string(ret, lw_show(text.text));
 }
 
 LW_EXPORT void station_describe(UF_Value *ret, UF_Value *arg)

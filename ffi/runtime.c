@@ -14,6 +14,9 @@ typedef SRWLOCK lw_lock;
 #define lw_lock_create(lock) InitializeSRWLock(lock)
 #define lw_lock_take(lock) AcquireSRWLockExclusive(lock)
 #define lw_lock_give(lock) ReleaseSRWLockExclusive(lock)
+#define lw_read(at) InterlockedCompareExchange((at), 0, 0)
+#define lw_set(at, value) ((void)InterlockedExchange((at), (value)))
+typedef volatile LONG lw_count;
 #else
 #include <pthread.h>
 typedef pthread_mutex_t lw_lock;
@@ -21,6 +24,17 @@ typedef pthread_mutex_t lw_lock;
 #define lw_lock_create(lock) ((void)pthread_mutex_init((lock), NULL))
 #define lw_lock_take(lock) ((void)pthread_mutex_lock(lock))
 #define lw_lock_give(lock) ((void)pthread_mutex_unlock(lock))
+#define lw_read(at) __atomic_load_n((at), __ATOMIC_ACQUIRE)
+#define lw_set(at, value) __atomic_store_n((at), (value), __ATOMIC_RELEASE)
+typedef int lw_count;
+#endif
+
+/* For the tests: a library without locks, which a thread sanitizer must complain about. */
+#ifdef LW_NO_LOCKS
+#undef lw_lock_take
+#undef lw_lock_give
+#define lw_lock_take(lock) ((void)(lock))
+#define lw_lock_give(lock) ((void)(lock))
 #endif
 
 /* ---- Instances --------------------------------------------------------------------------------------------------- */
@@ -34,18 +48,43 @@ typedef struct lw_slot {
     lw_lock lock;
     int live;
     int32_t generation;
-    lw_state state;
-    int ended; /* an operation has ended: the two below hold its results */
+    int32_t verdict; /* of the last step or operation: 0 or the code of its error */
+    int ended;       /* an operation has ended: the two after the state hold its results */
+    lw_rest state;
     lw_service service;
     double properties[LW_PROPERTIES + 1];
     lw_error error;
-    char shown[LW_TEXT_SIZE]; /* the text that the adapter last gave to its host */
 } lw_slot;
 
 static lw_slot lw_slots[LW_SLOTS];
-static int lw_slots_used;
+/* How many places have a lock. It only grows, and a place is ready before it is counted. */
+static lw_count lw_slots_used;
 static lw_lock lw_table_lock = LW_LOCK_INITIALIZER;
 static lw_error lw_table_error;
+
+/* The state of an instance, to work with. */
+static void lw_wake(const lw_slot *slot, lw_state *state)
+{
+    state->started = slot->state.started;
+    for (int c = 0; c < LW_COMPONENTS; c++) {
+        state->place[c] = slot->state.place[c];
+    }
+    for (int i = 0; i < LW_VALUES; i++) {
+        state->values[i] = slot->state.values[i];
+    }
+}
+
+/* Puts it back. */
+static void lw_lay_down(lw_slot *slot, const lw_state *state)
+{
+    slot->state.started = state->started;
+    for (int c = 0; c < LW_COMPONENTS; c++) {
+        slot->state.place[c] = state->place[c];
+    }
+    for (int i = 0; i < LW_VALUES; i++) {
+        slot->state.values[i] = (lw_number)state->values[i];
+    }
+}
 
 /* An error of a call that has no instance. */
 static int32_t lw_fail_alone(int32_t code, const char *text)
@@ -63,9 +102,7 @@ static lw_slot *lw_enter_quietly(lw_handle handle)
     int known;
     lw_slot *slot = &lw_slots[place];
     if (handle > 0 && (handle >> 21) == LW_HANDLE_MARK) {
-        lw_lock_take(&lw_table_lock);
-        known = place < lw_slots_used;
-        lw_lock_give(&lw_table_lock);
+        known = place < (int)lw_read(&lw_slots_used);
         if (known) {
             lw_lock_take(&slot->lock);
             if (slot->live && slot->generation == ((handle >> 10) & LW_GENERATIONS)) {
@@ -106,7 +143,7 @@ int32_t lw_plant_count(void)
 
 int32_t lw_output_count(void)
 {
-    return LW_WIRES - LW_PLANT;
+    return LW_OUTPUTS;
 }
 
 int32_t lw_property_count(void)
@@ -122,9 +159,11 @@ int32_t lw_operation_count(void)
 lw_handle lw_create(void)
 {
     int place = 0;
+    int used;
     lw_handle handle;
     lw_lock_take(&lw_table_lock);
-    while (place < lw_slots_used && (lw_slots[place].live || lw_slots[place].generation == LW_GENERATIONS)) {
+    used = (int)lw_read(&lw_slots_used);
+    while (place < used && (lw_slots[place].live || lw_slots[place].generation == LW_GENERATIONS)) {
         place++;
     }
     if (place == LW_SLOTS) {
@@ -133,17 +172,18 @@ lw_handle lw_create(void)
         return LW_ERROR_MEMORY;
     }
     lw_slot *slot = &lw_slots[place];
-    if (place == lw_slots_used) {
+    if (place == used) {
         lw_lock_create(&slot->lock);
-        lw_slots_used++;
+        lw_set(&lw_slots_used, used + 1);
     }
     lw_lock_take(&slot->lock);
     slot->live = 1;
     slot->generation++;
     memset(&slot->state, 0, sizeof slot->state);
+    slot->verdict = LW_OK;
     slot->ended = 0;
-    slot->shown[0] = '\0';
-    lw_fail(&slot->error, LW_OK, "");
+    slot->error.pieces = 0;
+    slot->error.rule = NULL;
     handle = (lw_handle)((LW_HANDLE_MARK << 21) | (slot->generation << 10) | place);
     lw_lock_give(&slot->lock);
     lw_lock_give(&lw_table_lock);
@@ -156,7 +196,7 @@ int32_t lw_destroy(lw_handle handle)
     int place = handle & (LW_SLOTS - 1);
     int32_t code = LW_ERROR_HANDLE;
     lw_lock_take(&lw_table_lock);
-    if (handle > 0 && (handle >> 21) == LW_HANDLE_MARK && place < lw_slots_used) {
+    if (handle > 0 && (handle >> 21) == LW_HANDLE_MARK && place < (int)lw_read(&lw_slots_used)) {
         lw_slot *slot = &lw_slots[place];
         lw_lock_take(&slot->lock);
         if (slot->live && slot->generation == ((handle >> 10) & LW_GENERATIONS)) {
@@ -193,18 +233,25 @@ int32_t lw_step(lw_handle handle, const int64_t *plant, size_t plant_count, int6
     if (plant_count != (size_t)LW_PLANT || (plant == NULL && plant_count != 0)) {
         code = lw_fail(&slot->error, LW_ERROR_ARGUMENT,
                        "the plant's values are missing, or are not as many as the machine's plant inputs");
-    } else if (output_count != (outputs == NULL ? 0U : (size_t)(LW_WIRES - LW_PLANT))) {
+    } else if (output_count != (outputs == NULL ? 0U : (size_t)LW_OUTPUTS)) {
         code = lw_fail(&slot->error, LW_ERROR_ARGUMENT,
                        "the room for outputs is not as large as the machine's outputs");
     } else {
+        lw_state before;
         lw_state after;
-        code = lw_advance(&slot->state, plant, &after, &slot->error);
+        memset(&after, 0, sizeof after);
+        lw_wake(slot, &before);
+        code = lw_check_plant(plant, &slot->error);
         if (code == LW_OK) {
-            slot->state = after;
+            code = lw_advance(&before, plant, &after, &slot->error);
+        }
+        if (code == LW_OK) {
+            lw_lay_down(slot, &after);
             for (size_t i = 0; i < output_count; i++) {
-                outputs[i] = after.wires[LW_PLANT + i];
+                outputs[i] = after.values[lw_output_table[i].value];
             }
         }
+        slot->verdict = code;
     }
     lw_lock_give(&slot->lock);
     return code;
@@ -214,13 +261,22 @@ int32_t lw_step(lw_handle handle, const int64_t *plant, size_t plant_count, int6
 static int32_t lw_serve(lw_slot *slot, int32_t operation, const double *properties)
 {
     double after[LW_PROPERTIES + 1];
-    int32_t code = lw_perform(&slot->state, operation, properties, after, &slot->service, &slot->error);
+    lw_service service;
+    lw_state state;
+    int32_t code;
+    lw_wake(slot, &state);
+    code = lw_perform(&state, operation, properties, after, &service, &slot->error);
+    if (code == LW_OK || code == LW_ERROR_LIMIT) {
+        lw_lay_down(slot, &state);
+    }
     if (code == LW_OK) {
         slot->ended = 1;
+        slot->service = service;
         for (int i = 0; i < LW_PROPERTIES; i++) {
             slot->properties[i] = after[i];
         }
     }
+    slot->verdict = code;
     return code;
 }
 
@@ -249,29 +305,28 @@ int32_t lw_simulate(lw_handle handle, int32_t operation, double *properties, siz
     return code;
 }
 
-static int32_t lw_copy(const char *from, char *text, size_t size)
-{
-    size_t length = strlen(from);
-    if (text != NULL && size > 0) {
-        size_t copied = length < size ? length : size - 1;
-        memcpy(text, from, copied);
-        text[copied] = '\0';
-    }
-    return (int32_t)length;
-}
-
 /* Which of the two texts of an error is wanted. */
 static int32_t lw_read_error(lw_handle handle, int rule, char *text, size_t size)
 {
-    int32_t length;
+    lw_text words;
     lw_slot *slot = lw_enter_quietly(handle);
     const lw_error *error = slot == NULL ? &lw_table_error : &slot->error;
     if (slot == NULL) {
         lw_lock_take(&lw_table_lock);
     }
-    length = lw_copy(rule ? (error->rule == NULL ? "" : error->rule) : error->text, text, size);
+    if (rule) {
+        words.length = 0;
+        lw_write(&words, error->rule == NULL ? "" : error->rule);
+    } else {
+        lw_put_into_words(error, &words);
+    }
     lw_lock_give(slot == NULL ? &lw_table_lock : &slot->lock);
-    return length;
+    if (text != NULL && size > 0) {
+        size_t copied = words.length < size ? words.length : size - 1;
+        memcpy(text, words.text, copied);
+        text[copied] = '\0';
+    }
+    return (int32_t)words.length;
 }
 
 int32_t lw_last_error(lw_handle handle, char *text, size_t size)

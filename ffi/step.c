@@ -11,84 +11,70 @@
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 #define LW_TEXT_SIZE 1024
+#define LW_PIECES 8
+#define LW_NAME_SIZE 64
 
+/* An error is put into words when it is asked for. Until then it is a list of texts that the library has anyway, with at most one
+ * integer, one real number and one name of the host's among them. */
 typedef struct lw_error {
-    size_t length;
-    char text[LW_TEXT_SIZE];
-    const char *rule;
+    int pieces;
+    const char *piece[LW_PIECES];
+    int64_t integer;
+    double real;
+    char name[LW_NAME_SIZE];
+    const char *rule; /* the rule that was broken, or null */
 } lw_error;
 
-/* Text is put together by hand: printf follows the host's locale, and would allocate. */
+/* These stand for the values. */
+static const char lw_the_integer[] = "(integer)";
+static const char lw_the_real[] = "(real)";
+static const char lw_the_name[] = "(name)";
+
 static void lw_say(lw_error *error, const char *text)
 {
-    size_t i = 0;
-    while (text[i] != '\0' && error->length + 1 < LW_TEXT_SIZE) {
-        error->text[error->length] = text[i];
-        error->length++;
-        i++;
+    if (error->pieces < LW_PIECES) {
+        error->piece[error->pieces] = text;
+        error->pieces++;
     }
-    if (text[i] != '\0') {
-        /* No half of a UTF-8 character stays at the end. */
-        while (error->length > 0 && ((unsigned char)text[i] & 0xC0U) == 0x80U && i > 0) {
-            error->length--;
-            i--;
-        }
-    }
-    error->text[error->length] = '\0';
 }
 
 static void lw_say_integer(lw_error *error, int64_t value)
 {
-    char digits[24];
-    int at = (int)sizeof digits - 1;
-    uint64_t rest = value < 0 ? (uint64_t)0 - (uint64_t)value : (uint64_t)value;
-    digits[at] = '\0';
-    do {
-        at--;
-        digits[at] = (char)('0' + (int)(rest % 10U));
-        rest /= 10U;
-    } while (rest != 0);
-    if (value < 0) {
-        at--;
-        digits[at] = '-';
-    }
-    lw_say(error, &digits[at]);
+    error->integer = value;
+    lw_say(error, lw_the_integer);
 }
 
-/* Up to six decimals, without zeros at the end. */
 static void lw_say_real(lw_error *error, double value)
 {
-    if (!(fabs(value) < 1e12)) {
-        lw_say(error, "out of range");
-        return;
+    error->real = value;
+    lw_say(error, lw_the_real);
+}
+
+/* A text that the host may take back: a copy is kept, of its beginning where it is long. */
+static void lw_say_name(lw_error *error, const char *name)
+{
+    size_t length = 0;
+    while (name[length] != '\0' && length + 1 < LW_NAME_SIZE) {
+        error->name[length] = name[length];
+        length++;
     }
-    double millionths = round(fabs(value) * 1e6);
-    int64_t whole = (int64_t)millionths / 1000000;
-    int64_t part = (int64_t)millionths % 1000000;
-    if (value < 0 && (whole != 0 || part != 0)) {
-        lw_say(error, "-");
-    }
-    lw_say_integer(error, whole);
-    if (part != 0) {
-        char decimals[8];
-        int length = 6;
-        decimals[0] = '.';
-        for (int i = 6; i >= 1; i--) {
-            decimals[i] = (char)('0' + (int)(part % 10));
-            part /= 10;
-        }
-        while (decimals[length] == '0') {
+    if (name[length] != '\0') {
+        /* No half of a UTF-8 character stays at the end. */
+        while (length > 0 && ((unsigned char)name[length] & 0xC0U) == 0x80U) {
             length--;
         }
-        decimals[length + 1] = '\0';
-        lw_say(error, decimals);
+    }
+    error->name[length] = '\0';
+    lw_say(error, lw_the_name);
+    if (name[length] != '\0') {
+        lw_say(error, "...");
     }
 }
 
 static int32_t lw_fail(lw_error *error, int32_t code, const char *text)
 {
-    error->length = 0;
-    error->rule = "";
+    error->pieces = 0;
+    error->rule = NULL;
     lw_say(error, text);
     return code;
 }
@@ -114,6 +100,13 @@ static int32_t lw_fail_domain(lw_error *error, const char *component, const char
     return LW_ERROR_DOMAIN;
 }
 
+static int32_t lw_fail_operation(lw_error *error, int64_t operation)
+{
+    lw_fail(error, LW_ERROR_OPERATION, "there is no operation ");
+    lw_say_integer(error, operation);
+    return LW_ERROR_OPERATION;
+}
+
 static int32_t lw_fail_rule(lw_error *error, int32_t code, const lw_rule *rule)
 {
     lw_fail(error, code, rule->message);
@@ -121,10 +114,98 @@ static int32_t lw_fail_rule(lw_error *error, int32_t code, const lw_rule *rule)
     return code;
 }
 
+/* A text being written. By hand: printf follows the host's locale, and may allocate. */
+typedef struct lw_text {
+    size_t length;
+    char text[LW_TEXT_SIZE];
+} lw_text;
+
+static void lw_write(lw_text *out, const char *text)
+{
+    size_t i = 0;
+    while (text[i] != '\0' && out->length + 1 < LW_TEXT_SIZE) {
+        out->text[out->length] = text[i];
+        out->length++;
+        i++;
+    }
+    if (text[i] != '\0') {
+        while (out->length > 0 && ((unsigned char)text[i] & 0xC0U) == 0x80U && i > 0) {
+            out->length--;
+            i--;
+        }
+    }
+    out->text[out->length] = '\0';
+}
+
+static void lw_write_integer(lw_text *out, int64_t value)
+{
+    char digits[24];
+    int at = (int)sizeof digits - 1;
+    uint64_t rest = value < 0 ? (uint64_t)0 - (uint64_t)value : (uint64_t)value;
+    digits[at] = '\0';
+    do {
+        at--;
+        digits[at] = (char)('0' + (int)(rest % 10U));
+        rest /= 10U;
+    } while (rest != 0);
+    if (value < 0) {
+        at--;
+        digits[at] = '-';
+    }
+    lw_write(out, &digits[at]);
+}
+
+/* Up to six decimals, without zeros at the end. */
+static void lw_write_real(lw_text *out, double value)
+{
+    if (!(fabs(value) < 1e12)) {
+        lw_write(out, "out of range");
+        return;
+    }
+    double millionths = round(fabs(value) * 1e6);
+    int64_t whole = (int64_t)millionths / 1000000;
+    int64_t part = (int64_t)millionths % 1000000;
+    if (value < 0 && (whole != 0 || part != 0)) {
+        lw_write(out, "-");
+    }
+    lw_write_integer(out, whole);
+    if (part != 0) {
+        char decimals[8];
+        int length = 6;
+        decimals[0] = '.';
+        for (int i = 6; i >= 1; i--) {
+            decimals[i] = (char)('0' + (int)(part % 10));
+            part /= 10;
+        }
+        while (decimals[length] == '0') {
+            length--;
+        }
+        decimals[length + 1] = '\0';
+        lw_write(out, decimals);
+    }
+}
+
+/* The words of an error; none where there was none. */
+static void lw_put_into_words(const lw_error *error, lw_text *out)
+{
+    out->length = 0;
+    out->text[0] = '\0';
+    for (int i = 0; i < error->pieces; i++) {
+        const char *piece = error->piece[i];
+        if (piece == lw_the_integer) {
+            lw_write_integer(out, error->integer);
+        } else if (piece == lw_the_real) {
+            lw_write_real(out, error->real);
+        } else {
+            lw_write(out, piece == lw_the_name ? error->name : piece);
+        }
+    }
+}
+
 /* ---- One step ---------------------------------------------------------------------------------------------------- */
 
 /* The formulas of one side, initial ones in step 0 or safety in a later one, then the invariants. */
-static const lw_rule *lw_broken(const lw_side *side, int started, const int64_t *previous, const int64_t *current)
+LW_INLINE const lw_rule *lw_broken(const lw_side *side, int started, const int64_t *previous, const int64_t *current)
 {
     const lw_promise *first = started ? &side->safety : &side->initial;
     if (first->check != NULL) {
@@ -142,33 +223,23 @@ static const lw_rule *lw_broken(const lw_side *side, int started, const int64_t 
     return NULL;
 }
 
-static const lw_row *lw_find(const lw_component *component, int place, const int64_t *current)
+/* What a component does in a place; its inputs keep its assumptions. */
+LW_INLINE const lw_leaf *lw_find(const lw_component *component, int place, const int64_t *current)
 {
-    for (int r = component->row_of[place]; r < component->row_of[place + 1]; r++) {
-        const lw_row *row = &component->rows[r];
-        const lw_test *test = &component->tests[row->first_test];
-        int left = row->tests;
-        while (left > 0) {
-            int64_t value = current[component->input[test->input].value];
-            if (value < test->low || value > test->high) {
-                break;
-            }
-            test++;
-            left--;
-        }
-        if (left == 0) {
-            return row;
-        }
+    int way = component->way[place];
+    while (way >= 0) {
+        const lw_split *split = &component->splits[way];
+        way = current[split->variable] <= split->bound ? split->at_most : split->above;
     }
-    return NULL;
+    return &component->leaves[-1 - way];
 }
 
-static void lw_put(const lw_component *component, int answer, int64_t *current, int64_t *wires)
+LW_INLINE void lw_put(const lw_component *component, int answer, int64_t *current)
 {
-    const int64_t *values = &component->answers[answer * component->outputs];
+    const lw_number *values = &component->answers[answer * component->outputs];
+    LW_UNROLL
     for (int i = 0; i < component->outputs; i++) {
         current[component->output[i]] = values[i];
-        wires[component->first_wire + i] = values[i];
     }
 }
 
@@ -199,8 +270,7 @@ static int lw_holds(const lw_functions *functions, uint32_t edge, const uint8_t 
 
 /* Computes the outputs of a step, and gives the place after it. A Moore component is asked twice: before its inputs are known,
  * which its outputs do not depend on, and after. */
-static int lw_compute(const lw_component *component, int place, const int64_t *previous, int64_t *current,
-                      int64_t *wires)
+static int lw_compute(const lw_component *component, int place, const int64_t *previous, int64_t *current)
 {
     const lw_functions *functions = component->functions;
     const lw_output *answer = functions->computed;
@@ -225,7 +295,6 @@ static int lw_compute(const lw_component *component, int place, const int64_t *p
             code = 2 * code + signals[output->first_signal + 2 * b + 1];
         }
         current[component->output[i]] = output->low + code;
-        wires[component->first_wire + i] = output->low + code;
     }
     if (place == 0) {
         return 1;
@@ -237,52 +306,51 @@ static int lw_compute(const lw_component *component, int place, const int64_t *p
 }
 #endif
 
-/* The outputs of a component on its wires, and the place it goes to; -1 where there is no transition. */
-static int lw_respond(const lw_component *component, int place, const int64_t *previous, int64_t *current, int64_t *wires)
+/* The outputs of a component, and the place it goes to; -1 where there is no transition. */
+LW_INLINE int lw_respond(const lw_component *component, int place, const int64_t *previous, int64_t *current)
 {
 #ifdef LW_SIGNALS
     if (component->functions != NULL) {
-        return lw_compute(component, place, previous, current, wires);
+        return lw_compute(component, place, previous, current);
     }
 #else
     (void)previous;
 #endif
-    const lw_row *row = lw_find(component, place, current);
-    if (row == NULL) {
-        return -1;
+    const lw_leaf *leaf = lw_find(component, place, current);
+    if (leaf->to >= 0) {
+        lw_put(component, leaf->answer, current);
     }
-    lw_put(component, row->answer, current, wires);
-    return row->to;
+    return leaf->to;
 }
 
 /* The outputs of a Moore component, before its inputs are known; 0 where it has none. */
-static int lw_respond_first(const lw_component *component, int place, const int64_t *previous, int64_t *current,
-                            int64_t *wires)
+LW_INLINE int lw_respond_first(const lw_component *component, int place, const int64_t *previous, int64_t *current)
 {
 #ifdef LW_SIGNALS
     if (component->functions != NULL) {
-        lw_compute(component, place, previous, current, wires);
+        lw_compute(component, place, previous, current);
         return 1;
     }
 #else
     (void)previous;
 #endif
-    int row = component->row_of[place];
-    if (row == component->row_of[place + 1]) {
+    int answer = component->first_answer[place];
+    if (answer < 0) {
         return 0;
     }
-    lw_put(component, component->rows[row].answer, current, wires);
+    lw_put(component, answer, current);
     return 1;
 }
 
 /* One component: its inputs, their domains, its assumptions, its answer, its guarantees. */
-static int32_t lw_answer(int index, const lw_state *before, lw_state *after, lw_error *error)
+LW_INLINE int32_t lw_answer(int index, int started, const lw_state *before, lw_state *after, lw_error *error)
 {
     const lw_component *component = &lw_component_table[index];
     const int64_t *previous = &before->values[component->first_value];
     int64_t *current = &after->values[component->first_value];
 
-    component->bind(after->wires, current);
+    component->bind(after->values, current);
+    LW_UNROLL
     for (int i = 0; i < component->inputs; i++) {
         const lw_input *input = &component->input[i];
         int64_t value = current[input->value];
@@ -290,16 +358,16 @@ static int32_t lw_answer(int index, const lw_state *before, lw_state *after, lw_
             return lw_fail_domain(error, component->name, ": input `", input->name, value, input->domain);
         }
     }
-    const lw_rule *broken = lw_broken(&component->assumptions, before->started, previous, current);
+    const lw_rule *broken = lw_broken(&component->assumptions, started, previous, current);
     if (broken != NULL) {
         return lw_fail_rule(error, LW_ERROR_ASSUMPTION, broken);
     }
-    int to = lw_respond(component, before->place[index], previous, current, after->wires);
+    int to = lw_respond(component, before->place[index], previous, current);
     if (to < 0) {
         return lw_fail_name(error, LW_ERROR_INTERNAL, "", component->name,
                             ": there is no transition for inputs that keep the assumptions; please report this");
     }
-    broken = lw_broken(&component->guarantees, before->started, previous, current);
+    broken = lw_broken(&component->guarantees, started, previous, current);
     if (broken != NULL) {
         return lw_fail_rule(error, LW_ERROR_GUARANTEE, broken);
     }
@@ -307,40 +375,62 @@ static int32_t lw_answer(int index, const lw_state *before, lw_state *after, lw_
     return LW_OK;
 }
 
-static int32_t lw_advance(const lw_state *before, const int64_t *plant, lw_state *after, lw_error *error)
+/* A Moore component's outputs, before it sees anything. */
+LW_INLINE int32_t lw_begin(int index, const lw_state *before, lw_state *after, lw_error *error)
 {
-    memset(after, 0, sizeof *after);
+    const lw_component *component = &lw_component_table[index];
+    const int64_t *previous = &before->values[component->first_value];
+    int64_t *current = &after->values[component->first_value];
+    if (!lw_respond_first(component, before->place[index], previous, current)) {
+        return lw_fail_name(error, LW_ERROR_INTERNAL, "", component->name,
+                            ": there is no transition at all; please report this");
+    }
+    return LW_OK;
+}
+
+/* The plant's inputs of a step that a host makes. */
+static int32_t lw_check_plant(const int64_t *plant, lw_error *error)
+{
     for (int i = 0; i < LW_PLANT; i++) {
         const lw_plant_input *input = &lw_plant_table[i];
         if (plant[i] < input->low || plant[i] > input->high) {
             return lw_fail_domain(error, "", "plant input `", input->name, plant[i], input->domain);
         }
-        after->wires[i] = plant[i];
     }
-    /* Moore components answer before they see anything. */
-    for (int c = 0; c < LW_COMPONENTS; c++) {
-        const lw_component *component = &lw_component_table[c];
-        if (component->moore) {
-            const int64_t *previous = &before->values[component->first_value];
-            int64_t *current = &after->values[component->first_value];
-            if (!lw_respond_first(component, before->place[c], previous, current, after->wires)) {
-                return lw_fail_name(error, LW_ERROR_INTERNAL, "", component->name,
-                                    ": there is no transition at all; please report this");
-            }
-        }
-    }
-    for (int moore = 0; moore <= 1; moore++) {
-        for (int c = 0; c < LW_COMPONENTS; c++) {
-            if (lw_component_table[c].moore == moore) {
-                int32_t code = lw_answer(c, before, after, error);
-                if (code != LW_OK) {
-                    return code;
-                }
-            }
-        }
-    }
-    after->started = 1;
     return LW_OK;
+}
+
+/* One step, from `before` to `after`. `LW_EACH_MOORE` and `LW_EACH_MEALY` name the components by their numbers, so that the
+ * compiler sees each one's tables as constants; `started` is one, too. */
+LW_INLINE int32_t lw_make_step(int started, const lw_state *before, const int64_t *plant, lw_state *after,
+                               lw_error *error)
+{
+    int32_t code = LW_OK;
+    for (int i = 0; i < LW_PLANT; i++) {
+        after->values[i] = plant[i];
+    }
+#define LW_BEGIN(index) \
+    if (code == LW_OK) { \
+        code = lw_begin(index, before, after, error); \
+    }
+#define LW_ANSWER(index) \
+    if (code == LW_OK) { \
+        code = lw_answer(index, started, before, after, error); \
+    }
+    LW_EACH_MOORE(LW_BEGIN)
+    LW_EACH_MEALY(LW_ANSWER)
+    LW_EACH_MOORE(LW_ANSWER)
+#undef LW_BEGIN
+#undef LW_ANSWER
+    after->started = 1;
+    return code;
+}
+
+/* One step with plant inputs in their domains. */
+static int32_t lw_advance(const lw_state *before, const int64_t *plant, lw_state *after, lw_error *error)
+{
+    return before->started ? lw_make_step(1, before, plant, after, error)
+                           : lw_make_step(0, before, plant, after, error);
 }
 
 /* ---- One operation ----------------------------------------------------------------------------------------------- */
@@ -364,9 +454,9 @@ static int32_t lw_abstract(const lw_state *state, const double *properties, int6
     }
     for (int i = 0; i < LW_PLANT; i++) {
         const lw_plant_input *input = &lw_plant_table[i];
-        plant[i] = operation;
+        plant[i] = input->source == LW_FROM_SCRIPT ? input->script[0] : operation;
         if (input->source == LW_FROM_PROPERTY) {
-            double value = input->abstraction(properties, state->wires);
+            double value = input->abstraction(properties, state->values);
             double nearest = round(value);
             if (!(fabs(value - nearest) <= 1e-9 && nearest >= (double)input->low && nearest <= (double)input->high)) {
                 lw_fail(error, LW_ERROR_DOMAIN, input->about);
@@ -382,58 +472,68 @@ static int32_t lw_abstract(const lw_state *state, const double *properties, int6
     return LW_OK;
 }
 
+/* What one component adds to a step that was made: justice, power, and the time it takes. All work at the same time, so the step
+ * takes as long as the slowest; `*seconds` is negative as long as none is active. */
+LW_INLINE int32_t lw_charge_for(int index, lw_job *job, const lw_state *start, const lw_state *before,
+                                const lw_state *after, double *seconds, double *watts, lw_error *error)
+{
+    const lw_component *component = &lw_component_table[index];
+    const int64_t *previous = &before->values[component->first_value];
+    const int64_t *current = &after->values[component->first_value];
+    if (component->justice != NULL) {
+        component->justice(previous, current, before->started, job->service.steps,
+                           &job->held[component->first_justice]);
+    }
+    if (component->active == NULL || !component->active(after->values)) {
+        job->running[index] = 0;
+        return LW_OK;
+    }
+    double drawn = component->watts(job->properties, start->values);
+    if (!isfinite(drawn)) {
+        return lw_fail_name(error, LW_ERROR_DOMAIN, "", component->name, ": its power is not a finite number");
+    }
+    *watts += drawn;
+    double takes = 0.0;
+    if (component->time == LW_TIME_STEP || !job->running[index]) {
+        takes = component->seconds(job->properties, start->values);
+        if (!(isfinite(takes) && takes >= 0.0)) {
+            return lw_fail_name(error, LW_ERROR_DOMAIN, "", component->name,
+                                ": its time is not a finite number of at least 0");
+        }
+    }
+    if (takes > *seconds) {
+        *seconds = takes;
+    }
+    job->running[index] = 1;
+    return LW_OK;
+}
+
 /* Time, energy and justice of a step that was made. */
 static int32_t lw_charge(lw_job *job, const lw_state *start, const lw_state *before, const lw_state *after,
                          lw_error *error)
 {
-    double seconds = 0.0;
+    int32_t code = LW_OK;
+    double seconds = -1.0;
     double watts = LW_BASE_WATTS;
-    int any = 0;
     job->service.steps++;
-    for (int c = 0; c < LW_COMPONENTS; c++) {
-        const lw_component *component = &lw_component_table[c];
-        const int64_t *previous = &before->values[component->first_value];
-        const int64_t *current = &after->values[component->first_value];
-        if (component->justice != NULL) {
-            component->justice(previous, current, before->started, job->service.steps,
-                               &job->held[component->first_justice]);
-        }
-        if (component->active == NULL || !component->active(after->wires)) {
-            job->running[c] = 0;
-            continue;
-        }
-        double drawn = component->watts(job->properties, start->wires);
-        if (!isfinite(drawn)) {
-            return lw_fail_name(error, LW_ERROR_DOMAIN, "", component->name, ": its power is not a finite number");
-        }
-        watts += drawn;
-        any = 1;
-        if (component->time == LW_TIME_STEP || !job->running[c]) {
-            double takes = component->seconds(job->properties, start->wires);
-            if (!(isfinite(takes) && takes >= 0.0)) {
-                return lw_fail_name(error, LW_ERROR_DOMAIN, "", component->name,
-                                    ": its time is not a finite number of at least 0");
-            }
-            if (takes > seconds) {
-                seconds = takes;
-            }
-        }
-        job->running[c] = 1;
+#define LW_CHARGE(index) \
+    if (code == LW_OK) { \
+        code = lw_charge_for(index, job, start, before, after, &seconds, &watts, error); \
     }
-    if (!any) {
-        seconds = LW_STEP_SECONDS;
+    LW_EACH_COMPONENT(LW_CHARGE)
+#undef LW_CHARGE
+    if (code == LW_OK) {
+        double took = seconds < 0.0 ? LW_STEP_SECONDS : seconds;
+        job->service.seconds += took;
+        job->service.joules += took * watts;
     }
-    job->service.seconds += seconds;
-    job->service.joules += seconds * watts;
-    return LW_OK;
+    return code;
 }
 
 static int32_t lw_limit(const lw_job *job, const char *operation, lw_error *error)
 {
     int longest = -1;
-    lw_fail_name(error, LW_ERROR_LIMIT, "`", operation, "` did not end within ");
-    lw_say_integer(error, LW_STEP_LIMIT);
-    lw_say(error, " steps");
+    lw_fail_name(error, LW_ERROR_LIMIT, "`", operation, "` did not end within " LW_STEP_LIMIT_TEXT " steps");
     for (int j = 0; j < LW_JUSTICE; j++) {
         if (longest < 0 || job->held[j] <= job->held[longest]) {
             longest = j;
@@ -450,12 +550,12 @@ static int32_t lw_limit(const lw_job *job, const char *operation, lw_error *erro
 }
 
 /* The properties after an operation. */
-static int32_t lw_leave(const double *properties, const int64_t *wires, double *after, lw_error *error)
+static int32_t lw_leave(const double *properties, const int64_t *values, double *after, lw_error *error)
 {
     for (int i = 0; i < LW_PROPERTIES; i++) {
         after[i] = properties[i];
     }
-    machine_write(properties, wires, after);
+    machine_write(properties, values, after);
     for (int i = 0; i < LW_PROPERTIES; i++) {
         if (!isfinite(after[i])) {
             return lw_fail_name(error, LW_ERROR_DOMAIN, "property `", lw_property_names[i],
@@ -482,9 +582,7 @@ static int32_t lw_perform(lw_state *state, int32_t operation, const double *prop
     int32_t code;
 
     if (operation < 0 || operation >= LW_OPERATIONS) {
-        lw_fail(error, LW_ERROR_OPERATION, "there is no operation ");
-        lw_say_integer(error, operation);
-        return LW_ERROR_OPERATION;
+        return lw_fail_operation(error, operation);
     }
     code = lw_abstract(state, properties, lw_operation_table[operation].value, plant, error);
     if (code != LW_OK) {
@@ -493,11 +591,14 @@ static int32_t lw_perform(lw_state *state, int32_t operation, const double *prop
     memset(&job, 0, sizeof job);
     job.properties = properties;
     states[0] = *state;
+    memset(&states[1], 0, sizeof states[1]);
     for (int64_t step = 0; step < LW_STEP_LIMIT; step++) {
         const lw_state *before = &states[step % 2];
         lw_state *next = &states[(step + 1) % 2];
+        LW_UNROLL
         for (int i = 0; i < LW_PLANT; i++) {
-            if (lw_plant_table[i].source == LW_FROM_SCRIPT) {
+            /* A script of one value is a constant, which the abstraction has put in place. */
+            if (lw_plant_table[i].source == LW_FROM_SCRIPT && lw_plant_table[i].script_length > 1) {
                 plant[i] = lw_plant_table[i].script[step % lw_plant_table[i].script_length];
             }
         }
@@ -508,8 +609,8 @@ static int32_t lw_perform(lw_state *state, int32_t operation, const double *prop
         if (code != LW_OK) {
             return code;
         }
-        if (machine_done(next->wires)) {
-            code = lw_leave(properties, next->wires, after, error);
+        if (machine_done(next->values)) {
+            code = lw_leave(properties, next->values, after, error);
             if (code != LW_OK) {
                 return code;
             }

@@ -344,6 +344,24 @@ impl Machine {
         format!("wire {wire}")
     }
 
+    /// The values of a wire.
+    ///
+    /// # Panics
+    /// When there is no such wire.
+    pub fn wire_domain(&self, wire: usize) -> &Domain {
+        if let Some(input) = self.plant.get(wire) {
+            return &input.domain;
+        }
+        let outputs = self.components.iter().flat_map(|c| {
+            let specification = &c.specification;
+            specification
+                .outputs()
+                .map(|id| &specification.variable(id).domain)
+        });
+        let domain = outputs.into_iter().nth(wire - self.plant.len());
+        domain.expect("a wire of this machine; please report this")
+    }
+
     /// The coordinator, if there is one: component 0.
     pub fn coordinator(&self) -> Option<&Component> {
         self.components

@@ -163,7 +163,7 @@ fn prelude() -> String {
     let sizes = [
         "COMPONENTS",
         "PLANT",
-        "WIRES",
+        "OUTPUTS",
         "VALUES",
         "PROPERTIES",
         "OPERATIONS",
@@ -171,7 +171,7 @@ fn prelude() -> String {
         "HANDLE_MARK",
     ];
     let sizes = sizes.map(|s| format!("#define LW_{s} 1\n")).concat();
-    format!("{sizes}#include \"machine.h\"\n#include <stdio.h>\n\n")
+    format!("#define LW_NUMBER int64_t\n{sizes}#include \"machine.h\"\n#include <stdio.h>\n\n")
 }
 
 #[test]
@@ -330,11 +330,12 @@ fn real_expressions_mean_the_same_in_c() {
         ([-1.5, 1.5, 7.25], [2, 0]),
     ];
     let mut source = prelude();
+    let names = ["0".to_owned(), "1".to_owned()];
     for (i, expr) in cases.iter().enumerate() {
         let _ = writeln!(
             source,
-            "static double f{i}(const double *properties, const int64_t *wires)\n{{\n    (void)properties;\n    (void)wires;\n    return {};\n}}",
-            expression::real(expr)
+            "static double f{i}(const double *properties, const int64_t *values)\n{{\n    (void)properties;\n    (void)values;\n    return {};\n}}",
+            expression::real(expr, &names)
         );
     }
     source.push_str("static void show(double x)\n{\n    uint64_t bits;\n    union { double real; uint64_t bits; } u;\n    u.real = x;\n    bits = u.bits;\n    printf(\"%016llx\\n\", (unsigned long long)bits);\n}\n\nint main(void)\n{\n");

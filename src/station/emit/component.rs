@@ -1,11 +1,13 @@
-//! One component: its guard rows or its functions as tables, its formulas, bindings, time and power as functions.
+//! One component: its decisions or its functions as tables, its formulas, bindings, time and power as functions.
 
 use super::decisions::{self, Naming};
 use super::expression;
+use super::splits::{Decisions, Way};
 use super::text::{comment, identifier, string, wrap};
 use super::{Names, table};
 use crate::contract::machine::{ActionTime, Component, Machine, RealExpr};
-use crate::gr1::{Expr, Formula, Side, Time, Timing, VarId};
+use crate::gr1::interval::{Interval, interval};
+use crate::gr1::{Domain, Expr, Formula, Side, Time, Timing, VarId, shown};
 use crate::mealy;
 use crate::mealy::functions::Functions;
 use crate::station::messages::{self, Party};
@@ -25,7 +27,6 @@ pub(super) struct Emitter<'a> {
     /// Its first variable among those of all components.
     pub first_value: usize,
     /// Its first wire.
-    pub first_wire: usize,
     /// Its first justice assumption among those of all components.
     pub first_justice: usize,
 }
@@ -65,7 +66,7 @@ impl Emitter<'_> {
         }
         self.ports(&mut out);
         match self.controller {
-            mealy::Controller::Machine(machine) => self.rows(&mut out, machine),
+            mealy::Controller::Machine(machine) => self.decisions(&mut out, machine),
             mealy::Controller::Functions(functions) => self.functions(&mut out, functions),
         }
         self.bindings(&mut out);
@@ -110,19 +111,23 @@ impl Emitter<'_> {
         let action = k.active.is_some();
         let controller = match self.controller {
             mealy::Controller::Machine(_) => {
-                format!("{p}_row_of, {p}_rows, {p}_tests, {p}_answers, NULL")
+                let first = if specification.timing == Timing::Moore {
+                    format!("{p}_first_answer")
+                } else {
+                    "NULL".to_owned()
+                };
+                format!("{p}_way, {p}_splits, {p}_leaves, {p}_answers, {first}, NULL")
             }
             mealy::Controller::Functions(_) => {
-                format!("NULL, NULL, NULL, NULL, &{p}_functions")
+                format!("NULL, NULL, NULL, NULL, NULL, &{p}_functions")
             }
         };
         format!(
-            "    {{ {}, {}, {}, {}, {}, {},\n        {p}_input, {p}_output, {controller}, {p}_bind,\n        {},\n        {},\n        {}, {}, {}, {time}, {}, {} }},\n",
+            "    {{ {}, {}, {}, {}, {},\n        {p}_input, {p}_output, {controller}, {p}_bind,\n        {},\n        {},\n        {}, {}, {}, {time}, {}, {} }},\n",
             string(&k.name),
             u8::from(specification.timing == Timing::Moore),
             self.first_value,
-            self.first_wire,
-            specification.inputs().count(),
+            self.open_inputs().len(),
             specification.outputs().count(),
             side(&specification.assumptions, "assumes"),
             side(&specification.guarantees, "guarantees"),
@@ -151,11 +156,27 @@ impl Emitter<'_> {
         )
     }
 
+    /// The inputs whose bindings could leave their domains; the others need no check in a step.
+    fn open_inputs(&self) -> Vec<VarId> {
+        let domain = |v: VarId| Interval::of(self.machine.wire_domain(v.index()));
+        let specification = &self.component.specification;
+        let inputs = specification.inputs().zip(&self.component.bindings);
+        inputs
+            .filter(|(id, binding)| {
+                let allowed = Interval::of(&specification.variable(*id).domain);
+                !interval(binding, &domain)
+                    .is_ok_and(|i| allowed.contains(i.low) && allowed.contains(i.high))
+            })
+            .map(|(id, _)| id)
+            .collect()
+    }
+
     fn ports(&self, out: &mut String) {
         let specification = &self.component.specification;
         let p = &self.prefix;
-        let inputs: Vec<String> = specification
-            .inputs()
+        let inputs: Vec<String> = self
+            .open_inputs()
+            .into_iter()
             .map(|id| {
                 let v = specification.variable(id);
                 format!(
@@ -176,85 +197,79 @@ impl Emitter<'_> {
         table(out, "int", &format!("{p}_output"), &outputs, "0");
     }
 
-    /// The guard rows: every cube of every transition is one, with its tests, its answer and its target.
-    fn rows(&self, out: &mut String, controller: &mealy::Machine) {
+    /// The transitions, as decisions.
+    fn decisions(&self, out: &mut String, controller: &mealy::Machine) {
         let p = &self.prefix;
-        let mut answers: Vec<&[i64]> = Vec::new();
-        let mut numbers = std::collections::BTreeMap::new();
-        let mut tests = Vec::new();
-        let mut rows = Vec::new();
-        let mut row_of = Vec::new();
-        let mut test_count = 0;
-        let mut row_count = 0;
-        let places = std::iter::once(&controller.initial).chain(&controller.states);
-        for (place, transitions) in places.enumerate() {
-            let place_name = if place == 0 {
-                "before step 0".to_owned()
-            } else {
-                format!("state {}", place - 1)
-            };
-            row_of.push(format!("    {row_count}, /* {place_name} */\n"));
-            let mut heading = format!("    /* {place_name} */\n");
-            for transition in transitions {
-                let answer = *numbers
-                    .entry(transition.output.as_slice())
-                    .or_insert_with(|| {
-                        answers.push(&transition.output);
-                        answers.len() - 1
-                    });
-                for cube in &transition.guard.0 {
-                    let guard = comment(&controller.show_cube(cube));
-                    let heading = std::mem::take(&mut heading);
-                    rows.push(format!(
-                        "{heading}    {{ {test_count}, {}, {answer}, {} }}, /* {guard} */\n",
-                        cube.0.len(),
-                        transition.to + 1
-                    ));
-                    if !cube.0.is_empty() {
-                        let line: Vec<String> = cube
-                            .0
-                            .iter()
-                            .map(|t| {
-                                format!(
-                                    "{{ {}, {}, {} }},",
-                                    t.input,
-                                    expression::literal(t.low),
-                                    expression::literal(t.high)
-                                )
-                            })
-                            .collect();
-                        tests.push(format!("    {}\n", line.join(" ")));
-                    }
-                    test_count += cube.0.len();
-                    row_count += 1;
+        let decisions = Decisions::of(controller);
+        let inputs: Vec<VarId> = self.component.specification.inputs().collect();
+        let number = |way: &Way| match way {
+            Way::Split(n) => n.to_string(),
+            Way::Leaf(n) => format!("-{}", n + 1),
+        };
+        let splits = decisions.splits.iter().map(|split| {
+            let port = &controller.inputs[split.input];
+            let condition = match port.domain {
+                Domain::Bool => format!("!{}", port.name),
+                _ => {
+                    let bound = shown(&port.domain, split.bound, &port.unit);
+                    format!("{} <= {bound}", port.name)
                 }
-            }
-        }
-        row_of.push(format!("    {row_count},\n"));
+            };
+            format!(
+                "    {{ {}, {}, {}, {} }}, /* {} */\n",
+                self.variables[inputs[split.input].index()],
+                number(&split.at_most),
+                number(&split.above),
+                expression::literal(split.bound),
+                comment(&condition)
+            )
+        });
+        let leaves = decisions.leaves.iter().map(|leaf| match leaf {
+            Some((answer, to)) => format!("    {{ {answer}, {to} }},\n"),
+            None => "    { 0, -1 },\n".to_owned(),
+        });
         let ports = &controller.outputs;
-        let answers: Vec<String> = answers
+        let answers = decisions
+            .answers
             .iter()
+            .filter(|a| !a.is_empty())
             .map(|values| {
                 let numbers: String = values
                     .iter()
                     .fold(String::new(), |s, v| s + &expression::literal(*v) + ", ");
                 let words: Vec<String> = ports
                     .iter()
-                    .zip(values.iter())
-                    .map(|(port, v)| format!("{} = {}", port.name, port.domain.show(*v)))
+                    .zip(values)
+                    .map(|(port, v)| {
+                        format!("{} = {}", port.name, shown(&port.domain, *v, &port.unit))
+                    })
                     .collect();
                 format!("    {numbers}/* {} */\n", comment(&words.join(", ")))
-            })
-            .collect();
+            });
+        let named = |place: usize| match place {
+            0 => "before step 0".to_owned(),
+            _ => format!("state {}", place - 1),
+        };
+        let ways = decisions.places.iter().enumerate();
+        let ways =
+            ways.map(|(place, way)| format!("    {}, /* {} */\n", number(way), named(place)));
         out.push_str(
-            "/* The controller. A row is { first test, tests, answer, place it leads to }; place 0 is before step 0,\n * place s + 1 is state s. A test is { input, low, high }. */\n",
+            "/* The controller. A split is { variable, way if it is at most the bound, way if it is more, bound }; a way is a split's number, or\n * -1 - n for leaf n. A leaf is { answer, place it leads to }; place 0 is before step 0, place s + 1 is state s. */\n",
         );
-        let has_answers = answers.iter().any(|a| !a.starts_with("    /*"));
-        let answers = if has_answers { answers } else { Vec::new() };
-        table(out, "lw_test", &format!("{p}_tests"), &tests, "{ 0 }");
-        table(out, "int64_t", &format!("{p}_answers"), &answers, "0");
-        table(out, "lw_row", &format!("{p}_rows"), &rows, "{ 0 }");
-        table(out, "int", &format!("{p}_row_of"), &row_of, "0");
+        let table_of = |out: &mut String, of: &str, name: &str, rows: Vec<String>, empty: &str| {
+            table(out, of, &format!("{p}_{name}"), &rows, empty);
+        };
+        table_of(out, "lw_split", "splits", splits.collect(), "{ 0 }");
+        table_of(out, "lw_leaf", "leaves", leaves.collect(), "{ 0, -1 }");
+        table_of(out, "lw_number", "answers", answers.collect(), "0");
+        table_of(out, "int", "way", ways.collect(), "0");
+        if controller.timing == Timing::Moore {
+            let firsts = decisions.first_answers.iter().map(|answer| match answer {
+                Some(answer) => format!("    {answer},\n"),
+                None => "    -1,\n".to_owned(),
+            });
+            table_of(out, "int", "first_answer", firsts.collect(), "-1");
+        }
     }
 
     /// The functions: their decisions, and which signals stand for which variable.
@@ -297,7 +312,7 @@ impl Emitter<'_> {
     }
 
     fn bindings(&self, out: &mut String) {
-        let wires = |v: VarId, _| format!("wires[{}]", self.wires[v.index()]);
+        let wires = |v: VarId, _| format!("values[{}]", self.wires[v.index()]);
         let lines: Vec<String> = self
             .component
             .specification
@@ -313,11 +328,11 @@ impl Emitter<'_> {
             .collect();
         let _ = writeln!(
             out,
-            "static void {}_bind(const int64_t *wires, int64_t *current)\n{{",
+            "static void {}_bind(const int64_t *values, int64_t *current)\n{{",
             self.prefix
         );
-        if !lines.iter().any(|l| l.contains("wires[")) {
-            out.push_str("    (void)wires;\n");
+        if !lines.iter().any(|l| l.contains("values[")) {
+            out.push_str("    (void)values;\n");
         }
         if lines.is_empty() {
             out.push_str("    (void)current;\n");
@@ -421,16 +436,16 @@ impl Emitter<'_> {
             return;
         };
         let p = &self.prefix;
-        let wires = |v: VarId, _| format!("wires[{}]", self.wires[v.index()]);
+        let wires = |v: VarId, _| format!("values[{}]", self.wires[v.index()]);
         let condition = expression::truth(active, &wires);
-        let unused = if condition.contains("wires[") {
+        let unused = if condition.contains("values[") {
             ""
         } else {
-            "    (void)wires;\n"
+            "    (void)values;\n"
         };
         let _ = writeln!(
             out,
-            "/* Whether it is being executed in this step. */\nstatic int {p}_active(const int64_t *wires)\n{{\n{unused}    return {};\n}}\n",
+            "/* Whether it is being executed in this step. */\nstatic int {p}_active(const int64_t *values)\n{{\n{unused}    return {};\n}}\n",
             wrap(&condition, "        ")
         );
         let step_seconds = RealExpr::Number(self.machine.step_seconds);
@@ -440,9 +455,14 @@ impl Emitter<'_> {
             Some(ActionTime::PerExecution(expr)) => (expr, "an execution, in seconds"),
         };
         let _ = writeln!(out, "/* The time of {what}. */");
-        super::real_function(out, &format!("{p}_seconds"), seconds);
+        super::real_function(out, &format!("{p}_seconds"), seconds, self.wires);
         let _ = writeln!(out, "/* The power it draws, in watts. */");
-        super::real_function(out, &format!("{p}_watts"), &self.component.watts);
+        super::real_function(
+            out,
+            &format!("{p}_watts"),
+            &self.component.watts,
+            self.wires,
+        );
     }
 }
 

@@ -59,7 +59,8 @@ pub(super) fn describe(machine: &Machine, contract_hash: &str) -> String {
         })
         .collect();
     let arity = json!({
-        "instantiate": 0, "simulate": machine.properties.len() + 2, "get_real": 2, "reset": 1,
+        "instantiate": 0, "simulate": machine.properties.len() + 2, "get_real": 2, "get_integer": 2,
+        "get_string": 2, "reset": 1,
         "deinstantiate": 1, "last_error": 1, "station_describe": 0,
     });
     json!({
@@ -72,7 +73,8 @@ pub(super) fn describe(machine: &Machine, contract_hash: &str) -> String {
         "properties": properties,
         "operations": operations,
         "exports": arity,
-        "units": {"seconds": "s", "joules": "J", "steps": ""},
+        "results": ["verdict", "rule", "time", "energy", "steps"],
+        "units": {"time": "s", "energy": "J", "seconds": "s", "joules": "J", "steps": ""},
         "step_seconds": machine.step_seconds,
         "base_watts": machine.base_watts,
         "idle_watts": machine.idle_watts,

@@ -303,12 +303,15 @@ fn chain_left(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     terms.join(" + ")
 }
 
-/// The C text of a real expression, over `properties` (doubles) and `wires` (`int64_t`).
-pub fn real(expr: &RealExpr) -> String {
+/// The C text of a real expression, over `properties` (doubles) and `values` (`int64_t`), in which wires are found by these names.
+pub fn real(expr: &RealExpr, wires: &[String]) -> String {
+    let real = |e: &RealExpr| real(e, wires);
+    let zero = |e: &RealExpr| format!("({} == 0.0)", real(e));
+    let nonzero = |e: &RealExpr| format!("({} != 0.0)", real(e));
     match expr {
         RealExpr::Number(x) => real_literal(*x),
         RealExpr::Property(i) => format!("properties[{i}]"),
-        RealExpr::Wire(i) => format!("(double)wires[{i}]"),
+        RealExpr::Wire(i) => format!("(double)values[{}]", wires[*i]),
         RealExpr::Unary(op, a) => match op {
             RealUnary::Not => format!("lw_truth({})", zero(a)),
             RealUnary::Neg => format!("(-{})", real(a)),
@@ -342,12 +345,4 @@ pub fn real(expr: &RealExpr) -> String {
         }
         RealExpr::If(c, a, b) => format!("({} ? {} : {})", nonzero(c), real(a), real(b)),
     }
-}
-
-fn zero(expr: &RealExpr) -> String {
-    format!("({} == 0.0)", real(expr))
-}
-
-fn nonzero(expr: &RealExpr) -> String {
-    format!("({} != 0.0)", real(expr))
 }

@@ -9,14 +9,15 @@ pub mod controller;
 mod decisions;
 mod describe;
 pub mod expression;
+mod splits;
 pub(super) mod text;
 
 use crate::contract::machine::{Machine, PlantSource, RealExpr};
-use crate::gr1::VarId;
+use crate::gr1::{Domain, Timing, VarId};
 use crate::mealy;
 use component::Emitter;
 use sha2::{Digest, Sha256};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use text::{comment, identifier, long_string, string, wrap};
 
@@ -41,7 +42,7 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Emitted {
     super::assert_fit(machine, controllers);
     let wires = wire_names(machine);
     let mut emitters = Vec::new();
-    let (mut first_value, mut first_justice) = (0, 0);
+    let (mut first_value, mut first_justice) = (machine.plant.len(), 0);
     for (index, component) in machine.components.iter().enumerate() {
         emitters.push(Emitter {
             machine,
@@ -51,7 +52,6 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Emitted {
             variables: component::variable_names(component, index),
             wires: &wires,
             first_value,
-            first_wire: machine.first_wire(index),
             first_justice,
         });
         first_value += component.specification.variables.len();
@@ -93,7 +93,7 @@ fn sizes(machine: &Machine, values: usize, justice: usize, signals: usize) -> St
     let sizes = [
         ("LW_COMPONENTS", machine.components.len()),
         ("LW_PLANT", machine.plant.len()),
-        ("LW_WIRES", machine.wire_count()),
+        ("LW_OUTPUTS", machine.wire_count() - machine.plant.len()),
         ("LW_VALUES", values),
         ("LW_PROPERTIES", machine.properties.len()),
         ("LW_OPERATIONS", machine.operations.len()),
@@ -105,8 +105,28 @@ fn sizes(machine: &Machine, values: usize, justice: usize, signals: usize) -> St
     if signals > 0 {
         let _ = writeln!(out, "#define LW_SIGNALS {signals}");
     }
+    let _ = writeln!(out, "#define LW_NUMBER {}", number(machine));
+    let components = machine.components.iter().enumerate();
+    let mut kinds = [
+        ("LW_EACH_COMPONENT", String::new()),
+        ("LW_EACH_MOORE", String::new()),
+        ("LW_EACH_MEALY", String::new()),
+    ];
+    for (index, component) in components {
+        let kind = match component.specification.timing {
+            Timing::Moore => 1,
+            Timing::Mealy => 2,
+        };
+        for kind in [0, kind] {
+            let _ = write!(kinds[kind].1, " DO({index})");
+        }
+    }
+    for (name, list) in kinds {
+        let _ = writeln!(out, "#define {name}(DO){list}");
+    }
     let limit = i64::try_from(machine.step_limit).unwrap_or(i64::MAX);
     let _ = writeln!(out, "#define LW_STEP_LIMIT {}", expression::literal(limit));
+    let _ = writeln!(out, "#define LW_STEP_LIMIT_TEXT \"{limit}\"");
     let _ = writeln!(
         out,
         "#define LW_STEP_SECONDS {}",
@@ -120,12 +140,39 @@ fn sizes(machine: &Machine, values: usize, justice: usize, signals: usize) -> St
     out
 }
 
+/// The smallest type that holds every value of every variable and plant wire.
+fn number(machine: &Machine) -> &'static str {
+    let variables = machine
+        .components
+        .iter()
+        .flat_map(|c| &c.specification.variables);
+    let domains = variables
+        .map(|v| &v.domain)
+        .chain(machine.plant.iter().map(|p| &p.domain));
+    let (mut low, mut high) = (0, 0);
+    for domain in domains {
+        low = domain.low().min(low);
+        high = domain.high().max(high);
+    }
+    let fits = |least: i64, most: i64| least <= low && high <= most;
+    if fits(i8::MIN.into(), i8::MAX.into()) {
+        "int8_t"
+    } else if fits(i16::MIN.into(), i16::MAX.into()) {
+        "int16_t"
+    } else if fits(i32::MIN.into(), i32::MAX.into()) {
+        "int32_t"
+    } else {
+        "int64_t"
+    }
+}
+
 fn body(machine: &Machine, emitters: &[Emitter<'_>], wires: &[String]) -> String {
     let mut out = String::new();
     if !wires.is_empty() {
-        out.push_str("/* The wires. */\nenum {\n");
-        for (i, name) in wires.iter().enumerate() {
-            let _ = writeln!(out, "    {name}, /* {} */", comment(&machine.wire_name(i)));
+        out.push_str("/* Where the plant's inputs and the components' outputs are among all values. */\nenum {\n");
+        for (i, (name, value)) in wires.iter().zip(wire_values(machine)).enumerate() {
+            let shown = comment(&machine.wire_name(i));
+            let _ = writeln!(out, "    {name} = {value}, /* {shown} */");
         }
         out.push_str("};\n\n");
     }
@@ -133,7 +180,7 @@ fn body(machine: &Machine, emitters: &[Emitter<'_>], wires: &[String]) -> String
         out.push_str(&emitter.definitions());
     }
     let _ = writeln!(out, "/* ---- The machine {} */\n", "-".repeat(88));
-    plant(&mut out, machine);
+    plant(&mut out, machine, wires);
     operations(&mut out, machine, wires);
     let components: Vec<String> = emitters.iter().map(Emitter::descriptor).collect();
     table(
@@ -154,6 +201,18 @@ fn body(machine: &Machine, emitters: &[Emitter<'_>], wires: &[String]) -> String
     out
 }
 
+/// Where each wire is among all values: the plant's inputs come first, then each component's variables.
+fn wire_values(machine: &Machine) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..machine.plant.len()).collect();
+    let mut first = machine.plant.len();
+    for component in &machine.components {
+        let specification = &component.specification;
+        places.extend(specification.outputs().map(|id| first + id.index()));
+        first += specification.variables.len();
+    }
+    places
+}
+
 fn wire_names(machine: &Machine) -> Vec<String> {
     let mut names = Names::default();
     (0..machine.wire_count())
@@ -161,8 +220,26 @@ fn wire_names(machine: &Machine) -> Vec<String> {
         .collect()
 }
 
+/// A table of an enumeration's labels, each list once, and its name; `NULL` for other domains.
+fn labels(out: &mut String, known: &mut BTreeMap<Vec<String>, String>, domain: &Domain) -> String {
+    let Domain::Enum { labels, .. } = domain else {
+        return "NULL".to_owned();
+    };
+    if let Some(name) = known.get(labels) {
+        return name.clone();
+    }
+    let name = format!("labels_{}", known.len());
+    let rows: Vec<String> = labels
+        .iter()
+        .map(|label| format!("    {},\n", string(label)))
+        .collect();
+    table(out, "char *const", &name, &rows, "NULL");
+    known.insert(labels.clone(), name.clone());
+    name
+}
+
 /// The plant's inputs and where they come from.
-fn plant(out: &mut String, machine: &Machine) {
+fn plant(out: &mut String, machine: &Machine, wires: &[String]) {
     let mut entries = Vec::new();
     for (i, input) in machine.plant.iter().enumerate() {
         let name = identifier(&input.name);
@@ -185,7 +262,7 @@ fn plant(out: &mut String, machine: &Machine) {
                     "/* The property abstraction of {}. */",
                     comment(&input.name)
                 );
-                real_function(out, &format!("p{i}_{name}"), expr);
+                real_function(out, &format!("p{i}_{name}"), expr, wires);
                 format!("LW_FROM_PROPERTY, NULL, 0, p{i}_{name}")
             }
         };
@@ -221,6 +298,27 @@ fn operations(out: &mut String, machine: &Machine, wires: &[String]) {
         &operations,
         "{ NULL, 0 }",
     );
+    let mut known = BTreeMap::new();
+    let outputs: Vec<String> = (machine.plant.len()..machine.wire_count())
+        .zip(machine.components.iter().flat_map(|c| {
+            let specification = &c.specification;
+            specification
+                .outputs()
+                .map(|id| &specification.variable(id).domain)
+        }))
+        .map(|(wire, domain)| {
+            let labels = labels(out, &mut known, domain);
+            let name = string(&machine.wire_name(wire));
+            format!("    {{ {name}, {}, {labels} }},\n", wires[wire])
+        })
+        .collect();
+    table(
+        out,
+        "lw_wire",
+        "lw_output_table",
+        &outputs,
+        "{ NULL, 0, NULL }",
+    );
     let properties: Vec<String> = machine
         .properties
         .iter()
@@ -232,12 +330,13 @@ fn operations(out: &mut String, machine: &Machine, wires: &[String]) {
         .iter()
         .map(|p| match &p.domain {
             Some(d) => format!(
-                "    {{ 1, {}.0, {}.0 }}, /* {} */\n",
+                "    {{ 1, {}.0, {}.0, {} }}, /* {} */\n",
                 d.low(),
                 d.high(),
+                labels(out, &mut known, d),
                 comment(&d.describe())
             ),
-            None => "    { 0, 0.0, 0.0 },\n".to_owned(),
+            None => "    { 0, 0.0, 0.0, NULL },\n".to_owned(),
         })
         .collect();
     table(
@@ -245,25 +344,25 @@ fn operations(out: &mut String, machine: &Machine, wires: &[String]) {
         "lw_range",
         "lw_property_ranges",
         &ranges,
-        "{ 0, 0.0, 0.0 }",
+        "{ 0, 0.0, 0.0, NULL }",
     );
     let done = machine.done.as_ref().map_or_else(
         || "0".to_owned(),
-        |d| expression::truth(d, &|v: VarId, _| format!("wires[{}]", wires[v.index()])),
+        |d| expression::truth(d, &|v: VarId, _| format!("values[{}]", wires[v.index()])),
     );
-    let unused = if done.contains("wires[") {
+    let unused = if done.contains("values[") {
         ""
     } else {
-        "    (void)wires;\n"
+        "    (void)values;\n"
     };
     let _ = writeln!(
         out,
-        "/* Whether the operation has ended. */\nstatic int machine_done(const int64_t *wires)\n{{\n{unused}    return {};\n}}\n",
+        "/* Whether the operation has ended. */\nstatic int machine_done(const int64_t *values)\n{{\n{unused}    return {};\n}}\n",
         wrap(&done, "        ")
     );
     let mut writes = String::new();
     for (property, expr) in &machine.writes {
-        let value = expression::real(expr);
+        let value = expression::real(expr, wires);
         let line = format!("after[{property}] = {value};");
         let _ = writeln!(
             writes,
@@ -274,18 +373,18 @@ fn operations(out: &mut String, machine: &Machine, wires: &[String]) {
     }
     let _ = writeln!(
         out,
-        "/* What an operation leaves in the part. */\nstatic void machine_write(const double *properties, const int64_t *wires, double *after)\n{{\n{}{writes}}}\n",
-        unused_parameters(&writes, &["properties", "wires", "after"])
+        "/* What an operation leaves in the part. */\nstatic void machine_write(const double *properties, const int64_t *values, double *after)\n{{\n{}{writes}}}\n",
+        unused_parameters(&writes, &["properties", "values", "after"])
     );
 }
 
 /// A function of type `lw_real`.
-fn real_function(out: &mut String, name: &str, expr: &RealExpr) {
-    let value = expression::real(expr);
+fn real_function(out: &mut String, name: &str, expr: &RealExpr, wires: &[String]) {
+    let value = expression::real(expr, wires);
     let _ = writeln!(
         out,
-        "static double {name}(const double *properties, const int64_t *wires)\n{{\n{}    return {};\n}}\n",
-        unused_parameters(&value, &["properties", "wires"]),
+        "static double {name}(const double *properties, const int64_t *values)\n{{\n{}    return {};\n}}\n",
+        unused_parameters(&value, &["properties", "values"]),
         wrap(&value, "        ")
     );
 }
