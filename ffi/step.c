@@ -51,7 +51,7 @@ static void lw_say_real(lw_error *error, double value)
 }
 
 /* A text that the host may take back: a copy is kept, of its beginning where it is long. */
-static void lw_say_name(lw_error *error, const char *name)
+LW_MAY_BE_UNUSED static void lw_say_name(lw_error *error, const char *name)
 {
     size_t length = 0;
     while (name[length] != '\0' && length + 1 < LW_NAME_SIZE) {

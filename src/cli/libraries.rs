@@ -98,5 +98,9 @@ pub fn package(controlled: &Controlled<'_>) -> Package {
 }
 
 fn controllers(controlled: &Controlled<'_>) -> Vec<mealy::Controller> {
-    controlled.controllers.iter().map(|c| (*c).clone()).collect()
+    controlled
+        .controllers
+        .iter()
+        .map(|c| (*c).clone())
+        .collect()
 }

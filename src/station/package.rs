@@ -154,7 +154,10 @@ fn file_stem(name: &str) -> String {
         stem.insert_str(0, "m_");
     }
     // Not the name of a file that comes with a package.
-    let mut taken = SUPPORT.iter().map(|(n, _)| *n).chain(["fmi.c", "fmi2.c", "fmi3.c"]);
+    let mut taken = SUPPORT
+        .iter()
+        .map(|(n, _)| *n)
+        .chain(["fmi.c", "fmi2.c", "fmi3.c"]);
     if taken.any(|n| n == format!("{stem}.c")) {
         stem.push('_');
     }

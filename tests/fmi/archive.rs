@@ -35,19 +35,28 @@ fn archives_hold_what_the_standard_wants() {
         ];
         match built.unit.version {
             Version::Two => wanted.push("sources/fmi2.c".to_owned()),
-            Version::Three => wanted.extend(["sources/fmi3.c", "sources/buildDescription.xml"].map(str::to_owned)),
+            Version::Three => {
+                wanted.extend(["sources/fmi3.c", "sources/buildDescription.xml"].map(str::to_owned));
+            }
         }
         for name in wanted {
             assert!(names.contains(&name), "{name} in {names:?}");
         }
-        assert!(names.iter().all(|n| !n.contains("plant_simulation")), "{names:?}");
+        assert!(
+            names.iter().all(|n| !n.contains("plant_simulation")),
+            "{names:?}"
+        );
         let description = file_of(&built.archive, "modelDescription.xml").unwrap();
         let description = String::from_utf8(description).unwrap();
         assert!(description.contains(&built.unit.token), "{description}");
         assert!(!description.contains("generationDateAndTime"));
         // The description and the binary are of one unit.
         let source = file_of(&built.archive, &format!("sources/{stem}.c")).unwrap();
-        assert!(String::from_utf8(source).unwrap().contains(&built.unit.token));
+        assert!(
+            String::from_utf8(source)
+                .unwrap()
+                .contains(&built.unit.token)
+        );
     }
 }
 
@@ -57,10 +66,14 @@ fn two_builds_are_the_same_bytes() {
         let (toolchains, _) = fmi::toolchains();
         let (one, two) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let built = [&one, &two].map(|folder| {
-            let (files, _) = fmi::build(&machine, &controllers, &toolchains, folder.path()).unwrap();
+            let (files, _) =
+                fmi::build(&machine, &controllers, &toolchains, folder.path()).unwrap();
             let left = std::fs::read_dir(folder.path()).unwrap().count();
             assert_eq!(left, files.len(), "nothing else is left behind");
-            files.iter().map(|f| std::fs::read(f).unwrap()).collect::<Vec<_>>()
+            files
+                .iter()
+                .map(|f| std::fs::read(f).unwrap())
+                .collect::<Vec<_>>()
         });
         assert!(built[0] == built[1], "{}", machine.name);
         // Another machine, another token.
@@ -80,7 +93,14 @@ fn the_sources_have_no_warnings() {
         let file = built.unit.package.write_source(folder.path()).unwrap();
         for level in ["-O0", "-O2"] {
             let output = Command::new("cc")
-                .args(["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror"])
+                .args([
+                    "-std=c99",
+                    "-Wall",
+                    "-Wextra",
+                    "-Wconversion",
+                    "-pedantic",
+                    "-Werror",
+                ])
                 .args([level, "-fPIC", "-c"])
                 .arg(&file)
                 .arg("-o")
@@ -111,12 +131,22 @@ fn units_can_be_linked_together() {
             .arg(&object)
             .output()
             .expect("the compiler starts");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let symbols = Command::new("nm").args(["-g", "--defined-only"]).arg(&object).output();
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let symbols = Command::new("nm")
+            .args(["-g", "--defined-only"])
+            .arg(&object)
+            .output();
         let symbols = symbols.expect("nm starts").stdout;
         for line in String::from_utf8_lossy(&symbols).lines() {
             let symbol = line.split(' ').next_back().unwrap_or_default().to_owned();
-            assert!(symbol.starts_with(&format!("{stem}_fmi{number}")), "{symbol}");
+            assert!(
+                symbol.starts_with(&format!("{stem}_fmi{number}")),
+                "{symbol}"
+            );
             assert!(seen.insert(symbol.clone()), "{symbol} twice");
         }
     }
@@ -143,8 +173,16 @@ fn variables_are_those_of_the_machine() {
             }
         }
     }
-    let cell = laboratory().iter().find(|b| b.machine.name == "AssemblyCell").unwrap();
-    let find = |name: &str| cell.unit.interface.find(name).unwrap_or_else(|| panic!("{name}"));
+    let cell = laboratory()
+        .iter()
+        .find(|b| b.machine.name == "AssemblyCell")
+        .unwrap();
+    let find = |name: &str| {
+        cell.unit
+            .interface
+            .find(name)
+            .unwrap_or_else(|| panic!("{name}"))
+    };
     assert_eq!(find("part.angle").unit, "deg");
     assert_eq!(find("target_angle").start, Some(Start::Real(90.0)));
     assert_eq!(find("target_angle").causality, Causality::Parameter);
@@ -152,7 +190,10 @@ fn variables_are_those_of_the_machine() {
     assert_eq!(find("part_present").start, Some(Start::Whole(1)));
     // `hold` cannot be done twice in a row; `emptying` can.
     assert_eq!(find("operation").start, Some(Start::Whole(3)));
-    let camera = laboratory().iter().find(|b| b.machine.name == "QualityCheck").unwrap();
+    let camera = laboratory()
+        .iter()
+        .find(|b| b.machine.name == "QualityCheck")
+        .unwrap();
     let heights = camera.unit.interface.find("part.heights[1]").unwrap();
     assert_eq!(heights.limits, Some((0, 2)));
 }
@@ -164,12 +205,23 @@ fn hostile_names() {
     let mut hostile = (*machine).clone();
     hostile.name = "../\"<Fräse & Söhne>\" */ ??/ 'x'\u{0}\u{202e}".to_owned();
     hostile.doc = "]]> <script>alert(1)</script> & \"quotes\"\nand lines\u{1b}[31m".to_owned();
-    let names = ["a\"b", "time", "<x>", "done", "total.seconds", "ä[0]", "enabled", "operation", "part"];
+    let names = [
+        "a\"b",
+        "time",
+        "<x>",
+        "done",
+        "total.seconds",
+        "ä[0]",
+        "enabled",
+        "operation",
+        "part",
+    ];
     for (input, name) in hostile.plant.iter_mut().zip(names) {
         name.clone_into(&mut input.name);
     }
     for (i, component) in hostile.components.iter_mut().enumerate() {
-        component.name = ["total", "total", "last & least", "</ScalarVariable>", "*/"][i % 5].to_owned();
+        component.name =
+            ["total", "total", "last & least", "</ScalarVariable>", "*/"][i % 5].to_owned();
         let mut specification = (*component.specification).clone();
         for variable in &mut specification.variables {
             if let Domain::Enum { labels, .. } = &mut variable.domain {
@@ -192,9 +244,18 @@ fn hostile_names() {
     let (toolchains, _) = fmi::toolchains();
     let (files, _) = fmi::build(&hostile, &controllers, &toolchains, folder.path()).unwrap();
     for (file, version) in files.iter().zip(Version::ALL) {
-        assert_eq!(file.parent(), Some(folder.path()), "the file stays in its folder");
+        assert_eq!(
+            file.parent(),
+            Some(folder.path()),
+            "the file stays in its folder"
+        );
         let unit = Unit::emit(&hostile, &controllers, version);
-        let names: BTreeSet<&str> = unit.interface.variables.iter().map(|v| v.name.as_str()).collect();
+        let names: BTreeSet<&str> = unit
+            .interface
+            .variables
+            .iter()
+            .map(|v| v.name.as_str())
+            .collect();
         assert_eq!(names.len(), unit.interface.variables.len());
         let plain = |c: char| c.is_ascii_alphanumeric() || "_.[],".contains(c);
         assert!(names.iter().all(|n| n.chars().all(plain)), "{names:?}");
@@ -226,7 +287,14 @@ fn a_missing_compiler_is_a_warning() {
     let sandbox = sandbox();
     let build = |variables: &[(&str, &str)]| {
         Command::new(crate::support::PROGRAM)
-            .args(["build", "examples/ice-lab/belt.lw", "--target", "fmu", "--out", "units"])
+            .args([
+                "build",
+                "examples/ice-lab/belt.lw",
+                "--target",
+                "fmu",
+                "--out",
+                "units",
+            ])
             .current_dir(sandbox.path())
             .env("LINEWRIGHT_CACHE", "off")
             .env("NO_COLOR", "1")
@@ -238,11 +306,17 @@ fn a_missing_compiler_is_a_warning() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert_eq!(said.matches("warning[LW530]").count(), 2, "{said}");
-    assert!(said.contains("no binary for Windows") && said.contains("no binary for this computer"), "{said}");
+    assert!(
+        said.contains("no binary for Windows") && said.contains("no binary for this computer"),
+        "{said}"
+    );
     assert!(said.contains("apt"), "{said}");
     for name in ["belt_fmi2.fmu", "belt_fmi3.fmu"] {
         let names = names(&std::fs::read(sandbox.path().join("units").join(name)).unwrap());
-        assert!(names.iter().all(|n| !n.starts_with("binaries/")), "{names:?}");
+        assert!(
+            names.iter().all(|n| !n.starts_with("binaries/")),
+            "{names:?}"
+        );
         assert!(names.contains(&"sources/belt.c".to_owned()), "{names:?}");
     }
     // A compiler that fails is another matter.
@@ -250,11 +324,21 @@ fn a_missing_compiler_is_a_warning() {
     assert_eq!(output.status.code(), Some(2));
     let json = linewright(
         sandbox.path(),
-        &["build", "examples/ice-lab/belt.lw", "--target", "fmu", "--format", "json"],
+        &[
+            "build",
+            "examples/ice-lab/belt.lw",
+            "--target",
+            "fmu",
+            "--format",
+            "json",
+        ],
     );
     let document: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     assert_eq!(document["libraries"][0]["target"], "fmu");
-    assert_eq!(document["libraries"][0]["files"].as_array().map(Vec::len), Some(2));
+    assert_eq!(
+        document["libraries"][0]["files"].as_array().map(Vec::len),
+        Some(2)
+    );
 }
 
 /// A unit without binaries, and one for both systems, differ in nothing else.
@@ -269,7 +353,10 @@ fn binaries_are_put_where_they_belong() {
         let added: Vec<&String> = both.iter().filter(|n| !bare.contains(n)).collect();
         assert_eq!(added.len(), 2);
         assert!(added.contains(&&binary_name(&unit, true)), "{added:?}");
-        assert_eq!(unit.package.stem, Package::emit(&machine, &controllers).stem);
+        assert_eq!(
+            unit.package.stem,
+            Package::emit(&machine, &controllers).stem
+        );
     }
     assert!(root().join("ffi/fmi.c").is_file());
 }

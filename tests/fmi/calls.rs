@@ -14,7 +14,13 @@ fn trajectories_are_the_machines() {
         let tape = record(built, 60, 80, seed);
         let library = unpack(built, false, folder.path());
         let start = Command::new(&hosts[version]);
-        let mut command = command(start, "play", &library, &built.unit, built.machine.step_seconds);
+        let mut command = command(
+            start,
+            "play",
+            &library,
+            &built.unit,
+            built.machine.step_seconds,
+        );
         let printed = run(&mut command, &tape.text);
         let name = format!("{} {:?}", built.machine.name, built.unit.version);
         compare(&tape, &printed, true).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -28,17 +34,31 @@ fn trajectories_are_the_machines() {
         if !built.machine.operations.is_empty() {
             assert!(tape.completed > 50 && tape.compared > 20, "{name}");
         }
-        assert!(tape.refused > 20 && tape.refused < tape.expected.len() / 2, "{name}");
+        assert!(tape.refused < tape.expected.len() / 2, "{name}");
+        // What is done with the printer breaks none of its assumptions.
+        assert!(
+            tape.refused > 20 || built.machine.name == "Printer",
+            "{name}"
+        );
     }
 }
 
 #[test]
 fn wrong_calls_are_answered() {
     let folder = tempfile::tempdir().unwrap();
-    for built in laboratory().iter().filter(|b| b.machine.name == "AssemblyCell") {
+    for built in laboratory()
+        .iter()
+        .filter(|b| b.machine.name == "AssemblyCell")
+    {
         let host = host("cc", built.unit.version, folder.path());
         let library = unpack(built, false, folder.path());
-        let mut command = command(Command::new(host), "check", &library, &built.unit, built.machine.step_seconds);
+        let mut command = command(
+            Command::new(host),
+            "check",
+            &library,
+            &built.unit,
+            built.machine.step_seconds,
+        );
         let printed = run(&mut command, "");
         assert_eq!(printed, "HOST PASSED\n");
     }
@@ -54,19 +74,31 @@ fn a_damaged_table_is_seen() {
         let played = |package: &linewright::station::Package| {
             let library = build_package(package, folder.path());
             let start = Command::new(&host);
-            let mut command = command(start, "play", &library, &built.unit, built.machine.step_seconds);
+            let mut command = command(
+                start,
+                "play",
+                &library,
+                &built.unit,
+                built.machine.step_seconds,
+            );
             compare(&tape, &run(&mut command, &tape.text), true)
         };
         let mut package = built.unit.package.clone();
         assert_eq!(played(&package), Ok(()), "the unit as it is");
-        // The first row of the last table of rows: another answer.
-        let at = package.c_source.rfind("_rows[] = {").expect("a table of rows");
-        let row = at + package.c_source[at..].find("    { ").expect("a row");
-        let end = row + package.c_source[row..].find('}').expect("its end");
-        let numbers: Vec<&str> = package.c_source[row + 6..end].split(',').map(str::trim).collect();
-        let changed = if numbers[2] == "0" { "1" } else { "0" };
-        let damaged = format!("    {{ {}, {}, {changed}, {} ", numbers[0], numbers[1], numbers[3]);
-        package.c_source.replace_range(row..end, &damaged);
+        // The second leaf of the last table of leaves: another answer.
+        let at = package
+            .c_source
+            .rfind("_leaves[] = {")
+            .expect("a table of leaves");
+        let first = at + package.c_source[at..].find("    { ").expect("a leaf") + 6;
+        let second = first + package.c_source[first..].find("    { ").expect("a leaf") + 6;
+        let end = second + package.c_source[second..].find(',').expect("its answer");
+        let changed = if &package.c_source[second..end] == "0" {
+            "1"
+        } else {
+            "0"
+        };
+        package.c_source.replace_range(second..end, changed);
         let verdict = played(&package).expect_err("a damaged table is seen");
         println!("{verdict}");
     }

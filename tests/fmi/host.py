@@ -38,7 +38,8 @@ def validate(path):
         problems.append("there is no binary for this computer")
     # As it was imported: it must run through its default experiment.
     result = simulate_fmu(path)
-    wanted = round((description.defaultExperiment.stopTime - 0.0) / description.defaultExperiment.stepSize) + 1
+    experiment = description.defaultExperiment
+    wanted = round(float(experiment.stopTime) / float(experiment.stepSize)) + 1
     if abs(len(result) - wanted) > 1:
         problems.append(f"{len(result)} rows instead of {wanted}")
     outputs = [v.name for v in description.modelVariables if v.causality == "output"]
@@ -137,7 +138,7 @@ def quiet(*_):
 
 def play(path, tape, output):
     description = read_model_description(path)
-    size = description.defaultExperiment.stepSize
+    size = float(description.defaultExperiment.stepSize)
     watched, count, units, states, now = {}, 0, {}, {}, 0
     with TemporaryDirectory() as folder:
         extract(path, unzipdir=folder)

@@ -35,8 +35,12 @@ pub fn laboratory() -> &'static [Built] {
 }
 
 fn build(controlled: &Controlled, toolchains: &[Toolchain], folder: &Path) -> Vec<Built> {
-    let Controlled { machine, controllers } = controlled;
-    let (files, missing) = fmi::build(machine, controllers, toolchains, folder).expect("the units are built");
+    let Controlled {
+        machine,
+        controllers,
+    } = controlled;
+    let (files, missing) =
+        fmi::build(machine, controllers, toolchains, folder).expect("the units are built");
     assert!(missing.is_empty(), "{missing:?}");
     let units = Version::ALL.map(|v| Unit::emit(machine, controllers, v));
     files
@@ -56,7 +60,11 @@ pub fn file_of(archive: &Path, name: &str) -> Option<Vec<u8>> {
     let file = std::fs::File::open(archive).expect("an archive");
     let mut archive = zip::ZipArchive::new(file).expect("an archive");
     let mut bytes = Vec::new();
-    archive.by_name(name).ok()?.read_to_end(&mut bytes).expect("a file in the archive");
+    archive
+        .by_name(name)
+        .ok()?
+        .read_to_end(&mut bytes)
+        .expect("a file in the archive");
     Some(bytes)
 }
 
@@ -76,7 +84,10 @@ pub fn binary_name(unit: &Unit, windows: bool) -> String {
 pub fn unpack(built: &Built, windows: bool, folder: &Path) -> PathBuf {
     let bytes = file_of(&built.archive, &binary_name(&built.unit, windows)).expect("a binary");
     let ending = if windows { "dll" } else { "so" };
-    let path = folder.join(format!("{}{:?}.{ending}", built.unit.package.stem, built.unit.version));
+    let path = folder.join(format!(
+        "{}{:?}.{ending}",
+        built.unit.package.stem, built.unit.version
+    ));
     std::fs::write(&path, bytes).expect("a file");
     path
 }
@@ -90,13 +101,23 @@ pub fn host(compiler: &str, version: Version, folder: &Path) -> PathBuf {
     let path = folder.join(format!("host{number}.exe"));
     let source = crate::support::root().join("tests/fmi/host.c");
     let output = Command::new(compiler)
-        .args(["-std=gnu99", "-O1", "-Wall", "-Wextra", "-Wno-unused-function"])
+        .args([
+            "-std=gnu99",
+            "-O1",
+            "-Wall",
+            "-Wextra",
+            "-Wno-unused-function",
+        ])
         .arg(format!("-DFMI={number}"))
         .arg(source)
         .arg("-o")
         .arg(&path)
         .args(["-lm"])
-        .args(if compiler.contains("mingw") { &["-D__USE_MINGW_ANSI_STDIO=1"][..] } else { &["-ldl"] })
+        .args(if compiler.contains("mingw") {
+            &["-D__USE_MINGW_ANSI_STDIO=1"][..]
+        } else {
+            &["-ldl"]
+        })
         .output()
         .expect("the compiler starts");
     let said = String::from_utf8_lossy(&output.stderr);
@@ -124,7 +145,13 @@ pub fn run(command: &mut Command, input: &str) -> String {
 }
 
 /// The command that plays a tape, or checks the calls, on a library.
-pub fn command(mut start: Command, what: &str, library: impl AsRef<std::ffi::OsStr>, unit: &Unit, step_seconds: f64) -> Command {
+pub fn command(
+    mut start: Command,
+    what: &str,
+    library: impl AsRef<std::ffi::OsStr>,
+    unit: &Unit,
+    step_seconds: f64,
+) -> Command {
     start
         .arg(what)
         .arg(library)
@@ -135,10 +162,20 @@ pub fn command(mut start: Command, what: &str, library: impl AsRef<std::ffi::OsS
 
 /// A tape of a unit, with the chances for all that may happen.
 pub fn record(built: &Built, sequences: usize, steps: usize, seed: u64) -> Tape {
-    tape::record(&built.machine, &built.controllers, &built.unit, sequences, steps, seed)
+    tape::record(
+        &built.machine,
+        &built.controllers,
+        &built.unit,
+        sequences,
+        steps,
+        seed,
+    )
 }
 
 /// The library of a unit whose C was changed.
 pub fn build_package(package: &Package, folder: &Path) -> PathBuf {
-    Toolchain::shipping().build(package, folder, true).expect("the library is built").path
+    Toolchain::shipping()
+        .build(package, folder, true)
+        .expect("the library is built")
+        .path
 }

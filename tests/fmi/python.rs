@@ -1,4 +1,4 @@
-//! FMPy validates the units, simulates them as they are, and plays a thousand sequences on them.
+//! `FMPy` validates the units, simulates them as they are, and plays a thousand sequences on them.
 
 use crate::hosts::{Built, laboratory, record, run};
 use crate::support::{python_with, root};
@@ -9,7 +9,9 @@ const SEQUENCES: usize = 100;
 
 #[test]
 fn fmpy_finds_nothing_wrong() {
-    let Some(python) = python_with("fmpy") else { return };
+    let Some(python) = python_with("fmpy") else {
+        return;
+    };
     let mut command = python.command(&root().join("tests/fmi/host.py"));
     command.arg("validate");
     command.args(laboratory().iter().map(|b| &b.archive));
@@ -18,7 +20,9 @@ fn fmpy_finds_nothing_wrong() {
 
 #[test]
 fn fmpy_steps_as_the_machines_do() {
-    let Some(python) = python_with("fmpy") else { return };
+    let Some(python) = python_with("fmpy") else {
+        return;
+    };
     let folder = tempfile::tempdir().unwrap();
     let built = laboratory();
     assert_eq!(built.len() * SEQUENCES, 1000);
@@ -28,9 +32,18 @@ fn fmpy_steps_as_the_machines_do() {
         .collect();
     let mut list = String::new();
     for (i, (built, tape)) in tapes.iter().enumerate() {
-        let (input, output) = (folder.path().join(format!("{i}.tape")), folder.path().join(format!("{i}.out")));
+        let (input, output) = (
+            folder.path().join(format!("{i}.tape")),
+            folder.path().join(format!("{i}.out")),
+        );
         std::fs::write(&input, &tape.text).unwrap();
-        let _ = writeln!(list, "{}\t{}\t{}", built.archive.display(), input.display(), output.display());
+        let _ = writeln!(
+            list,
+            "{}\t{}\t{}",
+            built.archive.display(),
+            input.display(),
+            output.display()
+        );
     }
     let path = folder.path().join("list");
     std::fs::write(&path, list).unwrap();

@@ -108,7 +108,10 @@ impl Reference {
                     self.started = false;
                     self.wires.fill(0);
                     self.job = None;
-                    return Answer { status: 3, message: None };
+                    return Answer {
+                        status: 3,
+                        message: None,
+                    };
                 }
                 return Answer {
                     status: 3,
@@ -117,7 +120,10 @@ impl Reference {
             }
         }
         *self = after;
-        Answer { status: 0, message: Some(String::new()) }
+        Answer {
+            status: 0,
+            message: Some(String::new()),
+        }
     }
 
     fn tick(&mut self) -> Result<(), CallError> {
@@ -182,7 +188,9 @@ impl Reference {
                         // The words are those of `simulate`, which fails alike and changes nothing.
                         let mut shadow = self.interpreter.clone();
                         let answer = shadow.simulate(self.operation, &mut self.given.clone());
-                        return Err(answer.expect_err("the abstraction fails in `simulate` as well"));
+                        return Err(
+                            answer.expect_err("the abstraction fails in `simulate` as well")
+                        );
                     }
                     plant[wire] = near as i64;
                 }
@@ -284,7 +292,7 @@ impl Reference {
                 "last.steps" => Read::Whole(self.last.steps as i64),
                 name => panic!("{name} is new"),
             },
-            group::SIGNALS => Read::Whole(self.shown(variable, self.signals[index])),
+            group::SIGNALS => Read::Whole(Self::shown(variable, self.signals[index])),
             group::GIVEN => Read::Real(self.given[index]),
             group::RESULTS => Read::Real(self.results[index]),
             group::WIRES => {
@@ -294,14 +302,14 @@ impl Reference {
                 } else {
                     0.clamp(low, high)
                 };
-                Read::Whole(self.shown(variable, value))
+                Read::Whole(Self::shown(variable, value))
             }
             _ => panic!("{} has no group", variable.name),
         }
     }
 
     /// Labels count from 1.
-    fn shown(&self, variable: &Variable, value: i64) -> i64 {
+    fn shown(variable: &Variable, value: i64) -> i64 {
         value + i64::from(matches!(variable.kind, Kind::Enumeration(_)))
     }
 
@@ -310,11 +318,11 @@ impl Reference {
         if let Some(input) = machine.plant.get(wire) {
             return (input.domain.low(), input.domain.high());
         }
-        let outputs = machine.components.iter().flat_map(|c| {
+        let mut outputs = machine.components.iter().flat_map(|c| {
             let ids = c.specification.outputs();
             ids.map(|id| &c.specification.variable(id).domain)
         });
-        let domain = outputs.skip(wire - machine.plant.len()).next();
+        let domain = outputs.nth(wire - machine.plant.len());
         domain.map_or((0, 0), |d| (d.low(), d.high()))
     }
 }

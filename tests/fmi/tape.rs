@@ -182,7 +182,10 @@ impl Recorder<'_> {
         self.say(&format!("step {ticks}"));
         let unit = &mut self.units[instance];
         let answer = if ticks == 0 {
-            Answer { status: 3, message: None }
+            Answer {
+                status: 3,
+                message: None,
+            }
         } else {
             let (compared, completed) = (unit.compared, self.tape.completed);
             let before = unit.clone();
@@ -233,7 +236,11 @@ impl Recorder<'_> {
     }
 
     fn set(&mut self, variable: &Variable, value: &str) {
-        let line = format!("set {} {} {value}", variable.reference, letter(variable.kind));
+        let line = format!(
+            "set {} {} {value}",
+            variable.reference,
+            letter(variable.kind)
+        );
         self.say(&line);
     }
 
@@ -274,7 +281,9 @@ pub fn compare(tape: &Tape, printed: &str, with_texts: bool) -> Result<(), Strin
         let mut words = line.split(' ');
         let status = words.next().unwrap_or_default();
         if status != format!("={}", answer.status) {
-            return Err(format!("step {number}: status {status} ({said}) instead of {answer:?}"));
+            return Err(format!(
+                "step {number}: status {status} ({said}) instead of {answer:?}"
+            ));
         }
         if let Some(message) = answer.message.as_ref().filter(|_| with_texts)
             && *message != said
@@ -288,7 +297,10 @@ pub fn compare(tape: &Tape, printed: &str, with_texts: bool) -> Result<(), Strin
             };
             let word = words.next().unwrap_or("nothing");
             if word != wanted {
-                return Err(format!("step {number}: {} is {word} instead of {wanted} ({value:?})", variable.name));
+                return Err(format!(
+                    "step {number}: {} is {word} instead of {wanted} ({value:?})",
+                    variable.name
+                ));
             }
         }
         if words.next().is_some() {

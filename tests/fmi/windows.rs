@@ -11,7 +11,10 @@ fn the_windows_binary_steps_under_wine() {
     let folder = tempfile::tempdir().unwrap();
     for (seed, built) in (100..).zip(laboratory()) {
         let name = format!("{} {:?}", built.machine.name, built.unit.version);
-        assert!(file_of(&built.archive, &binary_name(&built.unit, true)).is_some(), "{name}");
+        assert!(
+            file_of(&built.archive, &binary_name(&built.unit, true)).is_some(),
+            "{name}"
+        );
         let host = host(&compiler, built.unit.version, folder.path());
         let library = Wine::path(&unpack(built, true, folder.path()));
         let step = built.machine.step_seconds;

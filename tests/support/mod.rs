@@ -119,7 +119,10 @@ pub fn wine() -> Option<Wine> {
     let places = std::env::split_paths(&on_path).map(|folder| folder.join("wine64"));
     let usual = ["/usr/lib/wine/wine64", "/opt/wine-stable/bin/wine64"].map(PathBuf::from);
     let Some(program) = places.chain(usual).find(|p| p.is_file()) else {
-        skip("wine", "there is no wine64 (Debian: apt-get install wine64)");
+        skip(
+            "wine",
+            "there is no wine64 (Debian: apt-get install wine64)",
+        );
         return None;
     };
     let prefix = Path::new(env!("CARGO_TARGET_TMPDIR")).join("wine");
@@ -133,7 +136,10 @@ pub fn mingw() -> Option<String> {
     if Command::new(compiler).arg("--version").output().is_ok() {
         return Some(compiler.to_owned());
     }
-    skip("mingw", "there is no x86_64-w64-mingw32-gcc (Debian: apt-get install gcc-mingw-w64-x86-64)");
+    skip(
+        "mingw",
+        "there is no x86_64-w64-mingw32-gcc (Debian: apt-get install gcc-mingw-w64-x86-64)",
+    );
     None
 }
 
@@ -158,6 +164,11 @@ pub fn python_with(package: &str) -> Option<Python> {
     if trial.is_ok_and(|t| t.status.success()) {
         return Some(Python(python));
     }
-    skip(package, &format!("`{python}` has no package {package} (pip install {package}; LINEWRIGHT_PYTHON names another Python)"));
+    skip(
+        package,
+        &format!(
+            "`{python}` has no package {package} (pip install {package}; LINEWRIGHT_PYTHON names another Python)"
+        ),
+    );
     None
 }

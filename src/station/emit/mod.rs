@@ -72,8 +72,7 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Emitted {
     } else {
         format!(" *\n * {}\n", wrap(doc.trim(), " * "))
     };
-    let unit =
-        format!("{sizes}#define LW_HANDLE_MARK {mark}\n\n#include \"machine.h\"\n\n{body}");
+    let unit = format!("{sizes}#define LW_HANDLE_MARK {mark}\n\n#include \"machine.h\"\n\n{body}");
     let source = format!(
         "/* The machine {name}, emitted by linewright from its contracts.\n{doc} *\n * Compile this file alone, with the files of ffi/ beside it:\n *\n *     cc -std=c99 -O2 -fPIC -shared -fvisibility=hidden -ffp-contract=off -pthread THIS.c -o THIS.so -lm\n */\n\
          {unit}static const char lw_description[] =\n    {};\n\n#include \"runtime.c\"\n#include \"plant_simulation.c\"\n",

@@ -19,11 +19,18 @@ pub(super) fn archive(unit: &Unit, binaries: &[(Platform, Vec<u8>)]) -> Vec<u8> 
         text(format!("sources/{name}"), content);
     }
     if unit.version == Version::Three {
-        text("sources/buildDescription.xml".to_owned(), &build_description(unit));
+        text(
+            "sources/buildDescription.xml".to_owned(),
+            &build_description(unit),
+        );
     }
     for (platform, bytes) in binaries {
         let folder = unit.version.binaries(*platform);
-        let name = format!("binaries/{folder}/{}{}", unit.package.stem, platform.suffix());
+        let name = format!(
+            "binaries/{folder}/{}{}",
+            unit.package.stem,
+            platform.suffix()
+        );
         files.insert(name, (bytes.clone(), 0o755));
     }
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
@@ -37,6 +44,8 @@ pub(super) fn archive(unit: &Unit, binaries: &[(Platform, Vec<u8>)]) -> Vec<u8> 
             .and_then(|()| Ok(archive.write_all(&bytes)?))
             .expect("an archive in memory can be written");
     }
-    let written = archive.finish().expect("an archive in memory can be written");
+    let written = archive
+        .finish()
+        .expect("an archive in memory can be written");
     written.into_inner()
 }

@@ -79,7 +79,10 @@ pub(super) fn description(unit: &Unit) -> String {
     let mut head: Attributes = vec![
         ("fmiVersion", if two { "2.0" } else { "3.0" }.to_owned()),
         ("modelName", unit.name.clone()),
-        (if two { "guid" } else { "instantiationToken" }, unit.token.clone()),
+        (
+            if two { "guid" } else { "instantiationToken" },
+            unit.token.clone(),
+        ),
     ];
     let doc = unit.doc.trim();
     if !doc.is_empty() {
@@ -94,7 +97,13 @@ pub(super) fn description(unit: &Unit) -> String {
         types(xml, unit);
         xml.within("LogCategories", &vec![], |xml| {
             let about = "calls that were refused, with the reason";
-            xml.element("Category", &vec![("name", "logStatusError".to_owned()), ("description", about.to_owned())]);
+            xml.element(
+                "Category",
+                &vec![
+                    ("name", "logStatusError".to_owned()),
+                    ("description", about.to_owned()),
+                ],
+            );
         });
         let step = unit.step_seconds;
         xml.element(
@@ -115,7 +124,9 @@ pub(super) fn description(unit: &Unit) -> String {
                 }
             }
         });
-        xml.within("ModelStructure", &vec![], |xml| structure(xml, two, &variables));
+        xml.within("ModelStructure", &vec![], |xml| {
+            structure(xml, two, &variables);
+        });
     });
     xml.text()
 }
@@ -176,7 +187,10 @@ fn units(xml: &mut Xml, unit: &Unit) {
             };
             let exponents = known.exponents.iter().map(|(k, v)| (*k, (*v).to_owned()));
             let mut base: Attributes = exponents.collect();
-            #[expect(clippy::float_cmp, reason = "a factor of 1 is exact, and is not written")]
+            #[expect(
+                clippy::float_cmp,
+                reason = "a factor of 1 is exact, and is not written"
+            )]
             if known.factor != 1.0 {
                 base.push(("factor", number(known.factor)));
             }
@@ -191,7 +205,10 @@ fn types(xml: &mut Xml, unit: &Unit) {
     }
     let items = |xml: &mut Xml, enumeration: &Enumeration| {
         for (index, label) in enumeration.labels.iter().enumerate() {
-            xml.element("Item", &vec![("name", label.clone()), ("value", (index + 1).to_string())]);
+            xml.element(
+                "Item",
+                &vec![("name", label.clone()), ("value", (index + 1).to_string())],
+            );
         }
     };
     xml.within("TypeDefinitions", &vec![], |xml| {
@@ -254,7 +271,9 @@ fn typed(variable: &Variable, enumerations: &[Enumeration]) -> Attributes {
     if !variable.unit.is_empty() && variable.kind == Kind::Real {
         attributes.push(("unit", variable.unit.clone()));
     }
-    if let (Some((low, high)), Kind::Real | Kind::Integer | Kind::Long) = (variable.limits, variable.kind) {
+    if let (Some((low, high)), Kind::Real | Kind::Integer | Kind::Long) =
+        (variable.limits, variable.kind)
+    {
         attributes.extend([("min", low.to_string()), ("max", high.to_string())]);
     }
     attributes.extend(start(variable).map(|s| ("start", s)));
@@ -295,10 +314,17 @@ fn structure(xml: &mut Xml, two: bool, variables: &[&Variable]) {
         .iter()
         .enumerate()
         .filter(|(_, v)| v.causality == Causality::Output)
-        .map(|(i, v)| if two { (i + 1).to_string() } else { v.reference.to_string() })
+        .map(|(i, v)| {
+            if two {
+                (i + 1).to_string()
+            } else {
+                v.reference.to_string()
+            }
+        })
         .collect();
     let key = if two { "index" } else { "valueReference" };
-    let attributes = |unknown: &String| vec![(key, unknown.clone()), ("dependencies", String::new())];
+    let attributes =
+        |unknown: &String| vec![(key, unknown.clone()), ("dependencies", String::new())];
     if two {
         for list in ["Outputs", "InitialUnknowns"] {
             xml.within(list, &vec![], |xml| {
@@ -320,12 +346,24 @@ fn structure(xml: &mut Xml, two: bool, variables: &[&Variable]) {
 pub(super) fn build_description(unit: &Unit) -> String {
     let stem = &unit.package.stem;
     let mut xml = Xml::new();
-    xml.within("fmiBuildDescription", &vec![("fmiVersion", "3.0".to_owned())], |xml| {
-        xml.within("BuildConfiguration", &vec![("modelIdentifier", stem.clone())], |xml| {
-            xml.within("SourceFileSet", &vec![("language", "C99".to_owned())], |xml| {
-                xml.element("SourceFile", &vec![("name", format!("{stem}.c"))]);
-            });
-        });
-    });
+    xml.within(
+        "fmiBuildDescription",
+        &vec![("fmiVersion", "3.0".to_owned())],
+        |xml| {
+            xml.within(
+                "BuildConfiguration",
+                &vec![("modelIdentifier", stem.clone())],
+                |xml| {
+                    xml.within(
+                        "SourceFileSet",
+                        &vec![("language", "C99".to_owned())],
+                        |xml| {
+                            xml.element("SourceFile", &vec![("name", format!("{stem}.c"))]);
+                        },
+                    );
+                },
+            );
+        },
+    );
     xml.text()
 }

@@ -54,7 +54,9 @@ pub(super) fn documentation(unit: &Unit) -> String {
         (Causality::Local, "Inside"),
     ];
     for (causality, title) in groups {
-        let rows: Vec<&Variable> = variables(unit).filter(|v| v.causality == causality).collect();
+        let rows: Vec<&Variable> = variables(unit)
+            .filter(|v| v.causality == causality)
+            .collect();
         if rows.is_empty() {
             continue;
         }

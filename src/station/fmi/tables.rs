@@ -9,7 +9,13 @@ use crate::station::emit::text::{comment, string};
 use std::fmt::Write;
 
 /// The whole file.
-pub(super) fn source(machine: &Machine, unit: &str, tables: &str, token: &str, version: Version) -> String {
+pub(super) fn source(
+    machine: &Machine,
+    unit: &str,
+    tables: &str,
+    token: &str,
+    version: Version,
+) -> String {
     let (number, prefix) = match version {
         Version::Two => ("2.0", "FMI2_FUNCTION_PREFIX"),
         Version::Three => ("3.0", "FMI3_FUNCTION_PREFIX"),

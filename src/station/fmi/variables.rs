@@ -167,22 +167,106 @@ impl Interface {
     fn general(&mut self, machine: &Machine, first_operation: usize) {
         use Causality::{Independent, Input, Output};
         // `time` comes first, so that nothing else gets that name.
-        type Row = (&'static str, usize, Causality, Kind, &'static str, &'static str);
+        type Row = (
+            &'static str,
+            usize,
+            Causality,
+            Kind,
+            &'static str,
+            &'static str,
+        );
         let always: [Row; 6] = [
             ("time", 0, Independent, Kind::Real, "s", "simulated time"),
-            ("enabled", 1, Input, Kind::Boolean, "", "the machine works; otherwise it stands still, with idle power"),
-            ("total.seconds", 2, Output, Kind::Real, "s", "what all steps took by the machine's own times, idle ones included"),
-            ("total.joules", 3, Output, Kind::Real, "J", "the energy of all steps, idle ones included"),
-            ("total.steps", 4, Output, Kind::Long, "", "how many steps the controllers made"),
-            ("verdict", 5, Output, Kind::Integer, "", "0, or the code of the last step that was refused: -3 a value outside its domain, -5 a broken assumption, -6 a broken guarantee, -7 the step limit, -9 a fault of the generator"),
+            (
+                "enabled",
+                1,
+                Input,
+                Kind::Boolean,
+                "",
+                "the machine works; otherwise it stands still, with idle power",
+            ),
+            (
+                "total.seconds",
+                2,
+                Output,
+                Kind::Real,
+                "s",
+                "what all steps took by the machine's own times, idle ones included",
+            ),
+            (
+                "total.joules",
+                3,
+                Output,
+                Kind::Real,
+                "J",
+                "the energy of all steps, idle ones included",
+            ),
+            (
+                "total.steps",
+                4,
+                Output,
+                Kind::Long,
+                "",
+                "how many steps the controllers made",
+            ),
+            (
+                "verdict",
+                5,
+                Output,
+                Kind::Integer,
+                "",
+                "0, or the code of the last step that was refused: -3 a value outside its domain, -5 a broken assumption, -6 a broken guarantee, -7 the step limit, -9 a fault of the generator",
+            ),
         ];
         let with_operations: [Row; 6] = [
-            ("operation", 6, Input, Kind::Enumeration(0), "", "the operation that begins next; one that is under way goes on"),
-            ("done", 7, Output, Kind::Boolean, "", "the last step ended an operation"),
-            ("completed", 8, Output, Kind::Long, "", "how many operations have ended"),
-            ("last.seconds", 9, Output, Kind::Real, "s", "what the last operation that ended took by the machine's own times"),
-            ("last.joules", 10, Output, Kind::Real, "J", "the energy of the last operation that ended"),
-            ("last.steps", 11, Output, Kind::Long, "", "the steps of the last operation that ended"),
+            (
+                "operation",
+                6,
+                Input,
+                Kind::Enumeration(0),
+                "",
+                "the operation that begins next; one that is under way goes on",
+            ),
+            (
+                "done",
+                7,
+                Output,
+                Kind::Boolean,
+                "",
+                "the last step ended an operation",
+            ),
+            (
+                "completed",
+                8,
+                Output,
+                Kind::Long,
+                "",
+                "how many operations have ended",
+            ),
+            (
+                "last.seconds",
+                9,
+                Output,
+                Kind::Real,
+                "s",
+                "what the last operation that ended took by the machine's own times",
+            ),
+            (
+                "last.joules",
+                10,
+                Output,
+                Kind::Real,
+                "J",
+                "the energy of the last operation that ended",
+            ),
+            (
+                "last.steps",
+                11,
+                Output,
+                Kind::Long,
+                "",
+                "the steps of the last operation that ended",
+            ),
         ];
         let rows = if machine.operations.is_empty() {
             &with_operations[..0]
@@ -190,15 +274,22 @@ impl Interface {
             &with_operations[..]
         };
         for (name, index, causality, kind, unit, about) in always.iter().chain(rows) {
-            self.add(name, reference(group::UNIT, *index), *causality, *kind, (*about).to_owned());
-            self.last().unit = (*unit).to_owned();
+            self.add(
+                name,
+                reference(group::UNIT, *index),
+                *causality,
+                *kind,
+                (*about).to_owned(),
+            );
+            (*unit).clone_into(&mut self.last().unit);
             if *causality == Input {
                 self.last().start = Some(Start::Whole(1));
             }
             if *name == "operation" {
                 self.last().start = Some(Start::Whole(first_operation as i64));
-                let labels = machine.operations.iter().map(|o| o.name.clone()).collect();
-                self.last().kind = Kind::Enumeration(self.enumeration("Operation", labels));
+                let labels: Vec<String> =
+                    machine.operations.iter().map(|o| o.name.clone()).collect();
+                self.last().kind = Kind::Enumeration(self.enumeration("Operation", &labels));
             }
         }
     }
@@ -208,16 +299,36 @@ impl Interface {
             if let PlantSource::Signal { script } = &input.source {
                 let about = format!("signal of the plant: {}", input.describe());
                 let reference = reference(group::SIGNALS, wire);
-                self.domain(&input.name, reference, Causality::Input, &input.domain, about);
+                self.domain(
+                    &input.name,
+                    reference,
+                    Causality::Input,
+                    &input.domain,
+                    about,
+                );
                 self.last().start = Some(Start::Whole(script[0]));
             }
         }
         for (index, property) in machine.properties.iter().enumerate() {
             let (name, causality, what) = match property.kind {
-                PropertyKind::Part => (format!("part.{}", property.name), Causality::Input, "property of the part, read when an operation begins"),
-                PropertyKind::Parameter => (property.name.clone(), Causality::Parameter, "parameter of the operation, read when it begins"),
+                PropertyKind::Part => (
+                    format!("part.{}", property.name),
+                    Causality::Input,
+                    "property of the part, read when an operation begins",
+                ),
+                PropertyKind::Parameter => (
+                    property.name.clone(),
+                    Causality::Parameter,
+                    "parameter of the operation, read when it begins",
+                ),
             };
-            self.property(property, &name, reference(group::GIVEN, index), causality, what);
+            self.property(
+                property,
+                &name,
+                reference(group::GIVEN, index),
+                causality,
+                what,
+            );
             self.last().start = Some(Start::Real(property.default));
             let limits = property.domain.as_ref();
             self.last().limits = limits.map(|d| (d.low(), d.high()));
@@ -260,13 +371,26 @@ impl Interface {
             if matches!(input.source, PlantSource::Property(_)) {
                 let about = format!("what the controllers see of the part: {}", input.describe());
                 let reference = reference(group::WIRES, wire);
-                self.domain(&input.name, reference, Causality::Local, &input.domain, about);
+                self.domain(
+                    &input.name,
+                    reference,
+                    Causality::Local,
+                    &input.domain,
+                    about,
+                );
             }
         }
     }
 
     /// A real number for a property.
-    fn property(&mut self, property: &Property, wish: &str, reference: u32, causality: Causality, what: &str) {
+    fn property(
+        &mut self,
+        property: &Property,
+        wish: &str,
+        reference: u32,
+        causality: Causality,
+        what: &str,
+    ) {
         let domain = property.domain.as_ref();
         let about = match domain {
             Some(Domain::Enum { labels, .. }) => {
@@ -281,13 +405,20 @@ impl Interface {
     }
 
     /// A variable with a finite domain.
-    fn domain(&mut self, wish: &str, reference: u32, causality: Causality, domain: &Domain, about: String) {
+    fn domain(
+        &mut self,
+        wish: &str,
+        reference: u32,
+        causality: Causality,
+        domain: &Domain,
+        about: String,
+    ) {
         self.add(wish, reference, causality, kind(domain), about);
         match domain {
             Domain::Enum { name, labels } => {
                 let own = format!("{}_labels", wish.replace(['.', '[', ']'], "_"));
                 let wish = name.as_deref().unwrap_or(&own);
-                self.last().kind = Kind::Enumeration(self.enumeration(wish, labels.clone()));
+                self.last().kind = Kind::Enumeration(self.enumeration(wish, labels));
             }
             Domain::Range { low, high } => self.last().limits = Some((*low, *high)),
             Domain::Bool => {}
@@ -295,7 +426,7 @@ impl Interface {
     }
 
     /// The enumeration with these labels: one that is there, or a new one.
-    fn enumeration(&mut self, wish: &str, labels: Vec<String>) -> usize {
+    fn enumeration(&mut self, wish: &str, labels: &[String]) -> usize {
         // Labels are names as well.
         let mut names = Names::default();
         let labels: Vec<String> = labels.iter().map(|l| names.unique(l)).collect();
@@ -342,7 +473,10 @@ fn structured(name: &str) -> (String, String) {
             stem.push_str(indices);
         }
     }
-    (stem, segments.last().map(|s| s.1.clone()).unwrap_or_default())
+    (
+        stem,
+        segments.last().map(|s| s.1.clone()).unwrap_or_default(),
+    )
 }
 
 /// One part of a name and its indices.
