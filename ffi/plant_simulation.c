@@ -2,8 +2,8 @@
  *
  * Each has the signature `void name(UF_Value *ret, UF_Value *arg)` (Spellini et al. 2021, Listing 1). No count of arguments
  * is passed, so the arity of every export is fixed, and the tag of each argument is checked. Only scalars pass: SimTalk
- * reads the part's attributes, calls `simulate` with them, and writes the results back. `uf_value.h` says what is assumed
- * of the structure.
+ * reads the part's attributes, calls `simulate` with them, and writes the results back. The layout of the structure is
+ * that of a profile: `uf_value.h`.
  *
  *     instantiate()                          integer: a handle above 0, or a negative code
  *     simulate(handle, operation, values...) real: the duration in seconds, 0 or more; or a negative code. `operation` is an
@@ -37,39 +37,45 @@
 static void lw_give_integer(UF_Value *ret, int32_t value)
 {
     if (ret != NULL) {
-        ret->type = LW_UF_TAG_INTEGER;
-        ret->value.LW_UF_FIELD_INTEGER = (LW_UF_INTEGER)value;
+        lw_uf_give_integer(ret, value);
     }
 }
 
 static void lw_give_real(UF_Value *ret, double value)
 {
     if (ret != NULL) {
-        ret->type = LW_UF_TAG_REAL;
-        ret->value.LW_UF_FIELD_REAL = value;
+        lw_uf_set_real(ret, value);
     }
 }
 
-static void lw_give_string(UF_Value *ret, const char *value)
+/* `value` is in the profile's encoding. */
+static void lw_give_string(UF_Value *ret, const void *value)
 {
     if (ret != NULL) {
-        ret->type = LW_UF_TAG_STRING;
-        ret->value.LW_UF_FIELD_STRING = value;
+        lw_uf_set_pointer(ret, value);
     }
+}
+
+/* Whether the first argument can be a handle. Where integers are too narrow for one, it comes as a real number. */
+static int lw_is_handle(const UF_Value *arg)
+{
+    enum lw_uf_kind kind = arg == NULL ? LW_UF_OTHER : lw_uf_kind_of(&arg[0]);
+    return kind == LW_UF_IS_INTEGER || (kind == LW_UF_IS_REAL && sizeof(LW_UF_INTEGER) < sizeof(lw_handle));
 }
 
 /* The handle of the first argument; 0 where its number cannot be one. */
 static lw_handle lw_handle_of(const UF_Value *arg)
 {
-    int64_t number = (int64_t)arg[0].value.LW_UF_FIELD_INTEGER;
-    return number > 0 && number <= INT32_MAX ? (lw_handle)number : 0;
+    double number = 0.0;
+    (void)lw_uf_number_of(&arg[0], &number);
+    return number > 0.0 && number <= (double)INT32_MAX ? (lw_handle)number : 0;
 }
 
 /* The instance of the first argument, locked; or null and a code. */
 static lw_slot *lw_enter_value(const UF_Value *arg, int32_t *code)
 {
     lw_slot *slot;
-    if (arg == NULL || arg[0].type != LW_UF_TAG_INTEGER) {
+    if (!lw_is_handle(arg)) {
         *code = lw_fail_alone(LW_ERROR_ARGUMENT, "the handle must be an integer");
         return NULL;
     }
@@ -81,7 +87,10 @@ static lw_slot *lw_enter_value(const UF_Value *arg, int32_t *code)
 LW_EXPORT void instantiate(UF_Value *ret, UF_Value *arg)
 {
     (void)arg;
-    lw_give_integer(ret, lw_create());
+    /* An instance whose handle nobody gets could never be ended. */
+    if (ret != NULL) {
+        lw_give_integer(ret, lw_create());
+    }
 }
 
 LW_EXPORT void deinstantiate(UF_Value *ret, UF_Value *arg)
@@ -106,43 +115,50 @@ LW_EXPORT void reset(UF_Value *ret, UF_Value *arg)
     lw_give_integer(ret, code);
 }
 
-/* A place for a text that is shown to the host. */
-static const char *lw_show(const char *text)
+/* A place for a text that is shown to the host, in its encoding. */
+static const void *lw_show(const char *text)
 {
-    static char shown[16][LW_TEXT_SIZE];
+    static lw_uf_unit shown[16][LW_TEXT_SIZE];
     static unsigned next;
-    char *place;
-    size_t length = strlen(text);
-    if (length >= LW_TEXT_SIZE) {
-        length = LW_TEXT_SIZE - 1;
-    }
+    lw_uf_unit *place;
     lw_lock_take(&lw_table_lock);
     place = shown[next];
     next = (next + 1) % 16;
-    memcpy(place, text, length);
-    place[length] = '\0';
+    lw_uf_encode(text, place, LW_TEXT_SIZE);
     lw_lock_give(&lw_table_lock);
     return place;
+}
+
+/* The text of the second argument, as UTF-8; 0 where it is none. */
+static int lw_text_of(const UF_Value *arg, char *text)
+{
+    const void *pointer = lw_uf_kind_of(&arg[1]) == LW_UF_IS_STRING ? lw_uf_pointer_of(&arg[1]) : NULL;
+    if (pointer != NULL) {
+        /* One that is cut off is too long for any name. */
+        (void)lw_uf_decode(pointer, text, LW_TEXT_SIZE);
+    }
+    return pointer != NULL;
 }
 
 /* The operation of the second argument: its index, or a negative code. */
 static int32_t lw_which_operation(const UF_Value *arg, lw_error *error)
 {
-    if (arg[1].type == LW_UF_TAG_INTEGER) {
-        int64_t index = (int64_t)arg[1].value.LW_UF_FIELD_INTEGER;
+    char name[LW_TEXT_SIZE];
+    if (lw_uf_kind_of(&arg[1]) == LW_UF_IS_INTEGER) {
+        int64_t index = lw_uf_integer_of(&arg[1]);
         if (index >= 0 && index < LW_OPERATIONS) {
             return (int32_t)index;
         }
         return lw_fail_operation(error, index);
     }
-    if (arg[1].type == LW_UF_TAG_STRING && arg[1].value.LW_UF_FIELD_STRING != NULL) {
+    if (lw_text_of(arg, name)) {
         for (int i = 0; i < LW_OPERATIONS; i++) {
-            if (strcmp(arg[1].value.LW_UF_FIELD_STRING, lw_operation_table[i].name) == 0) {
+            if (strcmp(name, lw_operation_table[i].name) == 0) {
                 return i;
             }
         }
         lw_fail(error, LW_ERROR_OPERATION, "there is no operation `");
-        lw_say_name(error, arg[1].value.LW_UF_FIELD_STRING);
+        lw_say_name(error, name);
         lw_say(error, "`");
         return LW_ERROR_OPERATION;
     }
@@ -162,12 +178,7 @@ LW_EXPORT void simulate(UF_Value *ret, UF_Value *arg)
     operation = lw_which_operation(arg, &slot->error);
     code = operation < 0 ? operation : LW_OK;
     for (int i = 0; i < LW_PROPERTIES && code == LW_OK; i++) {
-        const UF_Value *value = &arg[2 + i];
-        if (value->type == LW_UF_TAG_REAL) {
-            properties[i] = value->value.LW_UF_FIELD_REAL;
-        } else if (value->type == LW_UF_TAG_INTEGER) {
-            properties[i] = (double)value->value.LW_UF_FIELD_INTEGER;
-        } else {
+        if (!lw_uf_number_of(&arg[2 + i], &properties[i])) {
             code = lw_fail_name(&slot->error, LW_ERROR_ARGUMENT, "property `", lw_property_names[i],
                                 "` must be a real number or an integer");
         }
@@ -175,6 +186,7 @@ LW_EXPORT void simulate(UF_Value *ret, UF_Value *arg)
     if (code == LW_OK) {
         code = lw_serve(slot, operation, properties);
     }
+    slot->verdict = code;
     lw_give_real(ret, code == LW_OK ? slot->service.seconds : (double)code);
     lw_lock_give(&slot->lock);
 }
@@ -225,7 +237,8 @@ static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result
         return LW_OK;
     }
     if (strcmp(name, "rule") == 0) {
-        *result = lw_whole(0, slot->error.rule == NULL ? "" : slot->error.rule);
+        const char *rule = slot->verdict == LW_OK ? NULL : slot->error.rule;
+        *result = lw_whole(0, rule == NULL ? "" : rule);
         return LW_OK;
     }
     if (strncmp(name, "output.", 7) == 0) {
@@ -264,6 +277,8 @@ static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result
             int inside = range->whole && value >= range->low && value <= range->high && floor(value) <= value
                          && floor(value) >= value;
             *result = inside ? lw_whole((int64_t)value, lw_label(range->labels, (int64_t)value)) : lw_measured(value);
+            /* A zero keeps its sign. */
+            result->value = value;
             return LW_OK;
         }
     }
@@ -276,12 +291,13 @@ static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result
 /* The result that the two arguments of a getter ask for; its instance, locked, or null. */
 static lw_slot *lw_get(const UF_Value *arg, lw_result *result, int32_t *code)
 {
+    char name[LW_TEXT_SIZE];
     lw_slot *slot = lw_enter_value(arg, code);
     if (slot == NULL) {
         return NULL;
     }
-    if (arg[1].type == LW_UF_TAG_STRING && arg[1].value.LW_UF_FIELD_STRING != NULL) {
-        *code = lw_find_result(slot, arg[1].value.LW_UF_FIELD_STRING, result);
+    if (lw_text_of(arg, name)) {
+        *code = lw_find_result(slot, name, result);
     } else {
         *code = lw_fail(&slot->error, LW_ERROR_ARGUMENT, "the name must be a string");
     }
@@ -350,7 +366,7 @@ LW_EXPORT void last_error(UF_Value *ret, UF_Value *arg)
 {
     lw_text text;
     lw_slot *slot = NULL;
-    if (arg != NULL && arg[0].type == LW_UF_TAG_INTEGER) {
+    if (lw_is_handle(arg)) {
         slot = lw_enter_quietly(lw_handle_of(arg));
     }
     if (slot != NULL) {
@@ -367,5 +383,16 @@ LW_EXPORT void last_error(UF_Value *ret, UF_Value *arg)
 LW_EXPORT void station_describe(UF_Value *ret, UF_Value *arg)
 {
     (void)arg;
+#if LW_UF_ENCODING == LW_UF_UTF_8
     lw_give_string(ret, lw_description);
+#else
+    /* No encoding has more units than UTF-8. */
+    static lw_uf_unit description[sizeof lw_description];
+    lw_lock_take(&lw_table_lock);
+    if (description[0] == 0) {
+        lw_uf_encode(lw_description, description, sizeof lw_description);
+    }
+    lw_lock_give(&lw_table_lock);
+    lw_give_string(ret, description);
+#endif
 }

@@ -251,8 +251,8 @@ int32_t lw_step(lw_handle handle, const int64_t *plant, size_t plant_count, int6
                 outputs[i] = after.values[lw_output_table[i].value];
             }
         }
-        slot->verdict = code;
     }
+    slot->verdict = code;
     lw_lock_give(&slot->lock);
     return code;
 }
@@ -290,6 +290,7 @@ int32_t lw_simulate(lw_handle handle, int32_t operation, double *properties, siz
     if (property_count != (size_t)LW_PROPERTIES || (properties == NULL && property_count != 0)) {
         code = lw_fail(&slot->error, LW_ERROR_ARGUMENT,
                        "the values are missing, or are not as many as the machine's properties");
+        slot->verdict = code;
     } else {
         code = lw_serve(slot, operation, properties);
         if (code == LW_OK) {
@@ -301,6 +302,7 @@ int32_t lw_simulate(lw_handle handle, int32_t operation, double *properties, siz
             }
         }
     }
+    slot->verdict = code;
     lw_lock_give(&slot->lock);
     return code;
 }

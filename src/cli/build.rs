@@ -7,9 +7,12 @@ use super::libraries::{self, Target};
 use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
 use super::pipeline::Jobs;
+use super::profiles;
 use super::select::Selection;
-use crate::diagnostics::{has_errors, json};
-use crate::station::fmi;
+use crate::diagnostics::{Diagnostic, has_errors, json};
+use crate::source::SourceMap;
+use crate::station::profile::Profile;
+use crate::station::{Toolchain, fmi};
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -25,14 +28,20 @@ use std::path::{Path, PathBuf};
 needs none. `fmu` takes what there is.")]
 pub struct Arguments {
     /// A file with machines, and the name of one of them; without a name, all that the file declares
-    #[arg(value_name = "FILE[::NAME]")]
-    pub selection: Selection,
+    #[arg(value_name = "FILE[::NAME]", required_unless_present = "probe")]
+    pub selection: Option<Selection>,
     /// What to build; can be given several times
     #[arg(long, value_enum, default_value = "linux")]
     pub target: Vec<Target>,
     /// The folder to write to [default: .linewright beside the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// The layout of Plant Simulation's UF_Value [default: an assumed, unverified one]
+    #[arg(long, value_name = "FILE")]
+    pub profile: Option<PathBuf>,
+    /// Build the library that finds the layout of UF_Value, and the SimTalk that calls it; with a profile, what confirms it
+    #[arg(long, conflicts_with = "selection")]
+    pub probe: bool,
     /// Compile again what is there already
     #[arg(long)]
     pub rebuild: bool,
@@ -55,15 +64,24 @@ struct Built {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
+    let mut files = SourceMap::new();
+    let profile = match profiles::load(arguments.profile.as_deref(), &mut files) {
+        Ok(profile) => profile,
+        Err(findings) => {
+            console.failed("build", &files, &findings)?;
+            return Ok(options.exit_code(&findings));
+        }
+    };
+    let Some(selection) = &arguments.selection else {
+        return build_probe(arguments, &profile, options);
+    };
     let settings = options.settings();
-    let loaded = match arguments.selection.load("build", options)? {
+    let loaded = match selection.load("build", options)? {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
     let library = &loaded.library;
-    let picked = arguments
-        .selection
-        .pick(&loaded, "machine", &library.machines, |m| (&m.name, m.span))?;
+    let picked = selection.pick(&loaded, "machine", &library.machines, |m| (&m.name, m.span))?;
     let mut jobs = Jobs::default().wishing(Wish {
         functions: true,
         ..Wish::default()
@@ -74,21 +92,18 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
 
     // A missing compiler is said once, not once a machine.
-    let mut toolchains = Vec::new();
-    let mut units = None;
-    for target in &arguments.target {
-        if *target == Target::Fmu {
-            let (found, missing) = fmi::toolchains();
-            findings.extend(missing);
-            units = Some(found);
-            continue;
-        }
-        match target.toolchain() {
-            Ok(toolchain) => toolchains.push((target, toolchain)),
-            Err(finding) => findings.push(*finding),
-        }
+    let toolchains = toolchains(&arguments.target, &mut findings);
+    // The bundled runner passes what is assumed; for Plant Simulation it matters.
+    let for_windows = toolchains.iter().any(|(t, _)| t.is_windows());
+    if for_windows || arguments.profile.is_some() {
+        findings.extend(profiles::caution(&profile));
     }
-    let default = default_folder(&arguments.selection.path);
+    let units = arguments.target.contains(&Target::Fmu).then(|| {
+        let (toolchains, missing) = fmi::toolchains();
+        findings.extend(missing);
+        toolchains
+    });
+    let default = default_folder(&selection.path);
     let folder = arguments.out.as_deref().unwrap_or(&default);
     let mut libraries = Vec::new();
     for plan in planned.iter().filter_map(|p| p.controlled(&checked)) {
@@ -99,7 +114,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             continue;
         }
         for (target, toolchain) in &toolchains {
-            match libraries::build(&plan, toolchain.as_ref(), folder, arguments.rebuild) {
+            let toolchain = toolchain.as_ref();
+            match libraries::build(&plan, &profile, toolchain, folder, arguments.rebuild) {
                 Ok(files) => libraries.push(Built {
                     machine: plan.machine.name.clone(),
                     target: target.name(),
@@ -126,16 +142,68 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             }
         }
     }
-    let sources = &library.sources;
+    debug_assert!(
+        has_errors(&findings) || planned.iter().all(|p| p.controlled(&checked).is_some())
+    );
+    print(libraries, &library.sources, &findings, options)
+}
+
+/// The compilers of all targets that have one.
+fn toolchains<'a>(
+    targets: &'a [Target],
+    findings: &mut Vec<Diagnostic>,
+) -> Vec<(&'a Target, Option<Toolchain>)> {
+    let mut found = Vec::new();
+    // Units have several, and are built apart.
+    for target in targets.iter().filter(|t| **t != Target::Fmu) {
+        match target.toolchain() {
+            Ok(toolchain) => found.push((target, toolchain)),
+            Err(finding) => findings.push(*finding),
+        }
+    }
+    found
+}
+
+/// The probe, for every target.
+fn build_probe(
+    arguments: &Arguments,
+    profile: &Profile,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
+    let mut findings = Vec::new();
+    let profile = arguments.profile.as_ref().map(|_| profile);
+    let folder = arguments.out.as_deref().unwrap_or(Path::new(".linewright"));
+    let mut libraries = Vec::new();
+    for (target, toolchain) in toolchains(&arguments.target, &mut findings) {
+        match libraries::build_probe(profile, toolchain.as_ref(), folder, arguments.rebuild) {
+            Ok(files) => libraries.push(Built {
+                machine: "probe".to_owned(),
+                target: target.name(),
+                files: files.iter().map(|f| f.display().to_string()).collect(),
+            }),
+            Err(finding) => findings.push(*finding),
+        }
+    }
+    print(libraries, &SourceMap::new(), &findings, options)
+}
+
+/// Prints what was built and found.
+fn print(
+    libraries: Vec<Built>,
+    sources: &SourceMap,
+    findings: &[Diagnostic],
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
+    let console = options.console();
     match options.format {
         Format::Json => console.document(&Document {
             schema: schema("build"),
             libraries,
-            findings: json::findings(sources, &findings),
+            findings: json::findings(sources, findings),
         })?,
-        Format::Sarif => console.failed("build", sources, &findings)?,
+        Format::Sarif => console.failed("build", sources, findings)?,
         Format::Human | Format::Short => {
-            console.findings(sources, &findings)?;
+            console.findings(sources, findings)?;
             let mut text = String::new();
             for file in libraries.iter().flat_map(|l| &l.files) {
                 let _ = writeln!(text, "{file}");
@@ -143,10 +211,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             console.result(&text)?;
         }
     }
-    debug_assert!(
-        has_errors(&findings) || planned.iter().all(|p| p.controlled(&checked).is_some())
-    );
-    Ok(options.exit_code(&findings))
+    Ok(options.exit_code(findings))
 }
 
 /// `.linewright` beside a file; in the current folder for the bundled library.

@@ -341,6 +341,11 @@ impl Cache {
         }
     }
 
+    /// Where it is.
+    pub fn folder(&self) -> &std::path::Path {
+        &self.folder
+    }
+
     /// The entry of a key.
     pub fn find(&self, key: &Key) -> Option<Entry> {
         self.read(&format!("entry-{}", key.0))

@@ -1,13 +1,14 @@
 //! The controller of a won game: extracted in the form that was asked for, and verified.
 //!
-//! Where either form will do, a machine is tried for small games only, and given up when it grows. What decides are bits and
-//! nodes: a bound on time would make the form depend on the computer.
+//! Where either form will do, a machine is tried for small games only, and given up when it grows, or when its tables would take much
+//! room in a station library. What decides are bits, nodes and bytes: a bound on time would make the form depend on the computer.
 
 use super::pipeline::{InternalError, Reason};
 use super::statistics::Seconds;
 use crate::game::{Limit, Limits, Preference, Won};
 use crate::gr1::Specification;
 use crate::mealy::{self, Machine, functions::Functions};
+use crate::station::emit::table_bytes;
 use std::time::Instant;
 
 /// A machine is only tried for games that needed at most so many nodes.
@@ -19,6 +20,9 @@ const MACHINE_PAIRS: usize = 48;
 /// Where functions will do, a machine is given up that needs more nodes than this at once, or more pairs of a state and inputs
 /// to be verified.
 const MACHINE_NODES: u64 = 500_000;
+
+/// Where functions will do, a machine is given up whose tables would take more bytes than this.
+const TABLE_BYTES: usize = 256 << 10;
 
 /// What a controller shall be like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -68,6 +72,9 @@ pub fn controller(
         };
         match work.machine(&bounded) {
             Err(Limit::Memory | Limit::Size) => work.functions(limits),
+            Ok(Ok(Controller::Machine(machine))) if table_bytes(&machine) > TABLE_BYTES => {
+                work.functions(limits)
+            }
             done => done,
         }
     };

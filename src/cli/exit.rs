@@ -46,7 +46,7 @@ impl ExitCode {
     }
 
     fn of_error(finding: &Diagnostic) -> Self {
-        const CANNOT_RUN: [codes::Code; 10] = [
+        const CANNOT_RUN: [codes::Code; 13] = [
             codes::FILE_UNREADABLE,
             codes::SYNTAX,
             codes::IMPORT_MISSING,
@@ -57,6 +57,9 @@ impl ExitCode {
             codes::MSVC_MISSING,
             codes::LIBRARY_DAMAGED,
             codes::OUTPUT_UNWRITABLE,
+            codes::PROFILE,
+            codes::DUMP,
+            codes::FILE_KEPT,
         ];
         if CANNOT_RUN.contains(&finding.code) {
             Self::CannotRun

@@ -11,6 +11,7 @@ pub mod completions;
 pub mod console;
 pub mod controller;
 pub mod din;
+pub mod doctor;
 pub mod environment;
 pub mod exit;
 pub mod explain;
@@ -24,6 +25,7 @@ pub mod options;
 pub mod outline;
 pub mod output;
 pub mod pipeline;
+pub mod profiles;
 pub mod proof;
 pub mod run;
 pub mod select;
@@ -74,6 +76,8 @@ pub enum Command {
     Explain(explain::Arguments),
     /// Look things up in DIN 8580 and VDI 2860
     Din(din::Arguments),
+    /// Say what there is for building station libraries, and what a probe has found
+    Doctor(doctor::Arguments),
     /// Print a script that completes commands and options in a shell
     Completions(completions::Arguments),
 }
@@ -119,6 +123,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Import(a) => import::run(a, options),
         Command::Explain(a) => explain::run(a, options),
         Command::Din(a) => din::run(a, options),
+        Command::Doctor(a) => doctor::run(a, options),
         Command::Completions(a) => completions::run(a, options, Arguments::command()),
     }
 }

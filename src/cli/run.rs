@@ -15,6 +15,7 @@ use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::line::{Options, Plant};
 use crate::report;
 use crate::station::load::Library;
+use crate::station::profile::Profile;
 use crate::station::{Controller, Package, Toolchain};
 use clap::Args;
 use rayon::prelude::*;
@@ -177,7 +178,11 @@ fn simulate(
     folder: &Path,
     options: &RunOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
-    let packages: Vec<Package> = machines.par_iter().map(libraries::package).collect();
+    let profile = Profile::assumed();
+    let packages: Vec<Package> = machines
+        .par_iter()
+        .map(|m| libraries::package(m, &profile))
+        .collect();
     let mut findings = Vec::new();
     let mut libraries = Vec::new();
     for built in Toolchain::host().build_all(&packages, folder, options.rebuild) {

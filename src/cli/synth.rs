@@ -13,6 +13,7 @@ use crate::interchange::{self, Target, inquiries};
 use crate::mealy;
 use crate::source::Span;
 use crate::station::emit::controller as c_files;
+use crate::station::structured_text;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -25,7 +26,7 @@ use std::path::PathBuf;
     linewright synth contracts/handling/turn.lw --emit spc
 
 A controller is written only after it was verified against its contract. One with too many states is written as functions; \
-then its forms are json and c. `--emit spc` and `--emit slugsin` write the specification itself, for gr1c and slugs, and need \
+then its forms are json, c, st and plcopen. `--emit spc` and `--emit slugsin` write the specification itself, for gr1c and slugs, and need \
 no controller.")]
 pub struct Arguments {
     /// A file with contracts, and the name of one of them; without a name, all that the file declares. Also a specification of
@@ -72,6 +73,10 @@ pub enum Emit {
     Json,
     /// A header and a source file in C99, without dependencies
     C,
+    /// A function block in Structured Text of IEC 61131-3
+    St,
+    /// The same as PLCopen XML
+    Plcopen,
     /// What `gr1c -t json` writes
     Gr1c,
     /// A drawing for Graphviz
@@ -94,6 +99,8 @@ impl Emit {
         match self {
             Self::Json => "json",
             Self::C => "c",
+            Self::St => "st",
+            Self::Plcopen => "xml",
             Self::Gr1c => "gr1c.json",
             Self::Dot => "dot",
             Self::Svg => "svg",
@@ -152,7 +159,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         // The other forms can only show a machine.
         functions: controllers
             .iter()
-            .all(|e| matches!(e, Emit::Json | Emit::C)),
+            .all(|e| matches!(e, Emit::Json | Emit::C | Emit::St | Emit::Plcopen)),
     });
     let mut indices: Vec<usize> = Vec::new();
     if !controllers.is_empty() {
@@ -220,6 +227,15 @@ fn write_files(
             (format!("{name}.c"), files.source),
         ]);
     }
+    if matches!(emit, Emit::St | Emit::Plcopen) {
+        let block = structured_text::block(controller, specification);
+        let text = match emit {
+            Emit::St => block.to_text(),
+            _ => block.to_plcopen(),
+        };
+        let name = format!("{}.{}", controller.name(), emit.ending());
+        return Ok(vec![(name, text)]);
+    }
     let (name, text) = match controller {
         mealy::Controller::Machine(machine) => {
             (&machine.name, write(emit, machine, specification)?)
@@ -232,7 +248,9 @@ fn write_files(
             let name = &functions.name;
             let message = format!("the controller of `{name}` has too many states for this form");
             let finding = Diagnostic::error(codes::GAVE_UP, span, message);
-            return Err(Box::new(finding.with_help("use --emit json or --emit c")));
+            return Err(Box::new(
+                finding.with_help("use --emit json, c, st or plcopen"),
+            ));
         }
     };
     Ok(vec![(format!("{name}.{}", emit.ending()), text)])

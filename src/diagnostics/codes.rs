@@ -83,7 +83,16 @@ codes! {
     LIBRARY_CALL = "LW505", "a station library answered with an error";
     CROSS_COMPILER_MISSING = "LW506", "no C compiler for Windows was found";
     MSVC_MISSING = "LW507", "Microsoft's compiler was not found";
+
     UNIT_WITHOUT_BINARY = "LW530", "an FMI unit lacks a binary";
+
+    PROFILE = "LW540", "a profile of UF_Value is wrong";
+    PROFILE_UNVERIFIED = "LW541", "a profile of UF_Value is unverified";
+    PROFILE_FOREIGN = "LW542", "a station library is built for another layout of UF_Value";
+    DUMP = "LW543", "a probe's dump is damaged or incomplete";
+    LAYOUT_OPEN = "LW544", "a probe's dump does not determine the layout of UF_Value";
+    LAYOUT_REFUTED = "LW545", "the host did not read back what was returned";
+    FILE_KEPT = "LW546", "a file is already there and differs";
 }
 
 /// The code of an id such as `LW101`, in either case.

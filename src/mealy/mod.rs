@@ -127,6 +127,12 @@ impl Machine {
         self.initial.len() + self.states.iter().map(Vec::len).sum::<usize>()
     }
 
+    /// A guard as a disjunction of conjunctions, put together for reading: of every conjunction the values of each input, as
+    /// ascending intervals with gaps between them.
+    pub fn guard_values(&self, guard: &Guard) -> Vec<Vec<Vec<(i64, i64)>>> {
+        text::guard_values(self, &[guard])
+    }
+
     /// A guard as a person reads it: `command = turn & desired = 3 | command != turn`.
     pub fn show_guard(&self, guard: &Guard) -> String {
         if guard.0.is_empty() {

@@ -7,18 +7,24 @@ use super::{Cube, Guard, Machine, Port};
 use crate::gr1::{Domain, shown};
 
 /// Values of one input: ascending intervals with gaps between them.
-type Values = Vec<(i64, i64)>;
+pub type Values = Vec<(i64, i64)>;
 
 /// Guards of more cubes than this are left as they are: putting together takes cubic time.
 const MOST_CUBES: usize = 200;
 
-/// A disjunction of conjunctions of tests; an empty conjunction is `true`.
-pub fn guard_parts(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<String>> {
+/// A disjunction of conjunctions: of every cube the values of each input.
+pub fn guard_values(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<Values>> {
     let cubes = guards.iter().flat_map(|g| &g.0);
     let mut cubes: Vec<Vec<Values>> = cubes.map(|c| values(machine, c)).collect();
     if cubes.len() <= MOST_CUBES {
         while put_together(&mut cubes) {}
     }
+    cubes
+}
+
+/// A disjunction of conjunctions of tests; an empty conjunction is `true`.
+pub fn guard_parts(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<String>> {
+    let cubes = guard_values(machine, guards);
     let show = |cube: Vec<Values>| -> Vec<String> {
         let pairs = machine.inputs.iter().zip(cube);
         pairs.filter_map(|(p, v)| show_test(p, &v)).collect()

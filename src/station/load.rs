@@ -2,9 +2,11 @@
 //!
 //! An operation is called through the exports that Plant Simulation calls (`instantiate`, `simulate`, `get_real`,
 //! `deinstantiate`), so that what runs in the bundled runner is what ships; a single step, which Plant Simulation has no use
-//! for, goes through `lw_step`. A library is compared with its manifest before it is loaded: loading a truncated one
+//! for, goes through `lw_step`. Arguments are passed in the assumed layout of `UF_Value`, whatever Plant Simulation's may be; a library
+//! that is built with another one is refused. A library is compared with its manifest before it is loaded: loading a truncated one
 //! would end this process.
 
+use super::profile::Profile;
 use super::toolchain::Manifest;
 use super::{CallError, Controller, Error, ErrorCode, Service};
 use serde_json::Value;
@@ -127,7 +129,17 @@ impl Library {
         // SAFETY: the file is byte for byte what our compiler run made of our own C, which has no constructors.
         let library =
             unsafe { libloading::Library::new(absolute) }.map_err(|e| damaged(e.to_string()))?;
-        Self::bind(path, library).map_err(damaged)
+        let library = Self::bind(path, library).map_err(damaged)?;
+        // Nothing but its description has been called yet, and that takes no `UF_Value`.
+        let profile = &library.description["profile"];
+        let own = Profile::assumed().describe();
+        if profile["layout"] != own["layout"] {
+            return Err(Error::ProfileForeign {
+                path: path.to_owned(),
+                profile: format!("profile {}", profile["name"]),
+            });
+        }
+        Ok(library)
     }
 
     fn bind(path: &Path, library: libloading::Library) -> Result<Arc<Self>, String> {
@@ -291,6 +303,28 @@ impl Instance {
         &self.library
     }
 
+    /// Calls `simulate` with an operation and the values of all properties: gives the duration in seconds, and leaves the other results
+    /// in the library.
+    pub fn serve(&mut self, operation: usize, values: &[f64]) -> Result<f64, CallError> {
+        let Ok(index) = i32::try_from(operation) else {
+            return Err(CallError::operation(operation));
+        };
+        // The export is not told how many values there are.
+        if values.len() + 2 != self.library.results.len() {
+            return Err(CallError::value_count());
+        }
+        self.arguments.clear();
+        self.arguments.push(UfValue::integer(self.handle));
+        self.arguments.push(UfValue::integer(index));
+        self.arguments
+            .extend(values.iter().map(|v| UfValue::real(*v)));
+        match call(self.library.simulate, &mut self.arguments) {
+            Answer::Real(seconds) if seconds >= 0.0 => Ok(seconds),
+            Answer::Real(code) => Err(self.library.error(self.handle, code as i32)),
+            _ => Err(unexpected("simulate")),
+        }
+    }
+
     fn result(&mut self, index: usize) -> Result<f64, CallError> {
         let library = &self.library;
         let name = UfValue::string(&library.results[index]);
@@ -305,24 +339,7 @@ impl Instance {
 
 impl Controller for Instance {
     fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Result<Service, CallError> {
-        let library = Arc::clone(&self.library);
-        let Ok(index) = i32::try_from(operation) else {
-            return Err(CallError::operation(operation));
-        };
-        // The export is not told how many values there are.
-        if values.len() + 2 != library.results.len() {
-            return Err(CallError::value_count());
-        }
-        self.arguments.clear();
-        self.arguments.push(UfValue::integer(self.handle));
-        self.arguments.push(UfValue::integer(index));
-        self.arguments
-            .extend(values.iter().map(|v| UfValue::real(*v)));
-        let seconds = match call(library.simulate, &mut self.arguments) {
-            Answer::Real(seconds) if seconds >= 0.0 => seconds,
-            Answer::Real(code) => return Err(library.error(self.handle, code as i32)),
-            _ => return Err(unexpected("simulate")),
-        };
+        let seconds = self.serve(operation, values)?;
         let service = Service {
             seconds,
             joules: self.result(0)?,

@@ -15,6 +15,10 @@ pub mod interpret;
 pub mod load;
 mod messages;
 pub mod package;
+pub mod probe;
+pub mod profile;
+pub mod simtalk;
+pub mod structured_text;
 pub mod toolchain;
 
 use crate::contract::machine::Machine;
@@ -139,6 +143,14 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
+    /// A library speaks another layout of `UF_Value` than the runner.
+    #[error("the station library {} is built with {profile}, whose layout of UF_Value is not the one that the bundled runner passes", path.display())]
+    ProfileForeign {
+        /// The library.
+        path: PathBuf,
+        /// Its profile.
+        profile: String,
+    },
     /// Something could not be written.
     #[error("{} cannot be written: {cause}", path.display())]
     Unwritable {
@@ -175,6 +187,10 @@ impl Error {
             Self::LibraryDamaged { .. } => {
                 (codes::LIBRARY_DAMAGED, "delete it, or run with --rebuild")
             }
+            Self::ProfileForeign { .. } => (
+                codes::PROFILE_FOREIGN,
+                "it is for Plant Simulation alone; `run` builds libraries of its own, and `build` without --profile makes one with the assumed layout",
+            ),
             Self::Unwritable { .. } => (
                 codes::OUTPUT_UNWRITABLE,
                 "choose another folder with --out, or make this one writable",

@@ -1,5 +1,6 @@
 //! A station library before it is compiled: the C files, and the name they get.
 
+use super::profile::{Profile, header};
 use super::{Error, emit};
 use crate::contract::machine::Machine;
 use crate::mealy;
@@ -19,23 +20,22 @@ pub const SUPPORT: [(&str, &str); 6] = [
     ),
 ];
 
-/// The C of one machine.
+/// The C of one machine, or of the probe.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Package {
     /// The machine's name.
     pub name: String,
     /// The machine's name as a file's: `AssemblyCell` is `assembly_cell`.
     pub stem: String,
-    /// The C file to compile; it includes those of [`SUPPORT`].
+    /// The C file to compile; it includes the others.
     pub c_source: String,
+    support: Vec<(&'static str, String)>,
     /// What `station_describe` returns.
     pub description: String,
     /// Of everything that decides how the machine behaves, 64 hexadecimal digits.
     pub contract_hash: String,
     /// Of all files that are compiled, 64 hexadecimal digits.
     pub hash: String,
-    /// What the C file includes: [`SUPPORT`], or what an FMI unit needs.
-    support: &'static [(&'static str, &'static str)],
 }
 
 impl Package {
@@ -44,46 +44,61 @@ impl Package {
     /// # Panics
     /// When they do not belong together.
     pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Self {
-        let emitted = emit::emit(machine, controllers);
-        Self::of_unit(
-            machine,
-            emitted.contract_hash,
-            emitted.description,
-            emitted.source,
-            &SUPPORT,
-        )
+        Self::emit_with(machine, controllers, &Profile::assumed())
     }
 
-    /// The package of a C file that includes these files.
-    pub(super) fn of_unit(
+    /// The same for a layout of `UF_Value` other than the assumed one.
+    ///
+    /// # Panics
+    /// When machine and controllers do not belong together.
+    pub fn emit_with(
         machine: &Machine,
-        contract_hash: String,
-        description: String,
+        controllers: &[mealy::Controller],
+        profile: &Profile,
+    ) -> Self {
+        let emitted = emit::emit(machine, controllers, profile);
+        Self {
+            description: emitted.description,
+            contract_hash: emitted.contract_hash,
+            ..Self::of_files(
+                &machine.name,
+                &file_stem(&machine.name),
+                emitted.source,
+                support(profile),
+            )
+        }
+    }
+
+    /// A package of these files, of which the first is compiled.
+    pub(super) fn of_files(
+        name: &str,
+        stem: &str,
         c_source: String,
-        support: &'static [(&'static str, &'static str)],
+        support: Vec<(&'static str, String)>,
     ) -> Self {
         let mut hash = Sha256::new();
-        let own = ("", c_source.as_str());
-        for (name, text) in std::iter::once(own).chain(support.iter().copied()) {
+        let files = support.iter().map(|(name, text)| (*name, text.as_str()));
+        for (name, text) in std::iter::once(("", c_source.as_str())).chain(files) {
             // Lengths keep two lists of files with the same joined text apart.
             hash.update(format!("{name}:{}\n", text.len()));
             hash.update(text);
         }
         Self {
-            name: machine.name.clone(),
-            stem: file_stem(&machine.name),
+            name: name.to_owned(),
+            stem: stem.to_owned(),
             c_source,
-            description,
-            contract_hash,
-            hash: emit::hex(&hash.finalize()),
             support,
+            description: String::new(),
+            contract_hash: String::new(),
+            hash: emit::hex(&hash.finalize()),
         }
     }
 
     /// All files of the package, by name; the first is the one to compile.
     pub fn files(&self) -> Vec<(String, &str)> {
         let own = (format!("{}.c", self.stem), self.c_source.as_str());
-        let support = self.support.iter().map(|(n, t)| ((*n).to_owned(), *t));
+        let support = self.support.iter();
+        let support = support.map(|(name, text)| ((*name).to_owned(), text.as_str()));
         std::iter::once(own).chain(support).collect()
     }
 
@@ -95,6 +110,14 @@ impl Package {
         }
         Ok(folder.join(format!("{}.c", self.stem)))
     }
+}
+
+/// The files that a machine's own includes: those of [`SUPPORT`], and the layout of `UF_Value`.
+pub fn support(profile: &Profile) -> Vec<(&'static str, String)> {
+    let fixed = SUPPORT
+        .iter()
+        .map(|(name, text)| (*name, (*text).to_owned()));
+    fixed.chain([(header::NAME, profile.to_header())]).collect()
 }
 
 /// Makes a folder and those above it.
@@ -135,7 +158,7 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
 }
 
 /// `AssemblyCell` and `assembly cell` are `assembly_cell`; what is no letter or digit of ASCII becomes `_`.
-fn file_stem(name: &str) -> String {
+pub(super) fn file_stem(name: &str) -> String {
     let mut stem = String::new();
     let mut after_lower = false;
     for c in name.chars() {
@@ -154,11 +177,9 @@ fn file_stem(name: &str) -> String {
         stem.insert_str(0, "m_");
     }
     // Not the name of a file that comes with a package.
-    let mut taken = SUPPORT
-        .iter()
-        .map(|(n, _)| *n)
-        .chain(["fmi.c", "fmi2.c", "fmi3.c"]);
-    if taken.any(|n| n == format!("{stem}.c")) {
+    let names = SUPPORT.iter().map(|(n, _)| *n);
+    let mut names = names.chain(["fmi.c", "fmi2.c", "fmi3.c"]);
+    if names.any(|n| n == format!("{stem}.c")) {
         stem.push('_');
     }
     stem

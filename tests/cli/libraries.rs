@@ -18,6 +18,33 @@ fn no_compiler_on_the_path() {
     assert!(session.path("sources/lamp.c").is_file());
 }
 
+/// Without a compiler for Windows, the message names the two ways to get one; no other compiler is taken.
+#[test]
+fn no_compiler_for_windows() {
+    let session = Session::new();
+    let windows = session.run_with("build lamp.lw --target windows", &[("PATH", "nowhere")]);
+    assert_eq!(windows.code, 2);
+    assert_shown!("windows_missing", windows);
+    // The compilers of this computer do not do.
+    if cfg!(not(windows)) {
+        let msvc = session.run("build lamp.lw --target msvc");
+        assert_eq!(msvc.code, 2);
+        assert_shown!("msvc_missing", msvc);
+    }
+    assert!(!session.path(".linewright").exists(), "nothing was built");
+    // One that is named and not there is not replaced silently by none.
+    let named = [
+        ("PATH", "nowhere"),
+        ("CC_x86_64_pc_windows_gnu", "no-such-compiler"),
+    ];
+    assert_eq!(
+        session
+            .run_with("build lamp.lw --target windows", &named)
+            .code,
+        2
+    );
+}
+
 #[test]
 fn a_compiler_that_fails() {
     let session = Session::new();

@@ -126,3 +126,19 @@ mod interrupts {
         assert!(text(&output).contains(wanted), "{}", text(&output));
     }
 }
+
+/// A machine whose tables would be large becomes functions, wherever these will do.
+#[test]
+fn large_tables_become_functions() {
+    let session = Session::new();
+    for (wires, schema) in [(6, "linewright/machine/1"), (13, "linewright/functions/1")] {
+        let text = format!(
+            "contract Copy {{\n    input x: array[{wires}] of bool\n    output y: array[{wires}] of bool\n\n    guarantee same: always (forall i in 0..{}: y[i] = x[i])\n}}\n",
+            wires - 1
+        );
+        std::fs::write(session.path("copy.lw"), text).expect("a file");
+        let printed = session.run("synth copy.lw");
+        assert_eq!(printed.code, 0, "{}", printed.err);
+        assert!(printed.out.contains(schema), "{wires} wires");
+    }
+}

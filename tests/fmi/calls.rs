@@ -1,6 +1,6 @@
 //! The unit's own library under a plain C host: trajectories, wrong calls, and that the comparison can fail.
 
-use crate::hosts::{build_package, command, host, laboratory, record, run, unpack};
+use crate::hosts::{build_package, host, laboratory, record, run_here, unpack, write};
 use crate::tape::compare;
 use linewright::station::fmi::Version;
 use std::process::Command;
@@ -8,20 +8,13 @@ use std::process::Command;
 #[test]
 fn trajectories_are_the_machines() {
     let folder = tempfile::tempdir().unwrap();
-    let hosts = Version::ALL.map(|v| host("cc", v, folder.path()));
+    let hosts = Version::ALL.map(|v| host(Command::new("cc"), v, folder.path()));
     for (seed, built) in (1..).zip(laboratory()) {
         let version = usize::from(built.unit.version == Version::Three);
         let tape = record(built, 60, 80, seed);
         let library = unpack(built, false, folder.path());
-        let start = Command::new(&hosts[version]);
-        let mut command = command(
-            start,
-            "play",
-            &library,
-            &built.unit,
-            built.machine.step_seconds,
-        );
-        let printed = run(&mut command, &tape.text);
+        let file = write(&tape, folder.path());
+        let printed = run_here(&hosts[version], built, &library, Some(&file));
         let name = format!("{} {:?}", built.machine.name, built.unit.version);
         compare(&tape, &printed, true).unwrap_or_else(|e| panic!("{name}: {e}"));
         println!(
@@ -50,16 +43,9 @@ fn wrong_calls_are_answered() {
         .iter()
         .filter(|b| b.machine.name == "AssemblyCell")
     {
-        let host = host("cc", built.unit.version, folder.path());
+        let host = host(Command::new("cc"), built.unit.version, folder.path());
         let library = unpack(built, false, folder.path());
-        let mut command = command(
-            Command::new(host),
-            "check",
-            &library,
-            &built.unit,
-            built.machine.step_seconds,
-        );
-        let printed = run(&mut command, "");
+        let printed = run_here(&host, built, &library, None);
         assert_eq!(printed, "HOST PASSED\n");
     }
 }
@@ -69,19 +55,12 @@ fn wrong_calls_are_answered() {
 fn a_damaged_table_is_seen() {
     let folder = tempfile::tempdir().unwrap();
     for built in laboratory().iter().filter(|b| b.machine.name == "Printer") {
-        let host = host("cc", built.unit.version, folder.path());
+        let host = host(Command::new("cc"), built.unit.version, folder.path());
         let tape = record(built, 20, 60, 5);
         let played = |package: &linewright::station::Package| {
             let library = build_package(package, folder.path());
-            let start = Command::new(&host);
-            let mut command = command(
-                start,
-                "play",
-                &library,
-                &built.unit,
-                built.machine.step_seconds,
-            );
-            compare(&tape, &run(&mut command, &tape.text), true)
+            let file = write(&tape, folder.path());
+            compare(&tape, &run_here(&host, built, &library, Some(&file)), true)
         };
         let mut package = built.unit.package.clone();
         assert_eq!(played(&package), Ok(()), "the unit as it is");

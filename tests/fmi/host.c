@@ -1,7 +1,7 @@
 /* A host for FMI units, in plain C: plays a tape, or makes every call wrong that can be wrong.
  *
  *     cc -DFMI=2 host.c -o host -ldl         (and -DFMI=3; with a compiler for Windows as well)
- *     host play LIBRARY TOKEN STEP < tape
+ *     host play LIBRARY TOKEN STEP TAPE
  *     host check LIBRARY TOKEN STEP
  *
  * `tape.rs` says what a tape is. Exit codes through Wine are not to be trusted: what went well ends with `HOST PASSED`. */
@@ -245,7 +245,7 @@ static void rewrite(void *c, void **state)
     *state = other;
 }
 
-static void play(const char *token)
+static void play(const char *token, FILE *tape)
 {
     static vr_t watched[2000];
     static char types[2000];
@@ -257,7 +257,7 @@ static void play(const char *token)
     int n;
     uint64_t bits;
     int64_t whole;
-    while (fgets(line, sizeof line, stdin) != NULL) {
+    while (fgets(line, sizeof line, tape) != NULL) {
         void *c = instances[now];
         if (sscanf(line, "watch %u %c", &reference, &type) == 2) {
             watched[count] = reference;
@@ -525,12 +525,15 @@ static void check(const char *token)
 
 int main(int argc, char **argv)
 {
-    if (argc != 5) { fail("arguments: play|check LIBRARY TOKEN STEP"); }
+    if (argc < 5) { fail("arguments: play|check LIBRARY TOKEN STEP [TAPE]"); }
     load(argv[2]);
     if (library == NULL) { fail("the library cannot be loaded"); }
     step_size = strtod(argv[4], NULL);
     if (strcmp(argv[1], "play") == 0) {
-        play(argv[3]);
+        FILE *tape = argc == 6 ? fopen(argv[5], "r") : NULL;
+        if (tape == NULL) { fail("the tape cannot be read"); }
+        play(argv[3], tape);
+        fclose(tape);
     } else {
         check(argv[3]);
     }

@@ -1,15 +1,17 @@
 //! The units of the laboratory's machines, built once, and the hosts that step them.
 
 use crate::laboratory::{Controlled, machines};
+use crate::support::programs;
 use crate::tape::{self, Tape};
 use linewright::contract::machine::Machine;
 use linewright::mealy;
 use linewright::station::fmi::{self, Unit, Version};
 use linewright::station::{Package, Toolchain};
-use std::io::{Read as _, Write as _};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 
 /// A unit in its archive.
 pub struct Built {
@@ -93,14 +95,15 @@ pub fn unpack(built: &Built, windows: bool, folder: &Path) -> PathBuf {
 }
 
 /// The C host for a version, compiled by this compiler.
-pub fn host(compiler: &str, version: Version, folder: &Path) -> PathBuf {
+pub fn host(mut compiler: Command, version: Version, folder: &Path) -> PathBuf {
     let number = match version {
         Version::Two => 2,
         Version::Three => 3,
     };
     let path = folder.join(format!("host{number}.exe"));
     let source = crate::support::root().join("tests/fmi/host.c");
-    let output = Command::new(compiler)
+    let windows = compiler.get_program() != "cc";
+    let output = compiler
         .args([
             "-std=gnu99",
             "-O1",
@@ -112,11 +115,11 @@ pub fn host(compiler: &str, version: Version, folder: &Path) -> PathBuf {
         .arg(source)
         .arg("-o")
         .arg(&path)
-        .args(["-lm"])
-        .args(if compiler.contains("mingw") {
-            &["-D__USE_MINGW_ANSI_STDIO=1"][..]
+        .arg("-lm")
+        .arg(if windows {
+            "-D__USE_MINGW_ANSI_STDIO=1"
         } else {
-            &["-ldl"]
+            "-ldl"
         })
         .output()
         .expect("the compiler starts");
@@ -125,39 +128,37 @@ pub fn host(compiler: &str, version: Version, folder: &Path) -> PathBuf {
     path
 }
 
-/// What a program prints when it gets this text.
-pub fn run(command: &mut Command, input: &str) -> String {
-    let mut child = command
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("the host starts");
-    let mut stdin = child.stdin.take().expect("a pipe");
-    let input = input.to_owned();
-    let writer = std::thread::spawn(move || {
-        // A host that fails reads no further.
-        let _ = stdin.write_all(input.as_bytes());
-    });
-    let output = child.wait_with_output().expect("the host ends");
-    writer.join().expect("the tape was written");
-    String::from_utf8_lossy(&output.stdout).replace('\r', "")
+/// As long as a host may take on a busy computer.
+pub const PATIENCE: Duration = Duration::from_secs(300);
+
+/// What a program prints.
+pub fn run(command: &mut Command) -> String {
+    let finished = programs::run(command, PATIENCE);
+    print!("{}", finished.errors);
+    finished.output
 }
 
-/// The command that plays a tape, or checks the calls, on a library.
-pub fn command(
-    mut start: Command,
-    what: &str,
-    library: impl AsRef<std::ffi::OsStr>,
-    unit: &Unit,
-    step_seconds: f64,
-) -> Command {
-    start
-        .arg(what)
-        .arg(library)
-        .arg(&unit.token)
-        .arg(format!("{step_seconds:?}"));
-    start
+/// Writes a tape to a file.
+pub fn write(tape: &Tape, folder: &Path) -> PathBuf {
+    let path = folder.join("tape");
+    std::fs::write(&path, &tape.text).expect("a file");
+    path
+}
+
+/// The arguments of the C host: to play a tape, or to check the calls.
+pub fn arguments(built: &Built, library: String, tape: Option<String>) -> Vec<String> {
+    let what = if tape.is_some() { "play" } else { "check" };
+    let step = format!("{:?}", built.machine.step_seconds);
+    let mut arguments = vec![what.to_owned(), library, built.unit.token.clone(), step];
+    arguments.extend(tape);
+    arguments
+}
+
+/// What the C host prints on this computer.
+pub fn run_here(host: &Path, built: &Built, library: &Path, tape: Option<&Path>) -> String {
+    let tape = tape.map(|t| t.display().to_string());
+    let arguments = arguments(built, library.display().to_string(), tape);
+    run(Command::new(host).args(arguments))
 }
 
 /// A tape of a unit, with the chances for all that may happen.

@@ -32,6 +32,22 @@ fn no_machine_of_the_line_has_a_warning() {
     }
 }
 
+/// The tables of what ships are small: a whole machine's object code stays under a mebibyte, places for instances aside.
+#[test]
+fn explicit_machines_are_small() {
+    let folder = tempfile::tempdir().unwrap();
+    for controlled in machines() {
+        let package = Package::emit(&controlled.machine, &controlled.controllers);
+        let file = package.write_source(folder.path()).unwrap();
+        for level in ["-O0", "-O2"] {
+            compile("cc", &file, level).unwrap_or_else(|e| panic!("{e}"));
+            let object = std::fs::metadata(file.with_extension("o")).unwrap().len();
+            println!("{} {level}: {object} bytes", package.name);
+            assert!(object < 1 << 20, "{} {level}: {object} bytes", package.name);
+        }
+    }
+}
+
 fn compile(compiler: &str, file: &std::path::Path, level: &str) -> Result<(), String> {
     let output = Command::new(compiler)
         .args(["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror"])

@@ -24,39 +24,45 @@ pub struct Controlled {
 pub fn machines() -> &'static [Controlled] {
     static MACHINES: OnceLock<Vec<Controlled>> = OnceLock::new();
     MACHINES.get_or_init(|| {
-        let mut done: Vec<(Arc<Specification>, mealy::Machine)> = Vec::new();
-        let mut machines: Vec<Controlled> = Vec::new();
-        for path in LINES {
-            let file = crate::support::root().join(path).display().to_string();
-            let loaded = files::load(&[file], &StandardLibrary::default());
-            assert!(
-                !has_errors(&loaded.findings),
-                "{path}: {:?}",
-                loaded.findings
-            );
-            let [line] = loaded.library.lines.as_slice() else {
-                panic!("{path} declares one line");
-            };
-            for machine in of_line(line) {
-                if machines.iter().any(|m| m.machine.name == machine.name) {
-                    continue;
-                }
-                let controllers = machine.components.iter();
-                let controllers = controllers
-                    .map(|c| controller(&c.specification, &mut done).into())
-                    .collect();
-                machines.push(Controlled {
-                    machine: Arc::clone(machine),
-                    controllers: Arc::new(controllers),
-                });
-            }
-        }
+        let machines = of_lines(&LINES);
         let mut names: Vec<&str> = machines.iter().map(|m| m.machine.name.as_str()).collect();
         names.sort_unstable();
         let wanted = ["AssemblyCell", "Belt", "Milling", "Printer", "QualityCheck"];
         assert_eq!(names, wanted);
         machines
     })
+}
+
+/// Every machine of some lines, each once, by the order of their places.
+pub fn of_lines(paths: &[&str]) -> Vec<Controlled> {
+    let mut done: Vec<(Arc<Specification>, mealy::Machine)> = Vec::new();
+    let mut machines: Vec<Controlled> = Vec::new();
+    for path in paths {
+        let file = crate::support::root().join(path).display().to_string();
+        let loaded = files::load(&[file], &StandardLibrary::default());
+        assert!(
+            !has_errors(&loaded.findings),
+            "{path}: {:?}",
+            loaded.findings
+        );
+        let [line] = loaded.library.lines.as_slice() else {
+            panic!("{path} declares one line");
+        };
+        for machine in of_line(line) {
+            if machines.iter().any(|m| m.machine.name == machine.name) {
+                continue;
+            }
+            let controllers = machine.components.iter();
+            let controllers = controllers
+                .map(|c| controller(&c.specification, &mut done).into())
+                .collect();
+            machines.push(Controlled {
+                machine: Arc::clone(machine),
+                controllers: Arc::new(controllers),
+            });
+        }
+    }
+    machines
 }
 
 /// The same machine with certified functions for each of its components.

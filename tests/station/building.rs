@@ -3,6 +3,7 @@
 use crate::fixtures;
 use linewright::diagnostics::codes;
 use linewright::station::load::Library;
+use linewright::station::profile::{Encoding, Profile};
 use linewright::station::{Controller, Error, Package, Toolchain};
 use std::path::Path;
 use std::process::Command;
@@ -38,19 +39,35 @@ fn emitted_c_has_no_warnings() {
         .into_iter()
         .filter(|c| Command::new(c).arg("--version").output().is_ok())
         .collect();
+    let mut packed = Profile::assumed();
+    packed.layout.size = 12;
+    packed.layout.packing = 4;
+    packed.layout.value = 4;
+    packed.layout.strings = Encoding::Windows1252;
+    packed.layout.tag.boolean = Some(7);
+    let mut wide = Profile::assumed();
+    wide.layout.integer_bits = 64;
+    wide.layout.strings = Encoding::Utf16;
+    wide.layout.tag.bits = 64;
+    wide.layout.tag.more_real = vec![8, 9];
+    let mut narrow = Profile::assumed();
+    narrow.layout.integer_bits = 16;
+    narrow.layout.strings = Encoding::Latin1;
+    narrow.layout.tag.bits = 8;
     let variants = [
-        ["-O2", "-DNOTHING"],
-        ["-O0", "-DLW_UF_INTEGER=int64_t"],
-        ["-O0", "-DLW_UF_PACKING=4"],
+        ("-O2", Profile::assumed()),
+        ("-O0", packed),
+        ("-O0", wide),
+        ("-O1", narrow),
     ];
     for (machine, controllers) in [fixtures::manipulator(), fixtures::belt()] {
-        let package = Package::emit(&machine, &controllers);
-        let file = package.write_source(folder.path()).unwrap();
         for compiler in &compilers {
-            for variant in variants {
+            for (variant, profile) in &variants {
+                let package = Package::emit_with(&machine, &controllers, profile);
+                let file = package.write_source(folder.path()).unwrap();
                 let output = Command::new(compiler)
                     .args(["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror"])
-                    .args(variant)
+                    .arg(variant)
                     .args(["-fPIC", "-c"])
                     .arg(&file)
                     .arg("-o")

@@ -45,6 +45,15 @@ fn as_real(v: Value) -> f64 {
     f64::from_bits(v.bits)
 }
 
+/// A text of a library that is still loaded; 15 more calls may come before it is read.
+fn as_string(v: Value) -> String {
+    assert_eq!(v.tag, 3, "a string");
+    // SAFETY: the library keeps a text that it returned for the next 15.
+    unsafe { CStr::from_ptr(v.bits as *const c_char) }
+        .to_string_lossy()
+        .into_owned()
+}
+
 struct Host(libloading::Library);
 
 impl Host {
@@ -71,12 +80,7 @@ impl Host {
         as_integer(self.call("instantiate", &mut []))
     }
     fn last_error(&self, handle: i32) -> String {
-        let answer = self.call("last_error", &mut [integer(handle)]);
-        assert_eq!(answer.tag, 3);
-        // SAFETY: a text of the library, which stays until the next call.
-        unsafe { CStr::from_ptr(answer.bits as *const c_char) }
-            .to_string_lossy()
-            .into_owned()
+        as_string(self.call("last_error", &mut [integer(handle)]))
     }
     fn simulate(&self, handle: Value, operation: Value, values: [Value; 3]) -> f64 {
         as_real(self.call(
@@ -151,6 +155,82 @@ fn handles_are_checked() {
         assert_eq!(as_integer(host.call("reset", &mut [integer(dead)])), -1);
     }
     assert!(host.simulate(integer(handle), integer(0), good) > 0.0);
+}
+
+#[test]
+fn results_are_read_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let host = Host::new(&fixtures::manipulator(), folder.path());
+    let handle = host.instantiate();
+    let get = |how: &str, name: &CStr| host.call(how, &mut [integer(handle), string(name)]);
+    let words = |name: &CStr| as_string(get("get_string", name));
+    let whole = |name: &CStr| as_integer(get("get_integer", name));
+    // Before anything has happened.
+    assert_eq!((whole(c"verdict"), words(c"verdict").as_str()), (0, "ok"));
+    for name in [c"time", c"energy", c"steps", c"angle"] {
+        assert_eq!(as_integer(get("get_real", name)), -2);
+    }
+    assert!(host.last_error(handle).contains("no operation has ended"));
+    assert_eq!(whole(c"output.turn.angle"), -2);
+    assert!(host.last_error(handle).contains("no step has been made"));
+
+    let seconds = host.simulate(integer(handle), integer(0), GOOD.map(real));
+    assert!(seconds > 0.0);
+    for name in [c"time", c"seconds"] {
+        assert!(as_real(get("get_real", name)) == seconds);
+    }
+    let energy = as_real(get("get_real", c"energy"));
+    assert!(energy > 0.0 && energy == as_real(get("get_real", c"joules")));
+    let steps = whole(c"steps");
+    assert!(steps > 0 && as_real(get("get_real", c"steps")) == f64::from(steps));
+    assert_eq!(words(c"steps"), steps.to_string());
+    // What is no whole number has no integer.
+    assert_eq!(whole(c"time"), -2);
+    assert!(host.last_error(handle).contains("ask get_real"));
+    let output = whole(c"output.turn.angle");
+    assert!(as_real(get("get_real", c"output.turn.angle")) == f64::from(output));
+
+    // A refusal has a verdict and a rule, and leaves the results of the last operation that ended.
+    assert!(host.simulate(integer(handle), integer(0), [90.0, 0.0, 0.3].map(real)) == -5.0);
+    assert_eq!(
+        (whole(c"verdict"), words(c"verdict").as_str()),
+        (-5, "assumption")
+    );
+    assert_eq!(words(c"rule"), "turn: gripped");
+    assert!(as_real(get("get_real", c"time")) == seconds);
+    assert!(host.simulate(integer(handle), string(c"nothing"), GOOD.map(real)) == -4.0);
+    assert_eq!(
+        (words(c"verdict").as_str(), words(c"rule").as_str()),
+        ("operation", "")
+    );
+    // Names that there are not, one longer than what is kept of it.
+    let long = std::ffi::CString::new("\u{e4}".repeat(200)).unwrap();
+    for name in [c"nothing", c"output.nothing", c"property.", &long] {
+        assert_eq!(whole(name), -2);
+        assert!(
+            host.last_error(handle).starts_with("there is no result `"),
+            "{name:?}"
+        );
+    }
+    assert!(host.last_error(handle).ends_with("...`"));
+}
+
+/// A text that was returned is left alone by the next calls.
+#[test]
+fn texts_stay_for_a_while() {
+    let folder = tempfile::tempdir().unwrap();
+    let host = Host::new(&fixtures::manipulator(), folder.path());
+    let handle = host.instantiate();
+    host.simulate(integer(handle), integer(7), GOOD.map(real));
+    let first = host.call("last_error", &mut [integer(handle)]);
+    for other in 8..22 {
+        host.simulate(integer(handle), integer(other), GOOD.map(real));
+        assert_eq!(
+            host.last_error(handle),
+            format!("there is no operation {other}")
+        );
+    }
+    assert_eq!(as_string(first), "there is no operation 7");
 }
 
 #[test]

@@ -124,7 +124,8 @@ fn number(random: &mut Random, depth: u32) -> Expr {
 /// Compiles one file with all warnings as errors, runs it, gives its lines.
 fn run(source: &str) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
-    for (name, text) in linewright::station::package::SUPPORT {
+    let profile = linewright::station::profile::Profile::assumed();
+    for (name, text) in linewright::station::package::support(&profile) {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
     let file = folder.path().join("expressions.c");

@@ -1,9 +1,12 @@
 //! What several test files need: the built program, a folder to run it in, and a way to skip honestly.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
+pub mod programs;
+pub mod wine;
+
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 /// The built program.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_linewright");
@@ -38,6 +41,18 @@ pub fn linewright(folder: &Path, arguments: &[&str]) -> Output {
         .env("NO_COLOR", "1")
         .output()
         .expect("the program starts")
+}
+
+/// Python with a module installed: what `LINEWRIGHT_PYTHON` names, else the one on the PATH.
+pub fn python(module: &str) -> Option<Command> {
+    let named = std::env::var_os("LINEWRIGHT_PYTHON");
+    let candidates = named.into_iter().chain(["python3".into(), "python".into()]);
+    candidates.into_iter().find_map(|python| {
+        let mut trial = Command::new(&python);
+        trial.args(["-c", &format!("import {module}")]);
+        let output = trial.stdin(Stdio::null()).output().ok()?;
+        output.status.success().then(|| Command::new(&python))
+    })
 }
 
 /// A new folder with copies of `contracts` and `examples`, without what was built there.
@@ -89,86 +104,27 @@ pub fn files_named(name: &str) -> Vec<PathBuf> {
     found
 }
 
-/// Wine, with a prefix of its own.
-pub struct Wine {
-    program: PathBuf,
-    prefix: PathBuf,
-}
-
-impl Wine {
-    /// A Windows program under Wine. Its exit code is not to be trusted: what it prints is.
-    pub fn command(&self, program: &Path) -> Command {
-        let mut command = Command::new(&self.program);
-        command
-            .arg(program)
-            .env("WINEPREFIX", &self.prefix)
-            .env("WINEDEBUG", "-all")
-            .env_remove("DISPLAY");
-        command
-    }
-
-    /// A file as Windows programs name it. Wine looks for relative ones in other places.
-    pub fn path(file: &Path) -> String {
-        format!("Z:{}", file.display().to_string().replace('/', "\\"))
-    }
-}
-
-/// Wine for 64-bit programs, on the PATH or where Debian puts it; `None`, and a word about it, where it is not there.
-pub fn wine() -> Option<Wine> {
-    let on_path = std::env::var_os("PATH").unwrap_or_default();
-    let places = std::env::split_paths(&on_path).map(|folder| folder.join("wine64"));
-    let usual = ["/usr/lib/wine/wine64", "/opt/wine-stable/bin/wine64"].map(PathBuf::from);
-    let Some(program) = places.chain(usual).find(|p| p.is_file()) else {
-        skip(
-            "wine",
-            "there is no wine64 (Debian: apt-get install wine64)",
-        );
-        return None;
-    };
-    let prefix = Path::new(env!("CARGO_TARGET_TMPDIR")).join("wine");
-    std::fs::create_dir_all(&prefix).expect("a folder");
-    Some(Wine { program, prefix })
-}
-
-/// MinGW's compiler for 64-bit Windows; `None`, and a word about it, where it is not there.
-pub fn mingw() -> Option<String> {
-    let compiler = "x86_64-w64-mingw32-gcc";
-    if Command::new(compiler).arg("--version").output().is_ok() {
-        return Some(compiler.to_owned());
-    }
-    skip(
-        "mingw",
-        "there is no x86_64-w64-mingw32-gcc (Debian: apt-get install gcc-mingw-w64-x86-64)",
-    );
-    None
-}
-
-/// A Python interpreter.
-pub struct Python(String);
-
-impl Python {
-    /// A script of the repository.
-    pub fn command(&self, script: &Path) -> Command {
-        let mut command = Command::new(&self.0);
-        command.arg(script).env("PYTHONDONTWRITEBYTECODE", "1");
-        command
-    }
-}
-
-/// The Python that `LINEWRIGHT_PYTHON` names, else `python3`, if it has this package; `None`, and a word about it, where not.
-pub fn python_with(package: &str) -> Option<Python> {
-    let python = std::env::var("LINEWRIGHT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let trial = Command::new(&python)
-        .args(["-c", &format!("import {package}")])
+/// The Python that has a module: `LINEWRIGHT_PYTHON`, or else `python3` on the PATH. Without one the test is skipped for the want of
+/// `what`.
+pub fn python_with(what: &str, module: &str) -> Option<PathBuf> {
+    let python = std::env::var_os("LINEWRIGHT_PYTHON").unwrap_or_else(|| "python3".into());
+    let python = PathBuf::from(python);
+    let imported = Command::new(&python)
+        .args(["-c", &format!("import {module}")])
         .output();
-    if trial.is_ok_and(|t| t.status.success()) {
-        return Some(Python(python));
+    match imported {
+        Ok(output) if output.status.success() => Some(python),
+        Ok(_) => {
+            let why = format!("{} has no module {module}", python.display());
+            skip(what, &why);
+            None
+        }
+        Err(error) => {
+            skip(
+                what,
+                &format!("{} does not start: {error}", python.display()),
+            );
+            None
+        }
     }
-    skip(
-        package,
-        &format!(
-            "`{python}` has no package {package} (pip install {package}; LINEWRIGHT_PYTHON names another Python)"
-        ),
-    );
-    None
 }

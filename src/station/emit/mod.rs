@@ -15,6 +15,7 @@ pub(super) mod text;
 use crate::contract::machine::{Machine, PlantSource, RealExpr};
 use crate::gr1::{Domain, Timing, VarId};
 use crate::mealy;
+use crate::station::profile::Profile;
 use component::Emitter;
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
@@ -38,7 +39,7 @@ pub struct Emitted {
 ///
 /// # Panics
 /// When they do not belong together.
-pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Emitted {
+pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Profile) -> Emitted {
     super::assert_fit(machine, controllers);
     let wires = wire_names(machine);
     let mut emitters = Vec::new();
@@ -62,7 +63,7 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Emitted {
     let sizes = sizes(machine, first_value, first_justice, signals);
     let body = body(machine, &emitters, &wires);
     let hash = hex(&Sha256::digest(format!("{sizes}{body}")));
-    let description = describe::describe(machine, &hash);
+    let description = describe::describe(machine, &hash, profile);
     // 1 to 1023: no handle is 0, and those of two machines hardly ever agree.
     let mark = u64::from_str_radix(&hash[..8], 16).unwrap_or(0) % 1023 + 1;
     let name = comment(&machine.name);
@@ -84,6 +85,12 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Emitted {
         contract_hash: hash,
         description,
     }
+}
+
+/// How many bytes of tables a machine takes in a station library, without names and formulas: what decides whether it had better be
+/// functions.
+pub fn table_bytes(machine: &mealy::Machine) -> usize {
+    splits::Decisions::of(machine).bytes()
 }
 
 /// The sizes of all tables; the signals are those of the largest component that is functions.

@@ -93,6 +93,14 @@ impl Decisions {
     }
 }
 
+impl Decisions {
+    /// How many bytes the emitted tables take, where values need four bytes.
+    pub fn bytes(&self) -> usize {
+        let answers: usize = self.answers.iter().map(Vec::len).sum();
+        16 * self.splits.len() + 8 * self.leaves.len() + 4 * (answers + 2 * self.places.len())
+    }
+}
+
 #[derive(Default)]
 struct Work {
     splits: Vec<Split>,

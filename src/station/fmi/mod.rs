@@ -16,6 +16,8 @@ mod units;
 pub mod variables;
 
 use super::interpret::Interpreter;
+use super::package::file_stem;
+use super::profile::Profile;
 use super::toolchain::Platform;
 use super::{Controller as _, Error, Package, Toolchain, emit};
 use crate::contract::machine::{Machine, PlantSource};
@@ -113,7 +115,7 @@ impl Unit {
     /// # Panics
     /// When they do not belong together.
     pub fn emit(machine: &Machine, controllers: &[mealy::Controller], version: Version) -> Self {
-        let emitted = emit::emit(machine, controllers);
+        let emitted = emit::emit(machine, controllers, &Profile::assumed());
         let first = first_operation(machine, controllers);
         let tables = tables::tables(machine, first);
         let mut hash = Sha256::new();
@@ -121,16 +123,16 @@ impl Unit {
             hash.update(text);
         }
         let token = token(&emit::hex(&hash.finalize()));
+        let support = version.support().iter();
+        let support = support.map(|(name, text)| (*name, (*text).to_owned()));
+        let source = tables::source(machine, &emitted.unit, &tables, &token, version);
+        let stem = file_stem(&machine.name);
+        let mut package = Package::of_files(&machine.name, &stem, source, support.collect());
+        package.contract_hash = emitted.contract_hash;
         Self {
             version,
             interface: Interface::of(machine, first),
-            package: Package::of_unit(
-                machine,
-                emitted.contract_hash,
-                emitted.description,
-                tables::source(machine, &emitted.unit, &tables, &token, version),
-                version.support(),
-            ),
+            package,
             token,
             name: machine.name.clone(),
             doc: machine.doc.clone(),

@@ -46,6 +46,8 @@ pub struct Compiler {
     program: PathBuf,
     /// What stands before all other arguments.
     first: Vec<OsString>,
+    /// How many of them belong to its name: `cc` of `zig cc`.
+    named: usize,
     environment: Vec<(OsString, OsString)>,
 }
 
@@ -108,6 +110,7 @@ impl Compiler {
         Self {
             program,
             first: first.iter().map(OsString::from).collect(),
+            named: first.len(),
             environment: Vec::new(),
         }
     }
@@ -152,6 +155,7 @@ impl Compiler {
         Self {
             program: tool.path().to_owned(),
             first: tool.args().to_vec(),
+            named: 0,
             environment: tool
                 .get_envs()
                 .map(|(k, v)| (k.to_owned(), v.to_owned()))
@@ -168,9 +172,14 @@ impl Compiler {
         command
     }
 
+    /// The program's path, as far as it is found on the PATH.
+    pub fn program(&self) -> PathBuf {
+        on_path(self.program.as_os_str()).unwrap_or_else(|| self.program.clone())
+    }
+
     /// What is started, as a person would write it.
     pub fn show(&self) -> String {
-        let first = self.first.iter().map(|a| a.to_string_lossy());
+        let first = self.first[..self.named].iter().map(|a| a.to_string_lossy());
         let program = self.program.display().to_string();
         let words: Vec<_> = std::iter::once(program.into()).chain(first).collect();
         words.join(" ")
@@ -197,6 +206,11 @@ impl CrossCompiler {
             Self::Zig => "zig cc",
             Self::PythonZig => "python3 -m ziglang cc",
         }
+    }
+
+    /// Whether it is looked for without being named.
+    pub fn is_usual(self) -> bool {
+        self != Self::Named
     }
 
     /// Whether it is there; nothing is compiled.

@@ -16,6 +16,7 @@
 
 pub mod compiler;
 mod manifest;
+pub mod survey;
 
 use super::package::{Package, create_folder, write};
 use super::{Error, emit};

@@ -1,0 +1,199 @@
+//! `linewright doctor`: what there is on this computer for building station libraries, and what a probe has found.
+//!
+//! Exit code 0: this computer can do the main job, which needs a C compiler for itself. A compiler for Windows is one more thing
+//! that may be missing: a warning, and the way out. 2 without a C compiler.
+
+mod probe;
+
+use super::cache::Cache;
+use super::console::schema;
+use super::exit::ExitCode;
+use super::options::{Format, GlobalOptions};
+use super::profiles;
+use crate::diagnostics::{Diagnostic, codes, has_errors, json};
+use crate::source::SourceMap;
+use crate::station::profile::Profile;
+use crate::station::toolchain::survey::{self, Found, Survey};
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// The arguments of `doctor`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright doctor
+    linewright doctor --format json
+
+With the dump that the probe has left (`build --probe`), the layout of UF_Value is read from it:
+
+    $ linewright doctor --probe linewright_probe.dll.dump.txt --out plant-simulation.toml
+
+Exit codes: 0 libraries for this computer can be built, or the layout was found; 1 the dump does not say the layout, \
+or refutes it; 2 there is no C compiler, or a file cannot be read.")]
+pub struct Arguments {
+    /// Read the layout of UF_Value from this dump of the probe
+    #[arg(long, value_name = "FILE")]
+    pub probe: Option<PathBuf>,
+    /// Write the profile to this file; one that is there and differs is kept
+    #[arg(long, value_name = "FILE", requires = "probe")]
+    pub out: Option<PathBuf>,
+    /// Show this profile of UF_Value instead of the assumed one
+    #[arg(long, value_name = "FILE", conflicts_with = "probe")]
+    pub profile: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: String,
+    c_compiler: Option<&'a Found>,
+    windows_compilers: Vec<Entry<'a>>,
+    windows: bool,
+    wine: Option<&'a Found>,
+    python: Option<&'a Found>,
+    python_packages: &'a [&'static str],
+    profile: Option<serde_json::Value>,
+    cache: Option<String>,
+    libraries: &'static str,
+    findings: Vec<json::Finding>,
+}
+
+#[derive(Serialize)]
+struct Entry<'a> {
+    name: &'static str,
+    found: Option<&'a Found>,
+}
+
+/// Where `build` and `run` put libraries.
+const LIBRARIES: &str = ".linewright beside the file that is built, or --out";
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    if let Some(dump) = &arguments.probe {
+        return probe::run(dump, arguments.out.as_deref(), options);
+    }
+    let console = options.console();
+    let mut sources = SourceMap::new();
+    let mut findings = Vec::new();
+    let profile = match profiles::load(arguments.profile.as_deref(), &mut sources) {
+        Ok(profile) => {
+            findings.extend(profiles::caution(&profile));
+            Some(profile)
+        }
+        Err(found) => {
+            findings.extend(found);
+            None
+        }
+    };
+    let survey = survey::survey();
+    if let Err(error) = &survey.host {
+        findings.push(error.to_diagnostic());
+    }
+    if survey.windows().is_none() {
+        findings.push(no_windows());
+    }
+    match options.format {
+        Format::Json => console.document(&Document {
+            schema: schema("doctor"),
+            c_compiler: survey.host.as_ref().ok(),
+            windows_compilers: survey
+                .cross
+                .iter()
+                .map(|(kind, found)| Entry {
+                    name: kind.name(),
+                    found: found.as_ref(),
+                })
+                .collect(),
+            windows: survey.windows().is_some(),
+            wine: survey.wine.as_ref(),
+            python: survey.python.as_ref(),
+            python_packages: &survey.packages,
+            profile: profile.as_ref().map(Profile::describe),
+            cache: cache_folder(),
+            libraries: LIBRARIES,
+            findings: json::findings(&sources, &findings),
+        })?,
+        Format::Sarif => console.failed("doctor", &sources, &findings)?,
+        Format::Human | Format::Short => {
+            console.result(&table(&survey, profile.as_ref()))?;
+            console.findings(&sources, &findings)?;
+        }
+    }
+    debug_assert!(has_errors(&findings) || profile.is_some());
+    Ok(options.exit_code(&findings))
+}
+
+/// What is said where no compiler for Windows is found.
+fn no_windows() -> Diagnostic {
+    let error = crate::station::Error::CrossCompilerMissing.to_diagnostic();
+    let mut finding = Diagnostic::warning(
+        codes::CROSS_COMPILER_MISSING,
+        None,
+        "Windows libraries cannot be built here: no C compiler for 64-bit Windows was found",
+    );
+    finding.help = error.help;
+    finding
+}
+
+fn cache_folder() -> Option<String> {
+    Cache::of_user().map(|c| c.folder().display().to_string())
+}
+
+fn table(survey: &Survey, profile: Option<&Profile>) -> String {
+    let mut out = String::new();
+    let mut row = |what: &str, said: &str| {
+        let _ = writeln!(out, "  {what:24} {said}");
+    };
+    let show = |found: &Found| match &found.version {
+        Some(version) => format!("{version} ({})", found.command),
+        None => found.command.clone(),
+    };
+    match &survey.host {
+        Ok(found) => row("C compiler", &show(found)),
+        Err(_) => row("C compiler", "not found"),
+    }
+    for (kind, found) in &survey.cross {
+        // What nobody has named is not missing.
+        match found {
+            Some(found) => row(kind.name(), &show(found)),
+            None if kind.is_usual() => row(kind.name(), "not found"),
+            None => {}
+        }
+    }
+    row(
+        "Windows libraries",
+        &match survey.windows() {
+            Some(kind) => format!("with {}", kind.name()),
+            None => "cannot be built here".to_owned(),
+        },
+    );
+    match &survey.wine {
+        Some(found) => row("Wine", &show(found)),
+        None => row("Wine", "not found (only tests run Windows libraries)"),
+    }
+    match &survey.python {
+        Some(found) => {
+            row("Python", &show(found));
+            let packages = if survey.packages.is_empty() {
+                "none of fmpy, blark, ziglang".to_owned()
+            } else {
+                survey.packages.join(", ")
+            };
+            row("Python packages", &packages);
+        }
+        None => row("Python", "not found (only tests need it)"),
+    }
+    if let Some(profile) = profile {
+        row(
+            "UF_Value",
+            &format!("{}: {}", profile.shown(), profile.found),
+        );
+    }
+    row(
+        "cache",
+        &cache_folder().unwrap_or_else(|| "none; contracts are solved anew".to_owned()),
+    );
+    row("libraries", LIBRARIES);
+    out.push('\n');
+    out
+}

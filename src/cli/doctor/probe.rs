@@ -1,0 +1,176 @@
+//! `linewright doctor --probe`: the layout that a dump tells, what is not sure about it, and the profile.
+
+use super::super::console::schema;
+use super::super::exit::ExitCode;
+use super::super::options::{Format, GlobalOptions};
+use super::super::{output, profiles};
+use crate::diagnostics::{Diagnostic, codes, has_errors, json};
+use crate::source::SourceMap;
+use crate::station::probe::dump::{self, Dump};
+use crate::station::probe::infer::{self, Fact, Sureness};
+use crate::station::profile::Profile;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// No dump is larger.
+const LARGEST_FILE: u64 = 16 << 20;
+
+#[derive(Serialize)]
+struct Document {
+    schema: String,
+    probe: Option<Found>,
+    findings: Vec<json::Finding>,
+}
+
+#[derive(Serialize)]
+struct Found {
+    platform: String,
+    calls: usize,
+    profile: serde_json::Value,
+    facts: Vec<Fact>,
+    written: Option<String>,
+}
+
+/// Reads a dump, and writes the profile to `out` where it is given.
+pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let console = options.console();
+    let mut sources = SourceMap::new();
+    let mut findings = Vec::new();
+    let mut found = None;
+    match profiles::text(path, LARGEST_FILE) {
+        Err(finding) => findings.push(*finding),
+        Ok(text) => {
+            let file = sources.add(path.display().to_string(), text.as_str());
+            let (dump, damages) = dump::parse(file, &text);
+            findings.extend(damages);
+            if !has_errors(&findings) {
+                match judge(&dump, out) {
+                    Ok((profile, facts)) => found = Some((dump, profile, facts)),
+                    Err(wrong) => findings.extend(wrong),
+                }
+            }
+        }
+    }
+    let mut written = None;
+    if let Some((_, profile, _)) = &found {
+        findings.extend(profiles::caution(profile).map(|note| {
+            note.with_help("confirm it: `linewright build --probe --profile FILE --target windows` makes the second round; give its dump to `doctor --probe`")
+        }));
+        if let Some(out) = out {
+            match keep(out, &profile.to_toml()) {
+                Ok(()) => written = Some(out.display().to_string()),
+                Err(finding) => findings.push(*finding),
+            }
+        }
+    }
+    match options.format {
+        Format::Json => console.document(&Document {
+            schema: schema("doctor"),
+            probe: found.map(|(dump, profile, facts)| Found {
+                platform: dump.platform,
+                calls: dump.calls.len(),
+                profile: profile.describe(),
+                facts,
+                written,
+            }),
+            findings: json::findings(&sources, &findings),
+        })?,
+        Format::Sarif => console.failed("doctor", &sources, &findings)?,
+        Format::Human | Format::Short => {
+            if let Some((dump, profile, facts)) = &found {
+                console.result(&report(dump, profile, facts, out.is_none()))?;
+            }
+            console.findings(&sources, &findings)?;
+            if let Some(written) = written {
+                console.remark(&format!("wrote {written}\n"))?;
+                if found.is_some_and(|(_, profile, _)| profile.verified()) {
+                    console.remark(&format!(
+                        "now build with it: linewright build FILE --target windows --profile {written}\n"
+                    ))?;
+                }
+            }
+        }
+    }
+    Ok(options.exit_code(&findings))
+}
+
+/// The profile that a dump tells: in the second round the one that the probe was built with, if the host kept to it.
+fn judge(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Diagnostic>> {
+    match infer::confirm(dump) {
+        Some(Ok(profile)) => {
+            let fact = Fact {
+                what: "round trip",
+                found: "as it was returned".to_owned(),
+                sure: Sureness::Certain,
+                why: "an integer, a real number and a string came back unchanged".to_owned(),
+            };
+            Ok((profile, vec![fact]))
+        }
+        Some(Err(findings)) => Err(findings),
+        None => {
+            let inference = infer::infer(dump).map_err(|f| vec![*f])?;
+            let name = out
+                .and_then(Path::file_stem)
+                .map(|s| s.to_string_lossy().chars().take(60).collect::<String>())
+                .filter(|s| !s.trim().is_empty() && !s.chars().any(char::is_control))
+                .unwrap_or_else(|| "probed".to_owned());
+            let profile = Profile {
+                name,
+                found: format!(
+                    "read from {} calls of the probe ({})",
+                    dump.calls.len(),
+                    dump.platform
+                ),
+                confirmed: None,
+                layout: inference.layout,
+            };
+            Ok((profile, inference.facts))
+        }
+    }
+}
+
+fn report(dump: &Dump, profile: &Profile, facts: &[Fact], whole: bool) -> String {
+    let mut out = format!(
+        "The layout of UF_Value from {} calls ({}): {}\n\n",
+        dump.calls.len(),
+        dump.platform,
+        profile.shown()
+    );
+    for fact in facts {
+        let sure = match fact.sure {
+            Sureness::Certain => "certain",
+            Sureness::Likely => "likely",
+            Sureness::Open => "open",
+        };
+        let _ = writeln!(
+            out,
+            "  {:10} {sure:8} {}: {}",
+            fact.what, fact.found, fact.why
+        );
+    }
+    out.push('\n');
+    if whole {
+        out.push_str(&profile.to_toml());
+        out.push('\n');
+    }
+    out
+}
+
+/// Writes a file that is not there; one that is and says the same is left, any other is kept.
+fn keep(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
+    match std::fs::read(path) {
+        Ok(old) if old == text.as_bytes() => Ok(()),
+        Ok(_) => {
+            let message = format!(
+                "{} is there already, and says something else",
+                path.display()
+            );
+            Err(Box::new(
+                Diagnostic::error(codes::FILE_KEPT, None, message)
+                    .with_help("name another file with --out, or move that one away first"),
+            ))
+        }
+        Err(_) => output::write(path, text),
+    }
+}

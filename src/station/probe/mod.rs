@@ -1,0 +1,150 @@
+//! The probe: a library that is called with known values and writes down the raw bytes that it gets, and what is read back from
+//! them.
+//!
+//! ```text
+//! calls() ─package→ Package, simtalk::text   (run in Plant Simulation)   dump::parse→ Dump ─infer→ Inference ─confirm→ Profile
+//! ```
+//!
+//! The calls determine the layout. Real numbers with eight distinctive bytes say where the value lies, several of them in one call
+//! how far the arguments are apart. Integers of both signs and all sizes say how wide an integer is: the bytes above it
+//! are those of the sign, or they are not. Where kinds differ and values of one kind agree, there is the tag. Texts with umlauts and
+//! a euro sign say how strings are written.
+
+pub mod dump;
+pub mod infer;
+pub mod package;
+
+/// A value that is passed to the probe.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// An integer.
+    Integer(i64),
+    /// A real number, exact in few digits.
+    Real(f64),
+    /// A text.
+    Text(String),
+    /// A truth value.
+    Boolean(bool),
+    /// A time in seconds.
+    Time(f64),
+}
+
+/// A kind of value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// An integer.
+    Integer,
+    /// A real number.
+    Real,
+    /// A text.
+    Text,
+    /// A truth value.
+    Boolean,
+    /// A time.
+    Time,
+}
+
+impl Value {
+    /// What kind of value it is.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Integer(_) => Kind::Integer,
+            Self::Real(_) => Kind::Real,
+            Self::Text(_) => Kind::Text,
+            Self::Boolean(_) => Kind::Boolean,
+            Self::Time(_) => Kind::Time,
+        }
+    }
+
+    /// As a dump names it: `integer:-2`, `text:4c77`.
+    pub fn word(&self) -> String {
+        match self {
+            Self::Integer(i) => format!("integer:{i}"),
+            Self::Real(x) => format!("real:{x:?}"),
+            Self::Text(t) => format!("text:{}", super::emit::hex(t.as_bytes())),
+            Self::Boolean(b) => format!("boolean:{b}"),
+            Self::Time(x) => format!("time:{x:?}"),
+        }
+    }
+}
+
+/// One call of the probe.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Call {
+    /// The export.
+    pub name: String,
+    /// What it is called with.
+    pub arguments: Vec<Value>,
+    /// Whether the dump says enough without it.
+    pub optional: bool,
+}
+
+/// The calls of the first round.
+pub fn calls() -> Vec<Call> {
+    let text = |t: &str| Value::Text(t.to_owned());
+    let integers = [1, -2, 258, -30_000, 16_909_060, -1_985_229_329];
+    let reals = [1.0, -2.5, 3.140_625, -1_048_577.031_25];
+    let texts = ["Linewright", "Prüfstück ÄÖÜ", "", "12 €"];
+    let mut calls = vec![call("lw_probe_none", Vec::new())];
+    calls.extend(numbered("lw_probe_integer", integers.map(Value::Integer)));
+    calls.extend(numbered("lw_probe_real", reals.map(Value::Real)));
+    calls.extend(numbered("lw_probe_string", texts.map(text)));
+    calls.push(call(
+        "lw_probe_reals",
+        [1.5, -2.25, 4.125, -8.0625].map(Value::Real).into(),
+    ));
+    calls.push(call(
+        "lw_probe_integers",
+        [3, -77, 20_000, -1_234_567_890].map(Value::Integer).into(),
+    ));
+    calls.push(call(
+        "lw_probe_mixed",
+        vec![
+            Value::Integer(1025),
+            Value::Real(0.156_25),
+            text("Station"),
+            Value::Integer(-3),
+            Value::Real(-6.5),
+            text("Teil 7"),
+        ],
+    ));
+    let optional = numbered("lw_probe_boolean", [true, false].map(Value::Boolean))
+        .into_iter()
+        .chain(numbered("lw_probe_time", [Value::Time(90.5)]))
+        .map(|c| Call {
+            optional: true,
+            ..c
+        });
+    calls.extend(optional);
+    calls
+}
+
+/// What a library returns in the second round: an integer of the layout's width, a real number, a text.
+pub fn returned(integer_bits: u32) -> [Value; 3] {
+    let integer = if integer_bits == 16 {
+        -12_345
+    } else {
+        -1_234_567_891
+    };
+    [
+        Value::Integer(integer),
+        Value::Real(2_718.281_25),
+        Value::Text("Rückgabe geprüft".to_owned()),
+    ]
+}
+
+/// The export that gets back in the second round what was returned.
+pub const SEEN: &str = "lw_confirm_seen";
+
+fn call(name: &str, arguments: Vec<Value>) -> Call {
+    Call {
+        name: name.to_owned(),
+        arguments,
+        optional: false,
+    }
+}
+
+fn numbered(name: &str, values: impl IntoIterator<Item = Value>) -> Vec<Call> {
+    let each = |(i, value)| call(&format!("{name}_{}", i + 1), vec![value]);
+    values.into_iter().enumerate().map(each).collect()
+}

@@ -1,0 +1,245 @@
+//! Formulas as conditions of Structured Text, where it can say them shortly.
+//!
+//! Whole numbers are computed in the narrowest type that holds every intermediate value. What has no short counterpart, such as
+//! division of negative numbers, which the standard rounds otherwise, is left out: the caller can do without.
+
+use super::interface::Port;
+use super::{Type, Width, literal};
+use crate::gr1::interval::{Interval, interval};
+use crate::gr1::{BinaryOp, Domain, Expr, Owner, Specification, Time, UnaryOp, VarId};
+use std::collections::BTreeMap;
+
+/// A condition of more characters would explain nothing.
+const LONGEST: usize = 2_000;
+
+/// What variables are called.
+pub(super) struct Translator<'a> {
+    pub specification: &'a Specification,
+    pub inputs: &'a [Port<'a>],
+    pub outputs: &'a [Port<'a>],
+    /// For a formula that speaks of two steps: copies of the inputs of the earlier one, by their places.
+    pub kept: Option<&'a BTreeMap<usize, String>>,
+}
+
+impl Translator<'_> {
+    /// The condition that a formula does not hold.
+    pub fn broken(&self, expr: &Expr) -> Option<String> {
+        let text = self.truth(&expr.simplify(), true)?;
+        (text.len() <= LONGEST).then_some(text)
+    }
+
+    /// The name of a variable and its port.
+    fn variable(&self, id: VarId, time: Time) -> Option<(String, &Port<'_>)> {
+        let specification = self.specification;
+        match (specification.variable(id).owner, time, self.kept) {
+            (Owner::Environment, ..) => {
+                let place = specification.inputs().position(|v| v == id)?;
+                let port = &self.inputs[place];
+                let name = match (time, self.kept) {
+                    (Time::Now, Some(kept)) => kept.get(&place)?.clone(),
+                    _ => port.name.clone(),
+                };
+                Some((name, port))
+            }
+            // Until the step is made, outputs have the values of the step before.
+            (Owner::System, Time::Now, Some(_)) => {
+                let place = specification.outputs().position(|v| v == id)?;
+                let port = &self.outputs[place];
+                Some((port.name.clone(), port))
+            }
+            _ => None,
+        }
+    }
+
+    fn domain(&self, id: VarId) -> &Domain {
+        &self.specification.variable(id).domain
+    }
+
+    /// Whether an expression is a truth value by its form.
+    fn is_truth(&self, expr: &Expr) -> bool {
+        match expr {
+            Expr::Const(_) => false,
+            Expr::Var(v, _) => *self.domain(*v) == Domain::Bool,
+            Expr::Unary(op, _) => *op == UnaryOp::Not,
+            Expr::Binary(op, ..) => !is_arithmetic(*op),
+            Expr::If(_, a, b) => self.is_truth(a) || self.is_truth(b),
+        }
+    }
+
+    /// A truth value or its negation, as an operand.
+    fn truth(&self, expr: &Expr, negate: bool) -> Option<String> {
+        use BinaryOp as B;
+        match expr {
+            Expr::Const(c) => Some(if (*c != 0) == negate { "FALSE" } else { "TRUE" }.to_owned()),
+            Expr::Var(v, t) if *self.domain(*v) == Domain::Bool => {
+                let (name, _) = self.variable(*v, *t)?;
+                Some(if negate { format!("NOT {name}") } else { name })
+            }
+            Expr::Unary(UnaryOp::Not, a) => self.truth(a, !negate),
+            Expr::Binary(op @ (B::And | B::Or), ..) => {
+                let sign = if (*op == B::And) == negate {
+                    " OR "
+                } else {
+                    " AND "
+                };
+                let operands = chain(expr, *op).into_iter();
+                let operands: Option<Vec<String>> =
+                    operands.map(|e| self.truth(e, negate)).collect();
+                Some(format!("({})", operands?.join(sign)))
+            }
+            Expr::Binary(B::Implies, a, b) => {
+                let sign = if negate { "AND" } else { "OR" };
+                let (a, b) = (self.truth(a, !negate)?, self.truth(b, negate)?);
+                Some(format!("({a} {sign} {b})"))
+            }
+            Expr::Binary(op @ (B::Eq | B::Ne), a, b) => {
+                let equal = (*op == B::Eq) != negate;
+                match (self.is_truth(a), &**a, self.is_truth(b), &**b) {
+                    (true, _, _, Expr::Const(c)) => self.truth(a, equal != (*c != 0)),
+                    (_, Expr::Const(c), true, _) => self.truth(b, equal != (*c != 0)),
+                    (true, _, true, _) => {
+                        let sign = if equal { "=" } else { "<>" };
+                        let (a, b) = (self.truth(a, false)?, self.truth(b, false)?);
+                        Some(format!("({a} {sign} {b})"))
+                    }
+                    (false, _, false, _) => self
+                        .labels(a, b, equal)
+                        .or_else(|| self.compared(a, if equal { "=" } else { "<>" }, b)),
+                    _ => None,
+                }
+            }
+            Expr::Binary(op, a, b) => {
+                let sign = match (op, negate) {
+                    (B::Lt, false) | (B::Ge, true) => "<",
+                    (B::Le, false) | (B::Gt, true) => "<=",
+                    (B::Gt, false) | (B::Le, true) => ">",
+                    (B::Ge, false) | (B::Lt, true) => ">=",
+                    _ => return None,
+                };
+                self.compared(a, sign, b)
+            }
+            Expr::If(c, a, b) => {
+                let (yes, no) = (self.truth(c, false)?, self.truth(c, true)?);
+                let (a, b) = (self.truth(a, negate)?, self.truth(b, negate)?);
+                Some(format!("(({yes} AND {a}) OR ({no} AND {b}))"))
+            }
+            _ => None,
+        }
+    }
+
+    /// Two values of one enumeration.
+    fn labels(&self, a: &Expr, b: &Expr, equal: bool) -> Option<String> {
+        let (a, b) = match (a, b) {
+            (Expr::Const(_), Expr::Var(..)) => (b, a),
+            _ => (a, b),
+        };
+        let Expr::Var(v, t) = a else {
+            return None;
+        };
+        let (name, port) = self.variable(*v, *t)?;
+        let other = match b {
+            Expr::Const(c) => port.labels.get(usize::try_from(*c).ok()?)?.clone(),
+            Expr::Var(v, t) => {
+                let (name, other) = self.variable(*v, *t)?;
+                (!port.labels.is_empty() && port.kind == other.kind).then_some(name)?
+            }
+            _ => return None,
+        };
+        let sign = if equal { "=" } else { "<>" };
+        Some(format!("({name} {sign} {other})"))
+    }
+
+    fn compared(&self, a: &Expr, sign: &str, b: &Expr) -> Option<String> {
+        let width = self.width(a)?.max(self.width(b)?);
+        let (a, b) = (self.number(a, width)?, self.number(b, width)?);
+        Some(format!("({a} {sign} {b})"))
+    }
+
+    fn range(&self, expr: &Expr) -> Option<Interval> {
+        interval(expr, &|v| Interval::of(self.domain(v))).ok()
+    }
+
+    /// The narrowest type for an expression and all its parts.
+    fn width(&self, expr: &Expr) -> Option<Width> {
+        let range = self.range(expr)?;
+        let own = Width::of(range.low, range.high);
+        let parts: Vec<&Expr> = match expr {
+            Expr::Unary(UnaryOp::Not, _) => Vec::new(),
+            Expr::Unary(_, a) => vec![a],
+            Expr::Binary(op, a, b) if is_arithmetic(*op) => vec![a, b],
+            Expr::If(_, a, b) => vec![a, b],
+            _ => Vec::new(),
+        };
+        parts
+            .into_iter()
+            .try_fold(own, |width, part| Some(width.max(self.width(part)?)))
+    }
+
+    /// A whole number of this width, as an operand.
+    fn number(&self, expr: &Expr, width: Width) -> Option<String> {
+        use BinaryOp as B;
+        if self.is_truth(expr) {
+            let word = width.keyword();
+            let condition = self.truth(expr, false)?;
+            return Some(format!("SEL({condition}, {word}#0, {word}#1)"));
+        }
+        Some(match expr {
+            Expr::Const(c) => literal(*c),
+            Expr::Var(v, t) => {
+                let (name, port) = self.variable(*v, *t)?;
+                let Type::Integer(own) = port.kind else {
+                    return None;
+                };
+                own.convert(width, &name)
+            }
+            Expr::Unary(UnaryOp::Neg, a) => format!("(0 - {})", self.number(a, width)?),
+            Expr::Unary(_, a) => format!("ABS({})", self.number(a, width)?),
+            Expr::If(c, a, b) => {
+                // Two bare literals would have no type.
+                let typed = |e: &Expr| match e {
+                    Expr::Const(c) => Some(format!("{}#{c}", width.keyword())),
+                    _ => self.number(e, width),
+                };
+                let (a, b) = (typed(a)?, typed(b)?);
+                format!("SEL({}, {b}, {a})", self.truth(c, false)?)
+            }
+            Expr::Binary(op, a, b) => {
+                let (x, y) = (self.number(a, width)?, self.number(b, width)?);
+                // The standard rounds towards 0.
+                let plain = || Some(self.range(a)?.low >= 0 && self.range(b)?.low > 0);
+                match op {
+                    B::Add => format!("({x} + {y})"),
+                    B::Sub => format!("({x} - {y})"),
+                    B::Mul => format!("({x} * {y})"),
+                    B::Div if plain()? => format!("({x} / {y})"),
+                    B::Mod if plain()? => format!("({x} MOD {y})"),
+                    B::Min => format!("MIN({x}, {y})"),
+                    B::Max => format!("MAX({x}, {y})"),
+                    _ => return None,
+                }
+            }
+        })
+    }
+}
+
+/// Whether an operator gives a number rather than a truth value.
+fn is_arithmetic(op: BinaryOp) -> bool {
+    use BinaryOp as B;
+    matches!(
+        op,
+        B::Add | B::Sub | B::Mul | B::Div | B::Mod | B::Min | B::Max
+    )
+}
+
+/// The operands of an associative operator, from left to right.
+fn chain(expr: &Expr, op: BinaryOp) -> Vec<&Expr> {
+    let mut operands = Vec::new();
+    let mut stack = vec![expr];
+    while let Some(expr) = stack.pop() {
+        match expr {
+            Expr::Binary(o, a, b) if *o == op => stack.extend([&**b, &**a]),
+            _ => operands.push(expr),
+        }
+    }
+    operands
+}

@@ -1,0 +1,118 @@
+//! The same on Windows, under Wine: the probe's guarded reading, the dump beside the DLL, and libraries with the profiles found.
+
+use crate::mocks::{Mock, here, mocks};
+use crate::probing::{as_c, doctor};
+use crate::suite::package;
+use crate::support;
+use crate::support::wine::{Wine, windows_path, wine};
+use linewright::station::Toolchain;
+use linewright::station::toolchain::Compiler;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A Windows program that sees a mock's layout.
+fn host(mock: &Mock, compiler: &Compiler, source: &str, folder: &Path) -> PathBuf {
+    let program = folder.join(format!(
+        "{}-{}.exe",
+        source.trim_end_matches(".c"),
+        mock.name
+    ));
+    let output = compiler
+        .command()
+        .args(["-std=gnu11", "-O1", "-Wno-unused-function"])
+        .args(mock.options())
+        .arg("-I")
+        .arg(folder)
+        .arg("-I")
+        .arg(here())
+        .arg(here().join(source))
+        .arg("-o")
+        .arg(&program)
+        .output()
+        .expect("a C compiler");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{}: {said}", mock.name);
+    program
+}
+
+/// Runs a host on a library.
+fn run(wine: &Wine, host: &Path, library: &Path) -> (bool, String) {
+    let finished = wine.run(host, &[windows_path(library)], PATIENCE);
+    let text = finished.output.replace('\r', "");
+    (text.trim_end().ends_with("HOST PASSED"), text)
+}
+
+/// Builds the probe for Windows and runs it in a mock; what the mock printed, and the dump.
+fn probe(
+    mock: &Mock,
+    compiler: &Compiler,
+    wine: &Wine,
+    folder: &Path,
+    profile: Option<&str>,
+) -> (String, PathBuf) {
+    let out = format!("{}-{}", mock.name, profile.map_or("first", |_| "second"));
+    let mut arguments = vec!["build", "--probe", "--target", "windows", "--out", &out];
+    arguments.extend(profile.iter().flat_map(|p| ["--profile", p]));
+    let output = support::linewright(folder, &arguments);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let printed = String::from_utf8(output.stdout).expect("paths");
+    let find = |ending: &str| {
+        let line = printed
+            .lines()
+            .find(|l| l.ends_with(ending))
+            .expect("a file");
+        folder.join(line)
+    };
+    let text = std::fs::read_to_string(find(".simtalk.txt")).expect("a text");
+    std::fs::write(folder.join("calls.inc"), as_c(&text)).expect("a file");
+    let host = host(mock, compiler, "probe_host.c", folder);
+    let library = find(".dll");
+    let (passed, printed) = run(wine, &host, &library);
+    assert!(passed, "{}: {printed}", mock.name);
+    (
+        printed,
+        PathBuf::from(format!("{}.dump.txt", library.display())),
+    )
+}
+
+#[test]
+fn layouts_are_recovered_and_confirmed_on_windows() {
+    let (_, compiler) = match Compiler::windows() {
+        Ok(found) => found,
+        Err(error) => return support::skip("mingw", &error.to_string()),
+    };
+    let wine = match wine() {
+        Ok(wine) => wine,
+        Err(why) => return support::skip("wine", &why),
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let chosen = ["assumed", "packed_1", "value_first", "wide"];
+    for mock in mocks().iter().filter(|m| chosen.contains(&m.name)) {
+        let (printed, dump) = probe(mock, &compiler, wine, folder, None);
+        let out = format!("{}.toml", mock.name);
+        let (said, profile) = doctor(folder, &dump, &out);
+        assert_eq!(
+            profile.layout,
+            mock.layout(&printed),
+            "{}: {said}",
+            mock.name
+        );
+        let (_, dump) = probe(mock, &compiler, wine, folder, Some(&out));
+        let (said, verified) = doctor(folder, &dump, &format!("{}-verified.toml", mock.name));
+        assert!(verified.verified(), "{said}");
+        let toolchain = Toolchain::windows().expect("a compiler");
+        let built = toolchain
+            .build(&package(&verified), folder, false)
+            .expect("a library");
+        let host = host(mock, &compiler, "suite_host.c", folder);
+        let (passed, printed) = run(wine, &host, &built.path);
+        assert!(passed, "{}: {printed}", mock.name);
+    }
+}

@@ -1,0 +1,208 @@
+/* Instances: how many there can be at a time, how often a place can be used, and what is left when the library goes. */
+#include "host.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* As station.h promises. */
+#define MOST_INSTANCES 1024
+
+#define TEXT_ROOM 4096
+
+lw_handle instance(const library *lib)
+{
+    lw_handle handle = lib->create();
+    if (handle <= 0) {
+        fail("lw_create: expected a handle above 0, saw %d", (int)handle);
+    }
+    return handle;
+}
+
+static void end(const library *lib, lw_handle handle)
+{
+    same_code(LW_OK, lib->destroy(handle), "lw_destroy");
+}
+
+/* The first lines of the plan, which begin before step 0. */
+static void first_lines(const library *lib, lw_handle handle, int lines)
+{
+    for (int i = 0; i < lines && i < the_plan.line_count; i++) {
+        replay(lib, handle, &the_plan.lines[i], i % 2 == 0 ? WAY_PLAIN : WAY_VALUES);
+    }
+}
+
+/* Handles that are none: never given, of another library, of an instance that has ended. */
+void check_handles(const library *lib, const library *other)
+{
+    static const lw_handle never[] = {0, -1, 1, 2, 1023, 1024, 1 << 21, INT32_MIN, INT32_MIN + 1, INT32_MAX, INT32_MAX - 1};
+    lw_handle handle = instance(lib);
+    lw_handle second = instance(lib);
+    lw_handle foreign = instance(other);
+    UF_Value arg;
+    for (size_t i = 0; i < sizeof never / sizeof never[0]; i++) {
+        refuse_handle(lib, never[i], "a handle that was never given");
+    }
+    /* One bit away from a handle is another one, or none. */
+    for (int bit = 0; bit < 32; bit++) {
+        lw_handle near = (lw_handle)((uint32_t)handle ^ ((uint32_t)1 << bit));
+        if (near != second) {
+            refuse_handle(lib, near, "a handle with a bit turned");
+        }
+    }
+    refuse_handle(lib, foreign, "a handle of another library");
+    refuse_handle(other, handle, "a handle of another library");
+    end(other, foreign);
+    refuse_handle(other, foreign, "a handle whose instance has ended");
+    end(lib, handle);
+    refuse_handle(lib, handle, "a handle whose instance has ended");
+    /* The place is used again; the old handle stays dead, and the instance beside it is as it was. */
+    for (int i = 0; i < 100; i++) {
+        lw_handle again = instance(lib);
+        if (again == handle || again == second) {
+            fail("a handle was given twice: %d", (int)again);
+        }
+        first_lines(lib, again, 3);
+        refuse_handle(lib, handle, "a handle whose place is used again");
+        end(lib, again);
+    }
+    first_lines(lib, second, the_plan.line_count < 50 ? the_plan.line_count : 50);
+    if (sizeof(LW_UF_INTEGER) > sizeof(lw_handle)) {
+        /* Cut to 32 bits, these would be handles. */
+        arg = value_integer((int64_t)second + (INT64_C(1) << 32));
+        same(LW_ERROR_HANDLE, call_integer(lib->reset_value, &arg, "reset"), "a handle above 32 bits");
+        arg = value_integer((int64_t)second - (INT64_C(1) << 32));
+        same(LW_ERROR_HANDLE, call_integer(lib->deinstantiate_value, &arg, "deinstantiate"), "a handle below 32 bits");
+    }
+    /* An instance made through one interface is an instance of the other. */
+    arg = value_integer(second);
+    same(LW_OK, call_integer(lib->deinstantiate_value, &arg, "deinstantiate"), "deinstantiate");
+    refuse_handle(lib, second, "a handle whose instance has ended");
+    handle = (lw_handle)call_integer(lib->instantiate_value, NULL, "instantiate");
+    first_lines(lib, handle, 10);
+    end(lib, handle);
+}
+
+/* All instances that there can be, and one more. */
+void check_room(const library *lib)
+{
+    lw_handle handles[MOST_INSTANCES];
+    char text[TEXT_ROOM];
+    /* These take no place, since nobody gets their handles. */
+    for (int i = 0; i < 10; i++) {
+        lib->instantiate_value(NULL, NULL);
+    }
+    for (int i = 0; i < MOST_INSTANCES; i++) {
+        handles[i] = instance(lib);
+    }
+    for (int round = 0; round < 2; round++) {
+        same_code(LW_ERROR_MEMORY, lib->create(), "lw_create with all places taken");
+        lib->last_error(0, text, sizeof text);
+        holds(text, "there is no free place", "lw_create with all places taken");
+        same(LW_ERROR_MEMORY, call_integer(lib->instantiate_value, NULL, "instantiate"), "instantiate");
+        holds(call_string(lib->last_error_value, NULL, "last_error"), "there is no free place", "last_error");
+        /* One place in the middle is free again. */
+        end(lib, handles[500]);
+        handles[500] = instance(lib);
+    }
+    /* Each is an instance of its own: they are at different lines of the plan. */
+    for (int i = 0; i < MOST_INSTANCES; i++) {
+        first_lines(lib, handles[i], i % 7);
+    }
+    for (int i = MOST_INSTANCES - 1; i >= 0; i--) {
+        for (int l = i % 7; l < i % 7 + 2 && l < the_plan.line_count; l++) {
+            replay(lib, handles[i], &the_plan.lines[l], WAY_PLAIN);
+        }
+    }
+    for (int i = 0; i < MOST_INSTANCES; i++) {
+        end(lib, handles[i]);
+    }
+}
+
+static int by_value(const void *a, const void *b)
+{
+    lw_handle x = *(const lw_handle *)a;
+    lw_handle y = *(const lw_handle *)b;
+    return x < y ? -1 : x > y;
+}
+
+static void all_different(lw_handle *handles, size_t count)
+{
+    qsort(handles, count, sizeof *handles, by_value);
+    for (size_t i = 0; i + 1 < count; i++) {
+        if (handles[i] == handles[i + 1]) {
+            fail("a handle was given twice: %d", (int)handles[i]);
+        }
+    }
+}
+
+/* Instances that come and go get handles that were never there before. */
+void check_generations(const library *lib)
+{
+    static lw_handle handles[5000];
+    const int count = (int)(sizeof handles / sizeof handles[0]);
+    for (int i = 0; i < count; i++) {
+        handles[i] = instance(lib);
+        end(lib, handles[i]);
+    }
+    for (int i = 0; i < count; i += 97) {
+        refuse_handle(lib, handles[i], "a handle whose instance has ended");
+    }
+    all_different(handles, (size_t)count);
+}
+
+/* Until every place has been used as often as it can be: no handle comes twice, and at the end there is an error. */
+void use_up_generations(const library *lib)
+{
+    const size_t most = (size_t)1 << 24;
+    size_t count = 0;
+    char text[TEXT_ROOM];
+    lw_handle *handles = malloc(most * sizeof *handles);
+    if (handles == NULL) {
+        fail("there is no memory for the handles");
+    }
+    while (count < most) {
+        lw_handle handle = lib->create();
+        if (handle == LW_ERROR_MEMORY) {
+            break;
+        }
+        if (handle <= 0) {
+            fail("lw_create: expected a handle or %d, saw %d", (int)LW_ERROR_MEMORY, (int)handle);
+        }
+        end(lib, handle);
+        handles[count] = handle;
+        count++;
+    }
+    if (count == most) {
+        fail("lw_create gives more handles than there are generations");
+    }
+    lib->last_error(0, text, sizeof text);
+    holds(text, "there is no free place", "lw_create with all generations used");
+    for (size_t i = 0; i < count; i += count / 97 + 1) {
+        refuse_handle(lib, handles[i], "a handle whose instance has ended");
+    }
+    say("%ld instances one after the other, until all generations are used", (long)count);
+    all_different(handles, count);
+    free(handles);
+}
+
+/* What was there before a library was unloaded is not there afterwards. */
+void check_reload(library *lib)
+{
+    const char *path = lib->path;
+    lw_handle old[3];
+    for (int round = 0; round < 3; round++) {
+        for (int i = 0; i < 3; i++) {
+            old[i] = instance(lib);
+            first_lines(lib, old[i], 5);
+        }
+        library_close(lib);
+        library_open(lib, path);
+        for (int i = 0; i < 3; i++) {
+            refuse_handle(lib, old[i], "a handle from before the library was loaded anew");
+        }
+    }
+    old[0] = instance(lib);
+    first_lines(lib, old[0], the_plan.line_count);
+    end(lib, old[0]);
+}

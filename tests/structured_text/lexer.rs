@@ -1,0 +1,121 @@
+//! Structured Text as words and signs.
+//!
+//! From IEC 61131-3: identifiers are the same in upper and lower case, an underscore stands alone and not at the end, comments
+//! are `(* *)`, `/* */` and `//`, directives stand in braces, numbers may hold single underscores and a base.
+
+/// A word or sign.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Token {
+    /// A keyword or identifier, in capital letters.
+    Word(String),
+    /// A whole number without its sign.
+    Number(i128),
+    /// Anything else.
+    Sign(&'static str),
+    /// Behind the last one.
+    End,
+}
+
+/// A token and the line on which it begins.
+#[derive(Debug, Clone)]
+pub struct Placed {
+    pub token: Token,
+    pub line: usize,
+}
+
+/// The longer signs come first.
+const SIGNS: [&str; 23] = [
+    ":=", "=>", "<>", "<=", ">=", "..", "**", "=", "<", ">", "+", "-", "*", "/", "(", ")", "[",
+    "]", ",", ";", ":", "#", "&",
+];
+
+/// The tokens of a text, the end included.
+pub fn tokens(text: &str) -> Result<Vec<Placed>, String> {
+    let mut found = Vec::new();
+    let mut rest = text;
+    let mut line = 1;
+    while let Some(first) = rest.chars().next() {
+        let length = if first.is_whitespace() {
+            first.len_utf8()
+        } else if let Some(length) = skipped(rest).map_err(|e| format!("line {line}: {e}"))? {
+            length
+        } else if first.is_ascii_alphabetic() || first == '_' {
+            let word = leading(rest, |c| c.is_ascii_alphanumeric() || c == '_');
+            if word.contains("__") || word.ends_with('_') {
+                return Err(format!("line {line}: `{word}` is no identifier"));
+            }
+            let token = Token::Word(word.to_ascii_uppercase());
+            found.push(Placed { token, line });
+            word.len()
+        } else if first.is_ascii_digit() {
+            let (value, length) = number(rest).map_err(|e| format!("line {line}: {e}"))?;
+            let token = Token::Number(value);
+            found.push(Placed { token, line });
+            length
+        } else {
+            let sign = SIGNS.into_iter().find(|s| rest.starts_with(s));
+            let sign = sign.ok_or_else(|| format!("line {line}: `{first}` means nothing"))?;
+            let token = Token::Sign(sign);
+            found.push(Placed { token, line });
+            sign.len()
+        };
+        line += rest[..length].matches('\n').count();
+        rest = &rest[length..];
+    }
+    let token = Token::End;
+    found.push(Placed { token, line });
+    Ok(found)
+}
+
+fn leading(text: &str, belongs: impl Fn(char) -> bool) -> &str {
+    let end = text.find(|c| !belongs(c)).unwrap_or(text.len());
+    &text[..end]
+}
+
+/// The length of a comment or directive that the text begins with.
+fn skipped(text: &str) -> Result<Option<usize>, String> {
+    if text.starts_with("//") {
+        return Ok(Some(text.find('\n').unwrap_or(text.len())));
+    }
+    for (open, close) in [("(*", "*)"), ("/*", "*/")] {
+        if text.starts_with(open) {
+            let end = text[2..].find(close).ok_or("a comment has no end")?;
+            // Whether comments nest is left to the system, so none may try.
+            if text[2..2 + end].contains(open) {
+                return Err("a comment stands in a comment".to_owned());
+            }
+            return Ok(Some(end + 4));
+        }
+    }
+    if text.starts_with('{') {
+        let end = text.find('}').ok_or("a directive has no end")?;
+        return Ok(Some(end + 1));
+    }
+    Ok(None)
+}
+
+/// A number and its length: `17`, `1_000`, `16#FF`, `2#1010`.
+fn number(text: &str) -> Result<(i128, usize), String> {
+    let digits = leading(text, |c| c.is_ascii_digit() || c == '_');
+    let based = &text[digits.len()..];
+    let base = match (digits, based.starts_with('#')) {
+        ("2", true) => 2,
+        ("8", true) => 8,
+        ("16", true) => 16,
+        _ => 10,
+    };
+    let (written, length) = if base == 10 {
+        (digits, digits.len())
+    } else {
+        let written = leading(&based[1..], |c| c.is_ascii_hexdigit() || c == '_');
+        (written, digits.len() + 1 + written.len())
+    };
+    let wrong = || format!("`{written}` is no number");
+    let alone = !written.contains("__") && !written.ends_with('_') && !written.starts_with('_');
+    let after = text[length..].chars().next();
+    if !alone || after.is_some_and(|c| c.is_ascii_alphanumeric() || c == '_') {
+        return Err(wrong());
+    }
+    let value = i128::from_str_radix(&written.replace('_', ""), base).map_err(|_| wrong())?;
+    Ok((value, length))
+}

@@ -1,0 +1,159 @@
+//! The controllers that are played: every contract of the bundled library and of the examples, and every component of the
+//! laboratory's machines with the sizes it has there, at real size too.
+
+use linewright::cli::controller::Wish;
+use linewright::cli::files::{self, StandardLibrary};
+use linewright::cli::machines::of_line;
+use linewright::cli::pipeline::{CheckedContract, Jobs, Settings};
+use linewright::game::{Heuristics, KernelChoice, Limits, Outcome, solve};
+use linewright::gr1::Specification;
+use linewright::mealy::Controller;
+use linewright::mealy::functions::Functions;
+use linewright::source::Span;
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+/// Files whose contracts are large.
+const LARGE_FILES: [&str; 2] = ["holistic.lw", "real.lw"];
+
+/// Contracts of the line at real size.
+const LARGE_NAMES: [&str; 4] = ["Mill", "Inspect", "Move", "Turn"];
+
+/// A contract with its controller.
+pub struct Controlled {
+    pub specification: Arc<Specification>,
+    pub controller: Controller,
+}
+
+/// The specifications of the contracts in a folder, and of the components of all its lines.
+fn specifications(folder: &Path, found: &mut Vec<Arc<Specification>>) {
+    let mut entries: Vec<_> = std::fs::read_dir(folder)
+        .expect("a folder")
+        .map(|e| e.expect("an entry").path())
+        .collect();
+    entries.sort();
+    for path in entries {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.as_ref();
+        if path.is_dir() {
+            specifications(&path, found);
+        } else if path.extension().is_some_and(|e| e == "lw") && !LARGE_FILES.contains(&name) {
+            let file = path.display().to_string();
+            let loaded = files::load(&[file], &StandardLibrary::default());
+            let library = &loaded.library;
+            let contracts = library.contracts.iter().map(|c| &c.specification);
+            let lines = library.lines.iter();
+            let machines = lines
+                .flat_map(of_line)
+                .map(|m| &**m)
+                .chain(&library.machines);
+            let components = machines.flat_map(|m| m.components.iter().map(|c| &c.specification));
+            for specification in contracts.chain(components) {
+                let specification = without_places(specification);
+                if !found.contains(&specification) {
+                    found.push(specification);
+                }
+            }
+        }
+    }
+}
+
+/// The same specification, whichever file it was read from.
+fn without_places(specification: &Specification) -> Arc<Specification> {
+    let mut specification = specification.clone();
+    for variable in &mut specification.variables {
+        variable.span = Span::default();
+    }
+    for side in [
+        &mut specification.assumptions,
+        &mut specification.guarantees,
+    ] {
+        let lists = [
+            &mut side.initial,
+            &mut side.invariants,
+            &mut side.safety,
+            &mut side.justice,
+        ];
+        for formula in lists.into_iter().flatten() {
+            formula.span = Span::default();
+        }
+    }
+    Arc::new(specification)
+}
+
+/// The library with its default parameters, the examples, and what the laboratory's machines make of them; each once. The cell in
+/// one contract is left out: it takes half a minute to solve.
+fn machines_of_the_library() -> Vec<Controlled> {
+    let mut found = Vec::new();
+    specifications(&crate::support::root().join("contracts"), &mut found);
+    let library = found.len();
+    assert!(library >= 11, "{library} contracts");
+    specifications(&crate::support::root().join("examples"), &mut found);
+    assert!(found.len() >= library + 3, "{} contracts", found.len());
+    let made = controlled(found);
+    assert!(made.iter().all(|c| c.controller.machine().is_some()));
+    made
+}
+
+fn controlled(specifications: Vec<Arc<Specification>>) -> Vec<Controlled> {
+    let mut jobs = Jobs::default().wishing(Wish {
+        functions: true,
+        ..Wish::default()
+    });
+    for specification in &specifications {
+        jobs.add(specification, Span::default());
+    }
+    let settings = Settings {
+        limits: Limits::default(),
+        kernel: KernelChoice::Automatic,
+        heuristics: Heuristics::default(),
+        cache: None,
+    };
+    let hidden = indicatif::ProgressBar::hidden();
+    let checked: Vec<CheckedContract> = jobs.run(&settings, &hidden).expect("sound controllers");
+    let pairs = specifications.into_iter().zip(checked);
+    let controlled = pairs.map(|(specification, checked)| Controlled {
+        controller: checked.controller.expect("a controller"),
+        specification,
+    });
+    controlled.collect()
+}
+
+/// Those whose controllers are machines.
+pub fn machines() -> &'static [Controlled] {
+    static MACHINES: OnceLock<Vec<Controlled>> = OnceLock::new();
+    MACHINES.get_or_init(machines_of_the_library)
+}
+
+/// Components of the line at real size whose controllers are functions because machines would be too large.
+pub fn large() -> &'static [Controlled] {
+    static LARGE: OnceLock<Vec<Controlled>> = OnceLock::new();
+    LARGE.get_or_init(|| {
+        let path = crate::support::root().join("examples/ice-lab/real.lw");
+        let loaded = files::load(&[path.display().to_string()], &StandardLibrary::default());
+        let machines = of_line(&loaded.library.lines[0]);
+        let mut found: Vec<Arc<Specification>> = Vec::new();
+        for component in machines.iter().flat_map(|m| &m.components) {
+            let specification = &component.specification;
+            if LARGE_NAMES.contains(&specification.name.as_str()) && !found.contains(specification)
+            {
+                found.push(Arc::clone(specification));
+            }
+        }
+        assert_eq!(found.len(), LARGE_NAMES.len());
+        let made = controlled(found);
+        assert!(made.iter().all(|c| c.controller.functions().is_some()));
+        made
+    })
+}
+
+/// A controller as functions, although a machine would do.
+pub fn as_functions(specification: &Specification) -> Controller {
+    let limits = Limits::default();
+    let Outcome::Realizable(won) = solve(specification, &limits) else {
+        panic!("{} is realizable", specification.name);
+    };
+    Functions::extract(specification, &won, &limits)
+        .expect("no limit")
+        .into()
+}

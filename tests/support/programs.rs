@@ -1,0 +1,84 @@
+//! Other programs, started with patience that ends.
+
+use std::fs::File;
+use std::io::{Read as _, Seek as _};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// What a program printed, and whether it ended well.
+#[derive(Debug)]
+pub struct Finished {
+    /// Its standard output, with lines that end in `\n`.
+    pub output: String,
+    /// Its standard error.
+    pub errors: String,
+    /// Whether it ended by itself and with 0.
+    pub success: bool,
+}
+
+impl Finished {
+    /// The last line that is not empty.
+    pub fn last_line(&self) -> &str {
+        let mut lines = self.output.lines().rev();
+        lines
+            .find(|l| !l.trim().is_empty())
+            .unwrap_or_default()
+            .trim()
+    }
+
+    /// All that it printed.
+    pub fn all(&self) -> String {
+        format!("{}{}", self.output, self.errors)
+    }
+}
+
+/// Runs a program; it is ended when it takes too long, and says so in its errors.
+pub fn run(command: &mut Command, patience: Duration) -> Finished {
+    // Files, not pipes: what a program leaves running (Wine's server) would keep a pipe open.
+    let mut files = [(); 2].map(|()| tempfile::tempfile().expect("a file"));
+    let [output, errors] = files.each_ref().map(|f| f.try_clone().expect("a file"));
+    let child = command
+        .stdin(Stdio::null())
+        .stdout(output)
+        .stderr(errors)
+        .spawn();
+    let mut child = match child {
+        Ok(child) => child,
+        Err(error) => {
+            return Finished {
+                output: String::new(),
+                errors: format!(
+                    "{} cannot be started: {error}",
+                    command.get_program().display()
+                ),
+                success: false,
+            };
+        }
+    };
+    let begin = Instant::now();
+    let mut ended = None;
+    while ended.is_none() && begin.elapsed() < patience {
+        ended = child.try_wait().expect("the program can be waited for");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    if ended.is_none() {
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+    let [output, mut errors] = files.each_mut().map(text);
+    if ended.is_none() {
+        errors += &format!("\nended after {patience:?}");
+    }
+    Finished {
+        output: output.replace("\r\n", "\n"),
+        errors,
+        success: ended.is_some_and(|status| status.success()),
+    }
+}
+
+fn text(file: &mut File) -> String {
+    let mut bytes = Vec::new();
+    file.rewind().expect("a file");
+    file.read_to_end(&mut bytes).expect("a file");
+    String::from_utf8_lossy(&bytes).into_owned()
+}

@@ -1,0 +1,98 @@
+//! Windows programs on this computer: where Wine is, and how a program runs under it.
+//!
+//! Starting Wine for the first time in a prefix takes some seconds, so all tests share one, in cargo's folder for files of
+//! tests. Exit codes are not to be trusted: a program that crashed may end with 0. A program says with its last line that it came
+//! to its end.
+
+use super::programs::{Finished, run};
+use linewright::station::toolchain::compiler::on_path;
+use std::ffi::OsStr;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+/// Where distributions put it beside the PATH.
+const PLACES: [&str; 6] = [
+    "/usr/lib/wine/wine64",
+    "/usr/lib/x86_64-linux-gnu/wine/wine64",
+    "/usr/lib64/wine/wine64",
+    "/opt/wine-stable/bin/wine64",
+    "/opt/wine-stable/bin/wine",
+    "/opt/wine-devel/bin/wine",
+];
+
+/// As long as a prefix may take on a busy computer.
+const FIRST_START: Duration = Duration::from_secs(300);
+
+/// Wine with a prefix in which it has run before.
+pub struct Wine {
+    program: PathBuf,
+    prefix: PathBuf,
+}
+
+/// Wine, where it is installed and works; else why there is none.
+pub fn wine() -> Result<&'static Wine, String> {
+    static WINE: OnceLock<Result<Wine, String>> = OnceLock::new();
+    WINE.get_or_init(Wine::new).as_ref().map_err(Clone::clone)
+}
+
+/// A path as Windows programs have it: the root of this computer is their drive Z.
+pub fn windows_path(path: &Path) -> String {
+    let path = std::path::absolute(path).expect("the current folder is there");
+    let path = path.to_str().expect("a path in UTF-8");
+    format!("Z:{}", path.replace('/', "\\"))
+}
+
+impl Wine {
+    fn new() -> Result<Self, String> {
+        let program = ["wine64", "wine"]
+            .into_iter()
+            .find_map(|name| on_path(OsStr::new(name)))
+            .or_else(|| PLACES.map(PathBuf::from).into_iter().find(|p| p.is_file()))
+            .ok_or("Wine is neither on the PATH nor in its usual places")?;
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        let prefix = folder.join("wine");
+        let wine = Self { program, prefix };
+        // Several test programs may be the first.
+        let said = |e: std::io::Error| format!("{}: {e}", folder.display());
+        let lock = File::create(folder.join("wine.lock")).map_err(said)?;
+        lock.lock().map_err(said)?;
+        let ready = folder.join("wine.ready");
+        if !(ready.is_file() && wine.prefix.is_dir()) {
+            let _ = std::fs::remove_dir_all(&wine.prefix);
+            std::fs::create_dir_all(&wine.prefix).map_err(said)?;
+            let mut boot = wine.command();
+            boot.args(["cmd", "/c", "echo started"]);
+            let finished = run(&mut boot, FIRST_START);
+            if !finished.output.contains("started") {
+                return Err(format!(
+                    "{} does not start: {}",
+                    wine.program.display(),
+                    finished.all()
+                ));
+            }
+            std::fs::write(&ready, "").map_err(said)?;
+        }
+        Ok(wine)
+    }
+
+    fn command(&self) -> Command {
+        let mut command = Command::new(&self.program);
+        command
+            .env("WINEPREFIX", &self.prefix)
+            .env("WINEDEBUG", "-all")
+            // Neither of these is needed, and each would be asked for in a window.
+            .env("WINEDLLOVERRIDES", "mscoree=;mshtml=;winemenubuilder.exe=")
+            .env_remove("DISPLAY");
+        command
+    }
+
+    /// Runs a Windows program. Paths among its arguments have to be Windows paths.
+    pub fn run(&self, program: &Path, arguments: &[String], patience: Duration) -> Finished {
+        let mut command = self.command();
+        command.arg(windows_path(program)).args(arguments);
+        run(&mut command, patience)
+    }
+}
