@@ -126,7 +126,7 @@ class Unit:
         if self.two:
             data = self.fmu.serializeFMUState(saved[1])
             self.fmu.freeFMUState(saved[1])
-            return saved[0], self.fmu.deSerializeFMUstate(data)
+            return saved[0], self.fmu.deserializeFMUState(data)
         data = self.fmu.serializeFMUState(saved[1])
         self.fmu.freeFMUState(saved[1])
         return saved[0], self.fmu.deserializeFMUState(data)

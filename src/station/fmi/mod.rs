@@ -1,6 +1,6 @@
 //! FMI: a machine as a co-simulation unit that other simulators load, in versions 2.0 and 3.0 of the standard.
 //!
-//! A unit is an archive: the description of its variables ([`description`]), a page for people ([`documentation`]), the C sources,
+//! A unit is an archive: the description of its variables (`description`), a page for people (`documentation`), the C sources,
 //! and a binary for each platform there is a compiler for. The C is a machine's own, with `ffi/fmi2.c` or `ffi/fmi3.c` in the place of
 //! the adapter for Plant Simulation; `ffi/fmi.c` says what a communication step does. Nothing in an archive depends on
 //! the time or the place of the build: same contract and compiler, same bytes.
