@@ -21,7 +21,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(_WIN32)
+/* With LW_PRIVATE these functions are no exports: an adapter in the same translation unit has its own. */
+#if defined(LW_PRIVATE)
+#if defined(__GNUC__)
+#define LW_EXPORT static __attribute__((unused))
+#else
+#define LW_EXPORT static
+#endif
+#elif defined(_WIN32)
 #define LW_EXPORT __declspec(dllexport)
 #elif defined(__GNUC__)
 #define LW_EXPORT __attribute__((visibility("default")))

@@ -51,7 +51,7 @@ static void lw_say_real(lw_error *error, double value)
 }
 
 /* A text that the host may take back: a copy is kept, of its beginning where it is long. */
-static void lw_say_name(lw_error *error, const char *name)
+LW_MAY_BE_UNUSED static void lw_say_name(lw_error *error, const char *name)
 {
     size_t length = 0;
     while (name[length] != '\0' && length + 1 < LW_NAME_SIZE) {
@@ -549,6 +549,28 @@ static int32_t lw_limit(const lw_job *job, const char *operation, lw_error *erro
     return LW_ERROR_LIMIT;
 }
 
+/* The properties after an operation. */
+static int32_t lw_leave(const double *properties, const int64_t *values, double *after, lw_error *error)
+{
+    for (int i = 0; i < LW_PROPERTIES; i++) {
+        after[i] = properties[i];
+    }
+    machine_write(properties, values, after);
+    for (int i = 0; i < LW_PROPERTIES; i++) {
+        if (!isfinite(after[i])) {
+            return lw_fail_name(error, LW_ERROR_DOMAIN, "property `", lw_property_names[i],
+                                "` would get a value that is not a finite number");
+        }
+        if (lw_property_ranges[i].whole && after[i] != properties[i]
+            && (after[i] < lw_property_ranges[i].low || after[i] > lw_property_ranges[i].high
+                || after[i] != floor(after[i]))) {
+            return lw_fail_name(error, LW_ERROR_DOMAIN, "property `", lw_property_names[i],
+                                "` would get a value outside its range");
+        }
+    }
+    return LW_OK;
+}
+
 /* Runs an operation from `state`, which is changed only at its end (or reset, at the step limit). `after` gets the
  * properties. */
 static int32_t lw_perform(lw_state *state, int32_t operation, const double *properties, double *after,
@@ -588,21 +610,9 @@ static int32_t lw_perform(lw_state *state, int32_t operation, const double *prop
             return code;
         }
         if (machine_done(next->values)) {
-            for (int i = 0; i < LW_PROPERTIES; i++) {
-                after[i] = properties[i];
-            }
-            machine_write(properties, next->values, after);
-            for (int i = 0; i < LW_PROPERTIES; i++) {
-                if (!isfinite(after[i])) {
-                    return lw_fail_name(error, LW_ERROR_DOMAIN, "property `", lw_property_names[i],
-                                        "` would get a value that is not a finite number");
-                }
-                if (lw_property_ranges[i].whole && after[i] != properties[i]
-                    && (after[i] < lw_property_ranges[i].low || after[i] > lw_property_ranges[i].high
-                        || after[i] != floor(after[i]))) {
-                    return lw_fail_name(error, LW_ERROR_DOMAIN, "property `", lw_property_names[i],
-                                        "` would get a value outside its range");
-                }
+            code = lw_leave(properties, next->values, after, error);
+            if (code != LW_OK) {
+                return code;
             }
             *service = job.service;
             *state = *next;

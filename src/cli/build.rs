@@ -11,8 +11,8 @@ use super::profiles;
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, has_errors, json};
 use crate::source::SourceMap;
-use crate::station::Toolchain;
 use crate::station::profile::Profile;
+use crate::station::{Toolchain, fmi};
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
     linewright build examples/ice-lab/camera.lw::QualityCheck --target source --out station
 
 `linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` \
-needs none.")]
+needs none. `fmu` takes what there is.")]
 pub struct Arguments {
     /// A file with machines, and the name of one of them; without a name, all that the file declares
     #[arg(value_name = "FILE[::NAME]", required_unless_present = "probe")]
@@ -98,6 +98,11 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     if for_windows || arguments.profile.is_some() {
         findings.extend(profiles::caution(&profile));
     }
+    let units = arguments.target.contains(&Target::Fmu).then(|| {
+        let (toolchains, missing) = fmi::toolchains();
+        findings.extend(missing);
+        toolchains
+    });
     let default = default_folder(&selection.path);
     let folder = arguments.out.as_deref().unwrap_or(&default);
     let mut libraries = Vec::new();
@@ -119,6 +124,23 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 Err(finding) => findings.push(*finding),
             }
         }
+        if let Some(toolchains) = &units {
+            match libraries::build_units(&plan, toolchains, folder) {
+                Ok((files, missing)) => {
+                    for finding in missing {
+                        if !findings.contains(&finding) {
+                            findings.push(finding);
+                        }
+                    }
+                    libraries.push(Built {
+                        machine: plan.machine.name.clone(),
+                        target: Target::Fmu.name(),
+                        files: files.iter().map(|f| f.display().to_string()).collect(),
+                    });
+                }
+                Err(finding) => findings.push(*finding),
+            }
+        }
     }
     debug_assert!(
         has_errors(&findings) || planned.iter().all(|p| p.controlled(&checked).is_some())
@@ -132,7 +154,8 @@ fn toolchains<'a>(
     findings: &mut Vec<Diagnostic>,
 ) -> Vec<(&'a Target, Option<Toolchain>)> {
     let mut found = Vec::new();
-    for target in targets {
+    // Units have several, and are built apart.
+    for target in targets.iter().filter(|t| **t != Target::Fmu) {
         match target.toolchain() {
             Ok(toolchain) => found.push((target, toolchain)),
             Err(finding) => findings.push(*finding),

@@ -6,7 +6,7 @@ use crate::diagnostics::Diagnostic;
 use crate::mealy;
 use crate::station::composition::{self, Composition};
 use crate::station::profile::Profile;
-use crate::station::{self, Package, Toolchain, probe, simtalk};
+use crate::station::{self, Package, Toolchain, fmi, probe, simtalk};
 use std::path::{Path, PathBuf};
 
 /// A machine with the verified controllers of its components, in their order.
@@ -32,6 +32,8 @@ pub enum Target {
     Windows,
     /// A 64-bit DLL, with Microsoft's compiler; on Windows only
     Msvc,
+    /// Co-simulation units of FMI 2.0 and 3.0, with the binaries that there are compilers for
+    Fmu,
     /// The C sources, with all headers they need
     Source,
 }
@@ -43,6 +45,7 @@ impl Target {
             Self::Linux => "linux",
             Self::Windows => "windows",
             Self::Msvc => "msvc",
+            Self::Fmu => "fmu",
             Self::Source => "source",
         }
     }
@@ -52,13 +55,13 @@ impl Target {
         matches!(self, Self::Windows | Self::Msvc)
     }
 
-    /// The compiler for it; none for the sources.
+    /// The compiler for it; none for the sources. Units have several, and take what there is: see [`fmi::toolchains`].
     pub fn toolchain(self) -> Result<Option<Toolchain>, Box<Diagnostic>> {
         let found = match self {
             Self::Linux => Ok(Some(Toolchain::shipping())),
             Self::Windows => Toolchain::windows().map(Some),
             Self::Msvc => Toolchain::msvc().map(Some),
-            Self::Source => Ok(None),
+            Self::Fmu | Self::Source => Ok(None),
         };
         found.map_err(|e| Box::new(e.to_diagnostic()))
     }
@@ -123,12 +126,23 @@ fn compile(
     Ok((files, format!("{}.dll", package.stem)))
 }
 
+/// Writes a machine's FMI units into a folder, and gives their paths and what they lack.
+pub fn build_units(
+    controlled: &Controlled<'_>,
+    toolchains: &[Toolchain],
+    folder: &Path,
+) -> Result<(Vec<PathBuf>, Vec<Diagnostic>), Box<Diagnostic>> {
+    let controllers = controllers(controlled);
+    fmi::build(controlled.machine, &controllers, toolchains, folder)
+        .map_err(|e| Box::new(e.to_diagnostic()))
+}
+
 /// The C of a machine.
 pub fn package(controlled: &Controlled<'_>, profile: &Profile) -> Package {
-    let controllers: Vec<mealy::Controller> = controlled
-        .controllers
-        .iter()
-        .map(|c| (*c).clone())
-        .collect();
-    Package::emit_with(controlled.machine, &controllers, profile)
+    Package::emit_with(controlled.machine, &controllers(controlled), profile)
+}
+
+fn controllers(controlled: &Controlled<'_>) -> Vec<mealy::Controller> {
+    let controllers = controlled.controllers.iter();
+    controllers.map(|c| (*c).clone()).collect()
 }

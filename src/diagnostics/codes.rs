@@ -84,6 +84,8 @@ codes! {
     CROSS_COMPILER_MISSING = "LW506", "no C compiler for Windows was found";
     MSVC_MISSING = "LW507", "Microsoft's compiler was not found";
 
+    UNIT_WITHOUT_BINARY = "LW530", "an FMI unit lacks a binary";
+
     PROFILE = "LW540", "a profile of UF_Value is wrong";
     PROFILE_UNVERIFIED = "LW541", "a profile of UF_Value is unverified";
     PROFILE_FOREIGN = "LW542", "a station library is built for another layout of UF_Value";

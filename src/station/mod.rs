@@ -10,6 +10,7 @@
 
 pub mod composition;
 pub mod emit;
+pub mod fmi;
 pub mod interpret;
 pub mod load;
 mod messages;

@@ -158,7 +158,7 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
 }
 
 /// `AssemblyCell` and `assembly cell` are `assembly_cell`; what is no letter or digit of ASCII becomes `_`.
-fn file_stem(name: &str) -> String {
+pub(super) fn file_stem(name: &str) -> String {
     let mut stem = String::new();
     let mut after_lower = false;
     for c in name.chars() {
@@ -172,11 +172,14 @@ fn file_stem(name: &str) -> String {
             '_'
         });
     }
-    if stem.is_empty() {
-        stem.push('_');
+    // A name in C as well: units of FMI are called so.
+    if !stem.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        stem.insert_str(0, "m_");
     }
-    // Not the name of a file that comes with every package.
-    if SUPPORT.iter().any(|(n, _)| *n == format!("{stem}.c")) {
+    // Not the name of a file that comes with a package.
+    let names = SUPPORT.iter().map(|(n, _)| *n);
+    let mut names = names.chain(["fmi.c", "fmi2.c", "fmi3.c"]);
+    if names.any(|n| n == format!("{stem}.c")) {
         stem.push('_');
     }
     stem
@@ -193,5 +196,7 @@ mod tests {
         assert_eq!(file_stem("Belt3"), "belt3");
         assert_eq!(file_stem("Fräse/1"), "fr_se_1");
         assert_eq!(file_stem("runtime"), "runtime_");
+        assert_eq!(file_stem("fmi2"), "fmi2_");
+        assert_eq!(file_stem("2nd"), "m_2nd");
     }
 }

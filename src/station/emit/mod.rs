@@ -27,6 +27,8 @@ use text::{comment, identifier, long_string, string, wrap};
 pub struct Emitted {
     /// The C file.
     pub source: String,
+    /// The machine in it, without its description, the runtime and the adapter: what another adapter is put behind.
+    pub unit: String,
     /// The contract hash that `station_describe` shows: of everything that decides how the machine behaves.
     pub contract_hash: String,
     /// The JSON text of `station_describe`.
@@ -71,14 +73,15 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
     } else {
         format!(" *\n * {}\n", wrap(doc.trim(), " * "))
     };
+    let unit = format!("{sizes}#define LW_HANDLE_MARK {mark}\n\n#include \"machine.h\"\n\n{body}");
     let source = format!(
         "/* The machine {name}, emitted by linewright from its contracts.\n{doc} *\n * Compile this file alone, with the files of ffi/ beside it:\n *\n *     cc -std=c99 -O2 -fPIC -shared -fvisibility=hidden -ffp-contract=off -pthread THIS.c -o THIS.so -lm\n */\n\
-         {sizes}#define LW_HANDLE_MARK {mark}\n\n#include \"machine.h\"\n\n{body}\
-         static const char lw_description[] =\n    {};\n\n#include \"runtime.c\"\n#include \"plant_simulation.c\"\n",
+         {unit}static const char lw_description[] =\n    {};\n\n#include \"runtime.c\"\n#include \"plant_simulation.c\"\n",
         long_string(&description, "    ")
     );
     Emitted {
         source,
+        unit,
         contract_hash: hash,
         description,
     }
