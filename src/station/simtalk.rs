@@ -346,7 +346,7 @@ impl Writer<'_> {
             "1. Save your model.\n\
              2. Copy `{}` to a folder of the computer with Plant Simulation (64 bits), such as `C:\\linewright`. It needs no other file. Keep its \
              name: it changes with its content, so that a new library is never mistaken for an old one.\n\
-             3. In the frame with the stations, create a variable `{library}` of type integer.\n\
+             3. In the frame with the stations, create a variable `{library}` of type integer with the value -1.\n\
              4. Give each station of this kind these user-defined attributes:\n\n\
              | attribute | type | value |\n|---|---|---|\n\
              | `LW_Handle` | {} | 0; the methods set it |\n",
