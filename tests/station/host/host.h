@@ -27,10 +27,28 @@
 #endif
 
 #include "station.h"
-#include "uf_value.h"
 
 #include <stddef.h>
 #include <stdint.h>
+
+/* ---- Values of the adapter, in the default profile: written down once more, as a host would have it ----------------- */
+
+#define LW_UF_TAG_INTEGER 1
+#define LW_UF_TAG_REAL 2
+#define LW_UF_TAG_STRING 3
+#define LW_UF_INTEGER int32_t
+#define LW_UF_FIELD_INTEGER integer
+#define LW_UF_FIELD_REAL real
+#define LW_UF_FIELD_STRING string
+
+typedef struct UF_Value {
+    int type;
+    union {
+        LW_UF_INTEGER integer;
+        double real;
+        const char *string;
+    } value;
+} UF_Value;
 
 /* ---- platform.c -------------------------------------------------------------------------------------------------- */
 
