@@ -27,14 +27,16 @@ fn blocks() -> Vec<Block> {
     let mut blocks: Vec<Block> = library
         .map(|c| block(&c.controller, &c.specification))
         .collect();
-    for controlled in bundled()
-        .iter()
-        .filter(|c| ["Single", "Pick"].contains(&c.controller.name()))
-    {
+    for controlled in bundled() {
         let specification = &controlled.specification;
         let machine = controlled.controller.machine().expect("a machine");
-        blocks.push(block_of_tables(machine, specification));
-        blocks.push(block(&as_functions(specification), specification));
+        // One without enumerations, and one with.
+        if machine.name == "Single" {
+            blocks.push(block_of_tables(machine, specification));
+        }
+        if ["Single", "Pick"].contains(&machine.name.as_str()) {
+            blocks.push(block(&as_functions(specification), specification));
+        }
     }
     blocks
 }

@@ -53,6 +53,7 @@ impl Assumptions {
                     return;
                 };
                 used.push_str(&condition);
+                used.push('\n');
                 let label = interface.broken(&formula.name);
                 let word = if out.is_empty() { "IF" } else { "ELSIF" };
                 let line = wrap_condition(&format!("{word} {condition} THEN"), "        ");
