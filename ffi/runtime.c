@@ -290,7 +290,6 @@ int32_t lw_simulate(lw_handle handle, int32_t operation, double *properties, siz
     if (property_count != (size_t)LW_PROPERTIES || (properties == NULL && property_count != 0)) {
         code = lw_fail(&slot->error, LW_ERROR_ARGUMENT,
                        "the values are missing, or are not as many as the machine's properties");
-        slot->verdict = code;
     } else {
         code = lw_serve(slot, operation, properties);
         if (code == LW_OK) {

@@ -172,6 +172,11 @@ fn build_probe(
 ) -> anyhow::Result<ExitCode> {
     let mut findings = Vec::new();
     let profile = arguments.profile.as_ref().map(|_| profile);
+    findings.extend(profile.and_then(profiles::caution).map(|note| {
+        note.with_help(
+            "this probe confirms it: run its SimTalk, and give the dump to `doctor --probe`",
+        )
+    }));
     let folder = arguments.out.as_deref().unwrap_or(Path::new(".linewright"));
     let mut libraries = Vec::new();
     for (target, toolchain) in toolchains(&arguments.target, &mut findings) {

@@ -11,6 +11,7 @@ use super::package::Package;
 use super::probe::Value;
 use super::profile::Profile;
 use crate::contract::machine::{Machine, PropertyKind};
+use crate::gr1::Domain;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -186,7 +187,7 @@ impl Writer<'_> {
             "    print \"{name}: the library was not loaded. Is the path absolute, and Plant Simulation one of 64 bits?\""
         );
         out.push_str("    Station.LW_Handle := 0\n    Station.Failed := true\nelse\n");
-        out.push_str("    -- Once for each station of this kind: replace Station by its name.\n");
+        out.push_str("    -- From here to the end of its `if`, once for each station of this kind, with its name for Station.\n");
         let _ = writeln!(
             out,
             "    Station.LW_Handle := {}",
@@ -267,7 +268,9 @@ impl Writer<'_> {
         let mut out = banner(&format!(
             "{library}_reset: brings a station back to its beginning while the model runs"
         ));
-        out.push_str("-- Once for each station of this kind: replace Station by its name.\n");
+        out.push_str(
+            "-- All of this once for each station of this kind, with its name for Station.\n",
+        );
         out.push_str("if 0 < Station.LW_Handle\n");
         let _ = writeln!(
             out,
@@ -287,7 +290,7 @@ impl Writer<'_> {
             "if {library} < 0\n    print \"{}: there is no library to free\"\nelse",
             self.names.machine
         );
-        out.push_str("    -- Once for each station of this kind: replace Station by its name.\n    if 0 < Station.LW_Handle\n");
+        out.push_str("    -- From here to the end of its `if`, once for each station of this kind, with its name for Station.\n    if 0 < Station.LW_Handle\n");
         let _ = writeln!(
             out,
             "        if {} < 0",
@@ -343,7 +346,7 @@ impl Writer<'_> {
             "1. Save your model.\n\
              2. Copy `{}` to a folder of the computer with Plant Simulation (64 bits), such as `C:\\linewright`. It needs no other file. Keep its \
              name: it changes with its content, so that a new library is never mistaken for an old one.\n\
-             3. In the frame with the stations, create a variable `{library}` of type integer.\n\
+             3. In the frame with the stations, create a variable `{library}` of type integer with the value -1.\n\
              4. Give each station of this kind these user-defined attributes:\n\n\
              | attribute | type | value |\n|---|---|---|\n\
              | `LW_Handle` | {} | 0; the methods set it |\n",
@@ -426,7 +429,7 @@ impl Writer<'_> {
                 let domain = p
                     .domain
                     .as_ref()
-                    .map_or(String::new(), |d| format!(", {}", d.describe()));
+                    .map_or(String::new(), |d| format!(", {}", numbers(d)));
                 s + &format!(
                     "| `{name}` | real | `{}`{unit}{domain}; {} where nothing else is known |\n",
                     p.name, p.default
@@ -453,6 +456,19 @@ impl Writer<'_> {
              `last_error` gives the whole text of the last error; `station_describe` the machine as JSON. Contract hash: `{}`.\n",
             self.package.contract_hash
         )
+    }
+}
+
+/// The values of a property, as the numbers that pass.
+fn numbers(domain: &Domain) -> String {
+    match domain {
+        Domain::Bool => "0 false, 1 true".to_owned(),
+        Domain::Range { .. } => domain.describe(),
+        Domain::Enum { labels, .. } => {
+            let numbered = labels.iter().enumerate();
+            let words: Vec<String> = numbered.map(|(i, l)| format!("{i} {l}")).collect();
+            words.join(", ")
+        }
     }
 }
 

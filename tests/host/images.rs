@@ -1,11 +1,8 @@
 //! Libraries as files: what a PE image exports and an ELF image needs, and images of 32 bits.
 
 use crate::programs::Prepared;
-use crate::support::python;
-use linewright::station::toolchain::Platform;
-use linewright::station::toolchain::compiler::on_path;
+use linewright::station::toolchain::{CrossCompiler, Platform};
 use std::collections::BTreeSet;
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -72,15 +69,13 @@ pub fn real_32_bit(prepared: &Prepared, platform: Platform) -> Option<PathBuf> {
                     int __stdcall DllMainCRTStartup(void *a, unsigned b, void *c)\n\
                     { (void)a; (void)b; (void)c; return 1; }\n";
         let mut compilers = vec![Command::new("i686-w64-mingw32-gcc")];
-        let zig = |mut command: Command| {
-            command.args(["cc", "-target", "x86-windows-gnu"]);
-            command
-        };
-        compilers.extend(on_path(OsStr::new("zig")).map(|z| zig(Command::new(z))));
-        compilers.extend(python("ziglang").map(|mut p| {
-            p.args(["-m", "ziglang"]);
-            zig(p)
-        }));
+        let zigs = [CrossCompiler::Zig, CrossCompiler::PythonZig];
+        for zig in zigs.into_iter().filter_map(CrossCompiler::find) {
+            let mut zig = zig.command();
+            // The last target is the one that counts.
+            zig.args(["-target", "x86-windows-gnu"]);
+            compilers.push(zig);
+        }
         (text, folder.join("small.dll"), compilers)
     };
     std::fs::write(&source, text).expect("a file");

@@ -77,11 +77,9 @@ impl Prepared {
 
     /// Builds a library from other C.
     pub fn changed(&self, toolchain: &Toolchain, c_source: String, name: &str) -> PathBuf {
-        let package = Package {
-            c_source,
-            hash: format!("{}{name}", self.package.hash),
-            ..self.package.clone()
-        };
+        let mut package = self.package.clone();
+        package.c_source = c_source;
+        package.hash.push_str(name);
         let built = toolchain.build(&package, self.folder(), false);
         built.unwrap_or_else(|e| panic!("{name}: {e}")).path
     }

@@ -80,7 +80,7 @@ fn mutated(text: &str, random: &mut Random) -> String {
                 let other = random.below(lines.len());
                 lines.swap(at, other);
             }
-            4 => lines[at] = "call lw_probe_real_1".to_owned(),
+            4 => "call lw_probe_real_1".clone_into(&mut lines[at]),
             5 => lines[at] = format!("points {} 00", random.below(600)),
             6 => {
                 let words = [
@@ -93,7 +93,7 @@ fn mutated(text: &str, random: &mut Random) -> String {
                     "\u{202e}",
                     "linewright-probe 1",
                 ];
-                lines[at] = words[random.below(words.len())].to_owned();
+                words[random.below(words.len())].clone_into(&mut lines[at]);
             }
             _ => {
                 let line = &mut lines[at];

@@ -5,6 +5,7 @@ use linewright::source::SourceMap;
 use linewright::station::profile::{Encoding, Layout, Profile, Tag, read};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 
 fn parse(text: &str) -> Result<Profile, String> {
     let mut sources = SourceMap::new();
@@ -148,7 +149,7 @@ fn every_mistake_is_found_at_once() {
             .iter()
             .map(|(_, to)| to.replace('\n', " | "))
             .collect();
-        report.push_str(&format!("--- {}\n{said}", shown.join(", ")));
+        let _ = write!(report, "--- {}\n{said}", shown.join(", "));
     }
     insta::assert_snapshot!("mistakes", report);
 }

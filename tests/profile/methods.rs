@@ -106,10 +106,10 @@ impl Checker<'_> {
                     }
                 }
                 Statement::Assign(target, value) => {
-                    self.assign(target, value, &body[i + 1..], method)
+                    self.assign(target, value, &body[i + 1..], method);
                 }
                 Statement::If(condition, then, otherwise) => {
-                    self.branch(condition, then, otherwise, method)
+                    self.branch(condition, then, otherwise, method);
                 }
             }
         }

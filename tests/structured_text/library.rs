@@ -83,7 +83,7 @@ fn without_places(specification: &Specification) -> Arc<Specification> {
 
 /// The library with its default parameters, the examples, and what the laboratory's machines make of them; each once. The cell in
 /// one contract is left out: it takes half a minute to solve.
-fn machines_of_the_library() -> Vec<Controlled> {
+fn machines_of_the_library() -> (Vec<Controlled>, usize) {
     let mut found = Vec::new();
     specifications(&crate::support::root().join("contracts"), &mut found);
     let library = found.len();
@@ -92,7 +92,13 @@ fn machines_of_the_library() -> Vec<Controlled> {
     assert!(found.len() >= library + 3, "{} contracts", found.len());
     let made = controlled(found);
     assert!(made.iter().all(|c| c.controller.machine().is_some()));
-    made
+    (made, library)
+}
+
+/// Made once for all tests, and how many of them are the bundled library's own.
+fn made() -> &'static (Vec<Controlled>, usize) {
+    static MADE: OnceLock<(Vec<Controlled>, usize)> = OnceLock::new();
+    MADE.get_or_init(machines_of_the_library)
 }
 
 fn controlled(specifications: Vec<Arc<Specification>>) -> Vec<Controlled> {
@@ -121,8 +127,13 @@ fn controlled(specifications: Vec<Arc<Specification>>) -> Vec<Controlled> {
 
 /// Those whose controllers are machines.
 pub fn machines() -> &'static [Controlled] {
-    static MACHINES: OnceLock<Vec<Controlled>> = OnceLock::new();
-    MACHINES.get_or_init(machines_of_the_library)
+    &made().0
+}
+
+/// Those of the bundled library alone.
+pub fn bundled() -> &'static [Controlled] {
+    let (all, library) = made();
+    &all[..*library]
 }
 
 /// Components of the line at real size whose controllers are functions because machines would be too large.

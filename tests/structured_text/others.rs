@@ -2,9 +2,10 @@
 //!
 //! Both run as processes of their own, and both must refuse what is damaged, or their consent would mean nothing.
 
-use crate::library::{as_functions, large, machines};
+use crate::library::{as_functions, bundled, large, machines};
 use crate::support::{self, python_with};
 use linewright::station::structured_text::{Block, block, block_of_tables};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -20,15 +21,18 @@ fn accepted(command: &mut Command) -> Result<(), String> {
     Err(lines[lines.len().saturating_sub(5)..].join("\n"))
 }
 
-/// blark needs some seconds for a long text, so it gets every form of some short controllers.
-fn short_blocks() -> Vec<Block> {
-    let mut blocks = Vec::new();
-    for name in ["Single", "Convey", "Pick"] {
-        let found = machines().iter().find(|c| c.controller.name() == name);
-        let controlled = found.expect("a contract of the library");
+/// The bundled library as it is written, and two of it in the forms of larger controllers. blark needs some seconds for a long text.
+fn blocks() -> Vec<Block> {
+    let library = bundled().iter();
+    let mut blocks: Vec<Block> = library
+        .map(|c| block(&c.controller, &c.specification))
+        .collect();
+    for controlled in bundled()
+        .iter()
+        .filter(|c| ["Single", "Pick"].contains(&c.controller.name()))
+    {
         let specification = &controlled.specification;
         let machine = controlled.controller.machine().expect("a machine");
-        blocks.push(block(&controlled.controller, specification));
         blocks.push(block_of_tables(machine, specification));
         blocks.push(block(&as_functions(specification), specification));
     }
@@ -36,7 +40,7 @@ fn short_blocks() -> Vec<Block> {
 }
 
 #[test]
-fn blark_parses_every_form() {
+fn blark_parses_the_library_and_every_form() {
     let Some(python) = python_with("blark", "blark") else {
         return;
     };
@@ -50,28 +54,29 @@ fn blark_parses_every_form() {
                 .arg(&path),
         )
     };
-    let blocks = short_blocks();
-    for (place, block) in blocks.iter().enumerate() {
+    let blocks = blocks();
+    blocks.par_iter().enumerate().for_each(|(place, block)| {
         let verdict = parse(&format!("{place}.st"), &block.to_text());
         verdict.unwrap_or_else(|e| panic!("{}: {e}\n{}", block.name, block.to_text()));
-    }
+    });
     let text = blocks[0].to_text();
-    for (place, (right, wrong)) in [
+    let damage = [
         ("END_CASE;", "END_CAES;"),
         (" THEN", " THE"),
         (":= FALSE;", ":= ;"),
         ("VAR_INPUT", "VAR_INPUTS"),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        assert!(text.contains(right), "{right}");
-        let damaged = text.replacen(right, wrong, 1);
-        assert!(
-            parse(&format!("damaged{place}.st"), &damaged).is_err(),
-            "{wrong}"
-        );
-    }
+    ];
+    damage
+        .par_iter()
+        .enumerate()
+        .for_each(|(place, (right, wrong))| {
+            assert!(text.contains(right), "{right}");
+            let damaged = text.replacen(right, wrong, 1);
+            assert!(
+                parse(&format!("damaged{place}.st"), &damaged).is_err(),
+                "{wrong}"
+            );
+        });
 }
 
 /// The folder with schemas that may not be part of this repository.

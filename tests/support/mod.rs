@@ -6,7 +6,7 @@ pub mod wine;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
 /// The built program.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_linewright");
@@ -41,18 +41,6 @@ pub fn linewright(folder: &Path, arguments: &[&str]) -> Output {
         .env("NO_COLOR", "1")
         .output()
         .expect("the program starts")
-}
-
-/// Python with a module installed: what `LINEWRIGHT_PYTHON` names, else the one on the PATH.
-pub fn python(module: &str) -> Option<Command> {
-    let named = std::env::var_os("LINEWRIGHT_PYTHON");
-    let candidates = named.into_iter().chain(["python3".into(), "python".into()]);
-    candidates.into_iter().find_map(|python| {
-        let mut trial = Command::new(&python);
-        trial.args(["-c", &format!("import {module}")]);
-        let output = trial.stdin(Stdio::null()).output().ok()?;
-        output.status.success().then(|| Command::new(&python))
-    })
 }
 
 /// A new folder with copies of `contracts` and `examples`, without what was built there.

@@ -208,12 +208,11 @@ impl Emitter<'_> {
         };
         let splits = decisions.splits.iter().map(|split| {
             let port = &controller.inputs[split.input];
-            let condition = match port.domain {
-                Domain::Bool => format!("!{}", port.name),
-                _ => {
-                    let bound = shown(&port.domain, split.bound, &port.unit);
-                    format!("{} <= {bound}", port.name)
-                }
+            let condition = if port.domain == Domain::Bool {
+                format!("!{}", port.name)
+            } else {
+                let bound = shown(&port.domain, split.bound, &port.unit);
+                format!("{} <= {bound}", port.name)
             };
             format!(
                 "    {{ {}, {}, {}, {} }}, /* {} */\n",

@@ -13,6 +13,7 @@
 pub mod dump;
 pub mod infer;
 pub mod package;
+mod texts;
 
 /// A value that is passed to the probe.
 #[derive(Debug, Clone, PartialEq)]

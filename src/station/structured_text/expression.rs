@@ -24,8 +24,25 @@ pub(super) struct Translator<'a> {
 impl Translator<'_> {
     /// The condition that a formula does not hold.
     pub fn broken(&self, expr: &Expr) -> Option<String> {
-        let text = self.truth(&expr.simplify(), true)?;
+        let expr = expr.simplify();
+        let text = match self.connected(&expr, true) {
+            Some((operands, sign)) => operands?.join(sign),
+            None => self.truth(&expr, true)?,
+        };
         (text.len() <= LONGEST).then_some(text)
+    }
+
+    /// The operands that AND or OR joins in a truth value or its negation, if one does.
+    fn connected(&self, expr: &Expr, negate: bool) -> Option<(Option<Vec<String>>, &'static str)> {
+        let signs = [(true, " AND "), (false, " OR ")];
+        let mut found = signs.into_iter().filter_map(|(and, sign)| {
+            let operands = operands(expr, negate, and);
+            (operands.len() > 1).then_some((operands, sign))
+        });
+        let (operands, sign) = found.next()?;
+        let operands = operands.into_iter();
+        let texts = operands.map(|(expr, negate)| self.truth(expr, negate));
+        Some((texts.collect(), sign))
     }
 
     /// The name of a variable and its port.
@@ -76,21 +93,9 @@ impl Translator<'_> {
                 Some(if negate { format!("NOT {name}") } else { name })
             }
             Expr::Unary(UnaryOp::Not, a) => self.truth(a, !negate),
-            Expr::Binary(op @ (B::And | B::Or), ..) => {
-                let sign = if (*op == B::And) == negate {
-                    " OR "
-                } else {
-                    " AND "
-                };
-                let operands = chain(expr, *op).into_iter();
-                let operands: Option<Vec<String>> =
-                    operands.map(|e| self.truth(e, negate)).collect();
+            Expr::Binary(B::And | B::Or | B::Implies, ..) => {
+                let (operands, sign) = self.connected(expr, negate)?;
                 Some(format!("({})", operands?.join(sign)))
-            }
-            Expr::Binary(B::Implies, a, b) => {
-                let sign = if negate { "AND" } else { "OR" };
-                let (a, b) = (self.truth(a, !negate)?, self.truth(b, negate)?);
-                Some(format!("({a} {sign} {b})"))
             }
             Expr::Binary(op @ (B::Eq | B::Ne), a, b) => {
                 let equal = (*op == B::Eq) != negate;
@@ -231,15 +236,26 @@ fn is_arithmetic(op: BinaryOp) -> bool {
     )
 }
 
-/// The operands of an associative operator, from left to right.
-fn chain(expr: &Expr, op: BinaryOp) -> Vec<&Expr> {
-    let mut operands = Vec::new();
-    let mut stack = vec![expr];
-    while let Some(expr) = stack.pop() {
+/// What a truth value or its negation is the conjunction of, or else the disjunction, from left to right: expressions, and whether
+/// each is negated.
+fn operands(expr: &Expr, negate: bool, conjunction: bool) -> Vec<(&Expr, bool)> {
+    use BinaryOp as B;
+    let mut found = Vec::new();
+    let mut stack = vec![(expr, negate)];
+    while let Some((expr, negate)) = stack.pop() {
         match expr {
-            Expr::Binary(o, a, b) if *o == op => stack.extend([&**b, &**a]),
-            _ => operands.push(expr),
+            Expr::Unary(UnaryOp::Not, a) => stack.push((a, !negate)),
+            Expr::Binary(B::And, a, b) if conjunction != negate => {
+                stack.extend([(&**b, negate), (&**a, negate)]);
+            }
+            Expr::Binary(B::Or, a, b) if conjunction == negate => {
+                stack.extend([(&**b, negate), (&**a, negate)]);
+            }
+            Expr::Binary(B::Implies, a, b) if conjunction == negate => {
+                stack.extend([(&**b, negate), (&**a, !negate)]);
+            }
+            _ => found.push((expr, negate)),
         }
     }
-    operands
+    found
 }
