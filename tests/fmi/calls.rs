@@ -35,7 +35,7 @@ fn trajectories_are_the_machines() {
         refused += tape.refused;
     }
     // Some machines' assumptions cannot be broken by their inputs; others' can.
-    assert!(refused > 500, "{refused}");
+    assert!(refused > 100, "{refused}");
 }
 
 #[test]
