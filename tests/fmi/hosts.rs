@@ -129,7 +129,7 @@ pub fn host(mut compiler: Command, version: Version, folder: &Path) -> PathBuf {
 }
 
 /// As long as a host may take on a busy computer.
-pub const PATIENCE: Duration = Duration::from_secs(300);
+pub const PATIENCE: Duration = Duration::from_mins(5);
 
 /// What a program prints.
 pub fn run(command: &mut Command) -> String {
