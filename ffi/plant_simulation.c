@@ -27,8 +27,9 @@
  *                                            of the library
  *     station_describe()                     string: static JSON
  *
- * A string that is returned belongs to the library. It stays as it is for the next 15 strings that the library returns: who owns a
- * returned string, and when it is copied, is not known of the host.
+ * A string that is returned belongs to the library, since who owns it and when it is copied is not known of the host. Each instance has room
+ * for one, which stays as it is until the next string that is returned for that instance; so has the library itself, for calls without a valid
+ * handle. Several threads that read texts of one instance use lw_last_error, which copies.
  *
  * The codes are those of station.h. Listing 2 of the paper loads and frees the library at every entry, which loses all
  * state: load it once, when the model starts, and make one instance for each station. */
@@ -115,18 +116,16 @@ LW_EXPORT void reset(UF_Value *ret, UF_Value *arg)
     lw_give_integer(ret, code);
 }
 
-/* A place for a text that is shown to the host, in its encoding. */
-static const void *lw_show(const char *text)
+/* The text that was last shown for each instance, in the host's encoding; the last place is that of the library. */
+#define LW_SHOWN_SIZE 512
+static lw_uf_unit lw_shown[LW_SLOTS + 1][LW_SHOWN_SIZE];
+
+/* Shows a text, cut where it is too long, for an instance or, without one, for the library. The caller holds its lock. */
+static void lw_show(UF_Value *ret, const lw_slot *slot, const char *text)
 {
-    static lw_uf_unit shown[16][LW_TEXT_SIZE];
-    static unsigned next;
-    lw_uf_unit *place;
-    lw_lock_take(&lw_table_lock);
-    place = shown[next];
-    next = (next + 1) % 16;
-    lw_uf_encode(text, place, LW_TEXT_SIZE);
-    lw_lock_give(&lw_table_lock);
-    return place;
+    lw_uf_unit *place = lw_shown[slot == NULL ? LW_SLOTS : slot - lw_slots];
+    lw_uf_encode(text, place, LW_SHOWN_SIZE);
+    lw_give_string(ret, place);
 }
 
 /* The text of the second argument, as UTF-8; 0 where it is none. */
@@ -352,32 +351,27 @@ LW_EXPORT void get_string(UF_Value *ret, UF_Value *arg)
             lw_write_real(&text, result.value);
         }
     }
-    if (slot != NULL) {
-        lw_lock_give(&slot->lock);
-    }
     if (code == LW_OK) {
-        lw_give_string(ret, lw_show(text.text));
+        lw_show(ret, slot, text.text);
     } else {
         lw_give_integer(ret, code);
+    }
+    if (slot != NULL) {
+        lw_lock_give(&slot->lock);
     }
 }
 
 LW_EXPORT void last_error(UF_Value *ret, UF_Value *arg)
 {
     lw_text text;
-    lw_slot *slot = NULL;
-    if (lw_is_handle(arg)) {
-        slot = lw_enter_quietly(lw_handle_of(arg));
+    lw_slot *slot = lw_is_handle(arg) ? lw_enter_quietly(lw_handle_of(arg)) : NULL;
+    lw_lock *lock = slot == NULL ? &lw_table_lock : &slot->lock;
+    if (slot == NULL) {
+        lw_lock_take(lock);
     }
-    if (slot != NULL) {
-        lw_put_into_words(&slot->error, &text);
-        lw_lock_give(&slot->lock);
-    } else {
-        lw_lock_take(&lw_table_lock);
-        lw_put_into_words(&lw_table_error, &text);
-        lw_lock_give(&lw_table_lock);
-    }
-    lw_give_string(ret, lw_show(text.text));
+    lw_put_into_words(slot == NULL ? &lw_table_error : &slot->error, &text);
+    lw_show(ret, slot, text.text);
+    lw_lock_give(lock);
 }
 
 LW_EXPORT void station_describe(UF_Value *ret, UF_Value *arg)

@@ -45,10 +45,10 @@ fn as_real(v: Value) -> f64 {
     f64::from_bits(v.bits)
 }
 
-/// A text of a library that is still loaded; 15 more calls may come before it is read.
+/// A text of a library that is still loaded; no other text of its instance was returned since.
 fn as_string(v: Value) -> String {
     assert_eq!(v.tag, 3, "a string");
-    // SAFETY: the library keeps a text that it returned for the next 15.
+    // SAFETY: the library keeps a text that it returned until the next one of the same instance.
     unsafe { CStr::from_ptr(v.bits as *const c_char) }
         .to_string_lossy()
         .into_owned()
@@ -215,22 +215,22 @@ fn results_are_read_by_name() {
     assert!(host.last_error(handle).ends_with("...`"));
 }
 
-/// A text that was returned is left alone by the next calls.
+/// A text that was returned is left alone by other calls on the instance, and by texts of others.
 #[test]
 fn texts_stay_for_a_while() {
     let folder = tempfile::tempdir().unwrap();
     let host = Host::new(&fixtures::manipulator(), folder.path());
-    let handle = host.instantiate();
-    host.simulate(integer(handle), integer(7), GOOD.map(real));
-    let first = host.call("last_error", &mut [integer(handle)]);
-    for other in 8..22 {
-        host.simulate(integer(handle), integer(other), GOOD.map(real));
-        assert_eq!(
-            host.last_error(handle),
-            format!("there is no operation {other}")
-        );
+    let handles = [(); 40].map(|()| host.instantiate());
+    let texts = handles.map(|handle| {
+        host.simulate(integer(handle), integer(7 + handle % 1000), GOOD.map(real));
+        let text = host.call("last_error", &mut [integer(handle)]);
+        host.simulate(integer(handle), string(c"nothing"), GOOD.map(real));
+        text
+    });
+    for (handle, text) in handles.into_iter().zip(texts) {
+        let wanted = format!("there is no operation {}", 7 + handle % 1000);
+        assert_eq!(as_string(text), wanted);
     }
-    assert_eq!(as_string(first), "there is no operation 7");
 }
 
 #[test]
