@@ -86,6 +86,33 @@ proptest! {
     }
 }
 
+/// A limit below a source is the line's own when it says more than a number.
+#[test]
+fn a_source_does_not_take_the_limit_of_its_line() {
+    use linewright::syntax::ast::{Item, LineItem, Supply};
+    let line = |limits: &str| {
+        let text = format!("line a {{\n    source b: c every 5 s{limits}\n}}\n");
+        let (file, findings) = read(&text);
+        assert!(findings.is_empty(), "{text}: {findings:?}");
+        let [Item::Line(line)] = file.items.as_slice() else {
+            panic!("{text}");
+        };
+        let LineItem::Source { supply, .. } = &line.items[0] else {
+            panic!("{text}");
+        };
+        let Supply::Every { limit, .. } = supply else {
+            panic!("{text}");
+        };
+        (*limit, line.items.len() - 1)
+    };
+    assert_eq!(line(" limit 8"), (Some(8), 0));
+    assert_eq!(line("\n    limit 8 h"), (None, 1));
+    assert_eq!(line("\n    limit 50 products"), (None, 1));
+    assert_eq!(line("\n    limit 2 * 4 h"), (None, 1));
+    assert_eq!(line(" limit 8\n    limit 50 products"), (Some(8), 1));
+    assert_eq!(line(" limit 8\n    /// d\n    sink e"), (Some(8), 1));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, max_shrink_iters: 2000, ..ProptestConfig::default() })]
 

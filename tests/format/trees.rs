@@ -484,7 +484,12 @@ impl<'n> Choices<'n> {
                 }
             }
             10 => LineItem::Shift(self.expr(), self.expr()),
-            11 => LineItem::Limit(self.expr(), self.maybe()),
+            11 => {
+                let value = self.expr();
+                // A bare number would be the limit of a source above it; as the line's limit it means nothing.
+                let products = self.maybe() || matches!(value.kind, ExprKind::Int(_));
+                LineItem::Limit(value, products)
+            }
             _ => LineItem::Const(self.const_decl()),
         }
     }
