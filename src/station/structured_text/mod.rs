@@ -4,9 +4,9 @@
 //! system takes is used: no methods, no pointers, no typed access to enumerations, `(* *)` comments, explicit conversions.
 //! Enumerations are prefixed (`Command_turn`), so that their labels need no qualifier, which systems write differently.
 //!
-//! A machine becomes a CASE over its states ([`machine`]), or tables where that would be long ([`tables`]); functions become a
-//! table of decisions that a loop walks ([`functions`]). What is the same for all, the interface and how a call begins and ends,
-//! stands in [`interface`].
+//! A machine becomes a CASE over its states (`machine.rs`), or tables where that would be long (`tables.rs`); functions become a
+//! table of decisions that a loop walks (`functions.rs`). What is the same for all, the interface and how a call begins and ends,
+//! stands in `interface.rs`.
 
 mod assumptions;
 mod codes;
