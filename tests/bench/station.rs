@@ -283,7 +283,7 @@ fn forms() {
 fn sized(series: &Series, size: &str) -> Arc<Machine> {
     let folder = tempfile::tempdir().expect("a folder for temporary files");
     let from = support::root().join("examples/ice-lab");
-    for file in [series.file, "coordinator.lw"] {
+    for file in [series.file, "coordinator.lw", "jobs.lw"] {
         let text = std::fs::read_to_string(from.join(file)).expect("a file of the laboratory");
         assert!(
             file != series.file || text.contains(series.default),
