@@ -67,7 +67,7 @@ pub fn run(command: &mut Command, patience: Duration) -> Finished {
     }
     let [output, mut errors] = files.each_mut().map(text);
     if ended.is_none() {
-        errors += &format!("\nended after {patience:?}");
+        errors.extend(["\nended after ".to_owned(), format!("{patience:?}")]);
     }
     Finished {
         output: output.replace("\r\n", "\n"),

@@ -24,7 +24,7 @@ const PLACES: [&str; 6] = [
 ];
 
 /// As long as a prefix may take on a busy computer.
-const FIRST_START: Duration = Duration::from_secs(300);
+const FIRST_START: Duration = Duration::from_mins(5);
 
 /// Wine with a prefix in which it has run before.
 pub struct Wine {
