@@ -92,7 +92,10 @@ impl Tables {
         let component = &subject.machine.components[c];
         let prefix = format!("c{c}_{}", component.name);
         let specification = &component.specification;
-        let inputs: Vec<usize> = specification.inputs().map(|v| v.index()).collect();
+        let inputs: Vec<usize> = specification
+            .inputs()
+            .map(linewright::gr1::VarId::index)
+            .collect();
         let named = format!("    v{c}_{}_", component.name);
         let names = lines
             .iter()

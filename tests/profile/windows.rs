@@ -10,7 +10,7 @@ use linewright::station::toolchain::Compiler;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_mins(2);
 
 /// A Windows program that sees a mock's layout.
 fn host(mock: &Mock, compiler: &Compiler, source: &str, folder: &Path) -> PathBuf {
