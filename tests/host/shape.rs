@@ -5,6 +5,7 @@ use crate::machines::{named, shipped};
 use crate::programs::{Host, Prepared, cc};
 use crate::support::programs::run;
 use crate::support::{root, skip};
+use linewright::station::toolchain::CrossCompiler;
 use linewright::station::{Package, Toolchain};
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -67,6 +68,28 @@ fn a_library_exports_what_is_documented_and_needs_no_memory() {
     }
 }
 
+/// Zig makes the same library as MinGW does, twice the same.
+#[test]
+fn zig_makes_libraries_for_windows() {
+    let kinds = [CrossCompiler::Zig, CrossCompiler::PythonZig];
+    let found = kinds
+        .into_iter()
+        .find_map(|kind| Some((kind, kind.find()?)));
+    let Some((kind, compiler)) = found else {
+        skip("zig", "neither zig nor Python's ziglang is on the PATH");
+        return;
+    };
+    let toolchain = Toolchain::cross(kind, compiler);
+    let subject = named("Belt");
+    let image = || {
+        let prepared = Prepared::new(&subject);
+        std::fs::read(prepared.library(&toolchain)).expect("the library")
+    };
+    let first = image();
+    assert_eq!(exports(&first), documented());
+    assert!(first == image(), "the same bytes twice");
+}
+
 /// What a thousand instances take beyond the tables that they share.
 #[test]
 fn an_instance_takes_less_than_a_kibibyte() {
@@ -77,7 +100,7 @@ fn an_instance_takes_less_than_a_kibibyte() {
         let main = folder.path().join("size.c");
         let text = format!(
             "#include \"{}.c\"\n#include <stdio.h>\n\
-             int main(void) {{ printf(\"%lu\\n\", (unsigned long)(sizeof lw_slots / LW_SLOTS)); return 0; }}\n",
+             int main(void) {{ printf(\"%lu\\n\", (unsigned long)(sizeof lw_slots[0] + sizeof lw_shown[0])); return 0; }}\n",
             package.stem
         );
         std::fs::write(&main, text).expect("a file");

@@ -65,6 +65,8 @@ pub struct Toolchain {
     /// A compiler for this computer by its path or name.
     command: Option<PathBuf>,
     flags: Vec<String>,
+    /// Further flags, which stand last.
+    linker: &'static [&'static str],
     /// What is found before anything is built.
     name: &'static str,
     found: OnceLock<Result<Compiler, (String, String)>>,
@@ -85,6 +87,11 @@ impl Toolchain {
             platform,
             command: None,
             flags: flags.iter().map(|f| (*f).to_owned()).collect(),
+            linker: match platform {
+                Platform::Host => HOST_LINKER,
+                Platform::Windows => WINDOWS_LINKER,
+                Platform::Msvc => MSVC_LINKER,
+            },
             name: "",
             found: OnceLock::new(),
         }
@@ -114,15 +121,22 @@ impl Toolchain {
     /// The first compiler for 64-bit Windows that there is. An error where there is none.
     pub fn windows() -> Result<Self, Error> {
         let (kind, compiler) = Compiler::windows()?;
+        Ok(Self::cross(kind, compiler))
+    }
+
+    /// A compiler for 64-bit Windows that was found.
+    pub fn cross(kind: CrossCompiler, compiler: Compiler) -> Self {
         let mut toolchain = Self::like_gcc(Platform::Windows, FAST_TO_STEP);
         if matches!(kind, CrossCompiler::Zig | CrossCompiler::PythonZig) {
-            // Without these, zig adds traps for undefined behaviour, and debug information with paths.
+            // Without these, zig adds traps for undefined behaviour, and debug information with paths. Its linker notes no time,
+            // and refuses to be told so.
             let quiet = ["-fno-sanitize=undefined", "-g0", "-s"];
             toolchain.flags.extend(quiet.map(str::to_owned));
+            toolchain.linker = &[];
         }
         toolchain.name = kind.name();
         toolchain.found = OnceLock::from(Ok(compiler));
-        Ok(toolchain)
+        toolchain
     }
 
     /// Microsoft's compiler. An error where there is none; no other compiler is taken for it.
@@ -157,7 +171,7 @@ impl Toolchain {
     pub fn path(&self, package: &Package, folder: &Path) -> PathBuf {
         let mut hash = Sha256::new();
         hash.update(&package.hash);
-        for flag in self.flags().chain(self.linker().iter().copied()) {
+        for flag in self.flags().chain(self.linker.iter().copied()) {
             hash.update(flag);
             hash.update([0]);
         }
@@ -260,14 +274,6 @@ impl Toolchain {
         self.flags.iter().map(String::as_str)
     }
 
-    fn linker(&self) -> &'static [&'static str] {
-        match self.platform {
-            Platform::Host => HOST_LINKER,
-            Platform::Windows => WINDOWS_LINKER,
-            Platform::Msvc => MSVC_LINKER,
-        }
-    }
-
     /// The compiler's arguments, from the folder in which the source is.
     fn arguments(&self, source: &std::ffi::OsStr, made: &str) -> Vec<OsString> {
         let mut arguments: Vec<OsString> = self.flags().map(OsString::from).collect();
@@ -277,7 +283,7 @@ impl Toolchain {
         } else {
             arguments.extend(["-o".into(), made.into()]);
         }
-        arguments.extend(self.linker().iter().map(OsString::from));
+        arguments.extend(self.linker.iter().map(OsString::from));
         arguments
     }
 
