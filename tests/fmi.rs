@@ -8,6 +8,9 @@
 mod archive;
 #[path = "fmi/calls.rs"]
 mod calls;
+#[expect(dead_code, reason = "a tape needs its random numbers only")]
+#[path = "station/differential.rs"]
+mod differential;
 #[path = "station/explicit.rs"]
 mod explicit;
 #[allow(dead_code, reason = "other tests use the rest of it")]

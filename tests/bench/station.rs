@@ -9,6 +9,9 @@
 //! Steps are those of random walks that keep the assumptions, replayed through `lw_step`; operations go through `simulate`, as
 //! Plant Simulation calls it. Every time is the best of nine, since the machine has other work to do.
 
+#[expect(dead_code, reason = "a walk needs its random numbers only")]
+#[path = "../station/differential.rs"]
+mod differential;
 #[path = "../station/explicit.rs"]
 mod explicit;
 #[expect(dead_code, reason = "the tests use more of it")]
@@ -20,6 +23,7 @@ mod laboratory;
 #[path = "../support/mod.rs"]
 mod support;
 
+use differential::Random;
 use laboratory::Controlled;
 use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract::machine::Machine;
@@ -91,13 +95,7 @@ fn walk(controlled: &Controlled) -> Vec<Vec<i64>> {
     let mut interpreter =
         Interpreter::new(Arc::clone(machine), Arc::clone(&controlled.controllers));
     let mut outputs = vec![0; machine.wire_count() - machine.plant.len()];
-    let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
-    let mut random = move |below: u64| {
-        seed ^= seed << 13;
-        seed ^= seed >> 7;
-        seed ^= seed << 17;
-        seed % below
-    };
+    let mut random = Random(7);
     let mut steps = Vec::new();
     let mut plant: Vec<i64> = machine.plant.iter().map(|p| p.domain.low()).collect();
     let mut refused = 0;
@@ -105,9 +103,8 @@ fn walk(controlled: &Controlled) -> Vec<Vec<i64>> {
         // Mostly a wire or two change: what an operation needs tends to stay.
         let before = plant.clone();
         for (value, input) in plant.iter_mut().zip(&machine.plant) {
-            if random(4) == 0 {
-                let size = (input.domain.high() - input.domain.low() + 1) as u64;
-                *value = input.domain.low() + random(size) as i64;
+            if random.below(4) == 0 {
+                *value = random.within(&input.domain);
             }
         }
         if interpreter.step(&plant, &mut outputs).is_ok() {

@@ -13,6 +13,7 @@
 //! bytes S                  the state in place S becomes bytes, and a new state made of them takes its place
 //! ```
 
+use crate::differential::Random;
 use crate::reference::{Answer, Read, Reference};
 use linewright::contract::machine::{Machine, PlantSource, PropertyKind};
 use linewright::mealy;
@@ -24,22 +25,6 @@ use std::sync::Arc;
 /// How many instances live at once.
 pub const INSTANCES: usize = 4;
 const PLACES: usize = 3;
-
-/// splitmix64: small, and the same everywhere.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-    pub fn below(&mut self, bound: u64) -> u64 {
-        self.next() % bound
-    }
-}
 
 /// A tape with what every step must print.
 pub struct Tape {

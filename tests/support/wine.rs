@@ -5,23 +5,12 @@
 //! to its end.
 
 use super::programs::{Finished, run};
-use linewright::station::toolchain::compiler::on_path;
-use std::ffi::OsStr;
+use linewright::station::toolchain::survey;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 use std::time::Duration;
-
-/// Where distributions put it beside the PATH.
-const PLACES: [&str; 6] = [
-    "/usr/lib/wine/wine64",
-    "/usr/lib/x86_64-linux-gnu/wine/wine64",
-    "/usr/lib64/wine/wine64",
-    "/opt/wine-stable/bin/wine64",
-    "/opt/wine-stable/bin/wine",
-    "/opt/wine-devel/bin/wine",
-];
 
 /// As long as a prefix may take on a busy computer.
 const FIRST_START: Duration = Duration::from_mins(5);
@@ -47,11 +36,8 @@ pub fn windows_path(path: &Path) -> String {
 
 impl Wine {
     fn new() -> Result<Self, String> {
-        let program = ["wine64", "wine"]
-            .into_iter()
-            .find_map(|name| on_path(OsStr::new(name)))
-            .or_else(|| PLACES.map(PathBuf::from).into_iter().find(|p| p.is_file()))
-            .ok_or("Wine is neither on the PATH nor in its usual places")?;
+        let program =
+            survey::wine().ok_or("Wine is neither on the PATH nor in its usual places")?;
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
         let prefix = folder.join("wine");
         let wine = Self { program, prefix };

@@ -10,12 +10,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Where Wine is installed without being on the PATH.
-const WINE_PLACES: [&str; 6] = [
+const WINE_PLACES: [&str; 8] = [
     "/usr/lib/wine/wine64",
     "/usr/lib/wine/wine",
+    "/usr/lib/x86_64-linux-gnu/wine/wine64",
     "/usr/lib64/wine/wine64",
     "/opt/wine-stable/bin/wine64",
     "/opt/wine-stable/bin/wine",
+    "/opt/wine-devel/bin/wine",
     "/Applications/Wine Stable.app/Contents/Resources/wine/bin/wine64",
 ];
 
