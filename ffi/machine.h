@@ -43,29 +43,38 @@ typedef struct lw_leaf {
     int to;
 } lw_leaf;
 
-/* A controller whose guard table would be too large is functions of signals: of the bits of the step before (signal 2k) and of
- * this step (2k + 1). A decision goes on with one edge or the other; edge 2n leads to node n - 1, edge 2n + 1 to its
- * negation, 0 is false and 1 is true. */
+/* A controller whose tables would be too large is functions of signals: of the bits of the values of the step before and of this
+ * step. They are read where they are: bit `shift` of value number `value` of those that `from` says. */
+enum {
+    LW_PREVIOUS, /* the component's values in the step before */
+    LW_CURRENT,  /* its values in this step */
+    LW_SHIFTED,  /* the same of variables whose domain does not begin at 0, less where it begins: see lw_shifted */
+    LW_PUT       /* in a walk: LW_PUT + LW_CURRENT and LW_PUT + LW_SHIFTED are written */
+};
+
+/* A decision goes on with one edge or the other; edge 2n leads to node n - 1, edge 2n + 1 to its negation, 0 is false and 1 is
+ * true. */
 typedef struct lw_node {
     uint32_t high; /* when the signal is 1 */
     uint32_t low;
-    uint16_t signal;
+    uint16_t value;
+    uint8_t from;
+    uint8_t shift;
 } lw_node;
 
-/* The bits of a variable, the most significant first: they hold its value minus the lowest one of its domain. */
-typedef struct lw_bits {
-    int first_signal;
-    int bits;
+/* A variable whose domain does not begin at 0: number 2k of the shifted values is its value in the step before, less `low`, and
+ * number 2k + 1 that in this step. */
+typedef struct lw_shifted {
+    int value;
+    int computed; /* whether it is an output */
     int64_t low;
-} lw_bits;
+} lw_shifted;
 
-/* An output bit of this step, and the edge that says what it is. */
-typedef struct lw_output {
-    uint32_t edge;
-    uint16_t signal;
-} lw_output;
+/* The output bits of a step are decided in a few walks, one after the other; their places follow each other in a list, with 0 at its
+ * end. Row n - 1 of the table of walks is place n, place 0 is the end of a walk. A row asks for a signal and goes on with place `high` or
+ * `low`; or it writes: the bits of `low` are set, `shift` places up, and place `high` is next. */
 
-/* A way of pursuing a goal: when it is taken, and the first of its outputs. The last mode of a goal always holds. */
+/* A way of pursuing a goal: when it is taken, and the first of its walks. The last mode of a goal always holds. */
 typedef struct lw_mode {
     uint32_t when;
     uint32_t first;
@@ -80,10 +89,10 @@ typedef struct lw_goal {
 /* All that is kept between two steps is the goal that is pursued: place 0 is before step 0, place g + 1 is goal g. */
 typedef struct lw_functions {
     const lw_node *nodes;
-    const lw_bits *bits; /* one entry a variable of the component */
-    int variables;
-    const lw_output *computed; /* those of step 0 first */
-    int outputs;               /* output bits in one step */
+    const lw_shifted *shifted;
+    int shifted_count;
+    const lw_node *walk;
+    const uint32_t *walks; /* where walks begin; those of step 0 first */
     const lw_mode *modes;
     const lw_goal *goals;
     int goal_count;

@@ -243,75 +243,103 @@ LW_INLINE void lw_put(const lw_component *component, int answer, int64_t *curren
     }
 }
 
-#ifdef LW_SIGNALS
-/* Writes the values of all variables to the signals of the step before (time 0), or of this one (time 1). */
-static void lw_know(const lw_functions *functions, const int64_t *values, int time, uint8_t *signals)
+#ifdef LW_MOST_SHIFTED
+static int lw_holds(const lw_functions *functions, uint32_t edge, const int64_t *const *values)
 {
-    for (int v = 0; v < functions->variables; v++) {
-        const lw_bits *variable = &functions->bits[v];
-        uint64_t code = (uint64_t)values[v] - (uint64_t)variable->low;
-        for (int b = variable->bits - 1; b >= 0; b--) {
-            signals[variable->first_signal + 2 * b + time] = (uint8_t)(code & 1U);
-            code >>= 1;
-        }
-    }
-}
-
-static int lw_holds(const lw_functions *functions, uint32_t edge, const uint8_t *signals)
-{
-    uint32_t value = edge & 1U;
+    uint32_t holds = edge & 1U;
     while (edge > 1U) {
         const lw_node *node = &functions->nodes[edge / 2U - 1U];
-        edge = signals[node->signal] != 0 ? node->high : node->low;
-        value ^= edge & 1U;
+        uint64_t value = (uint64_t)values[node->from][node->value];
+        edge = (value >> node->shift & 1U) != 0 ? node->high : node->low;
+        holds ^= edge & 1U;
     }
-    return (int)value;
+    return (int)holds;
 }
 
-/* Computes the outputs of a step, and gives the place after it. A Moore component is asked twice: before its inputs are known,
- * which its outputs do not depend on, and after. */
-static int lw_compute(const lw_component *component, int place, const int64_t *previous, int64_t *current)
+static void lw_shift(const lw_functions *functions, const int64_t *previous, const int64_t *current, int64_t *shifted)
+{
+    for (int i = 0; i < functions->shifted_count; i++) {
+        const lw_shifted *variable = &functions->shifted[i];
+        shifted[2 * i] = (int64_t)((uint64_t)previous[variable->value] - (uint64_t)variable->low);
+        shifted[2 * i + 1] = (int64_t)((uint64_t)current[variable->value] - (uint64_t)variable->low);
+    }
+}
+
+/* Decides output bits, which are 0 before. */
+static void lw_walk(const lw_node *walk, uint32_t place, const int64_t *const *values, int64_t *const *results)
+{
+    while (place > 0U) {
+        const lw_node *at = &walk[place - 1U];
+        if (at->from < LW_PUT) {
+            uint64_t value = (uint64_t)values[at->from][at->value];
+            place = (value >> at->shift & 1U) != 0 ? at->high : at->low;
+        } else {
+            results[at->from - LW_PUT][at->value] |= (int64_t)((uint64_t)at->low << at->shift);
+            place = at->high;
+        }
+    }
+}
+
+/* Computes the outputs of a step. */
+static void lw_compute(const lw_component *component, int place, const int64_t *previous, int64_t *current)
 {
     const lw_functions *functions = component->functions;
-    const lw_output *answer = functions->computed;
-    uint8_t signals[LW_SIGNALS];
+    uint32_t first = 0;
+    int64_t shifted[2 * LW_MOST_SHIFTED + 1];
+    const int64_t *const values[] = { previous, current, shifted };
+    int64_t *const results[] = { NULL, current, shifted };
 
-    lw_know(functions, previous, 0, signals);
-    lw_know(functions, current, 1, signals);
+    lw_shift(functions, previous, current, shifted);
     if (place > 0) {
         const lw_mode *mode = &functions->modes[functions->goals[place - 1].mode];
-        while (!lw_holds(functions, mode->when, signals)) {
+        while (!lw_holds(functions, mode->when, values)) {
             mode++;
         }
-        answer = &functions->computed[mode->first];
-    }
-    for (int i = 0; i < functions->outputs; i++) {
-        signals[answer[i].signal] = (uint8_t)lw_holds(functions, answer[i].edge, signals);
+        first = mode->first;
     }
     for (int i = 0; i < component->outputs; i++) {
-        const lw_bits *output = &functions->bits[component->output[i]];
-        int64_t code = 0;
-        for (int b = 0; b < output->bits; b++) {
-            code = 2 * code + signals[output->first_signal + 2 * b + 1];
-        }
-        current[component->output[i]] = output->low + code;
+        current[component->output[i]] = 0;
     }
+    for (int i = 0; i < functions->shifted_count; i++) {
+        if (functions->shifted[i].computed) {
+            shifted[2 * i + 1] = 0;
+        }
+    }
+    for (const uint32_t *place = &functions->walks[first]; *place > 0U; place++) {
+        lw_walk(functions->walk, *place, values, results);
+    }
+    for (int i = 0; i < functions->shifted_count; i++) {
+        const lw_shifted *variable = &functions->shifted[i];
+        if (variable->computed) {
+            current[variable->value] = variable->low + shifted[2 * i + 1];
+        }
+    }
+}
+
+/* The place after a step whose outputs are known. */
+static int lw_pursue(const lw_component *component, int place, const int64_t *previous, const int64_t *current)
+{
+    const lw_functions *functions = component->functions;
+    int64_t shifted[2 * LW_MOST_SHIFTED + 1];
+    const int64_t *const values[] = { previous, current, shifted };
+
     if (place == 0) {
         return 1;
     }
-    if (lw_holds(functions, functions->goals[place - 1].reached, signals)) {
-        return place % functions->goal_count + 1;
-    }
-    return place;
+    lw_shift(functions, previous, current, shifted);
+    return lw_holds(functions, functions->goals[place - 1].reached, values) ? place % functions->goal_count + 1 : place;
 }
 #endif
 
 /* The outputs of a component, and the place it goes to; -1 where there is no transition. */
 LW_INLINE int lw_respond(const lw_component *component, int place, const int64_t *previous, int64_t *current)
 {
-#ifdef LW_SIGNALS
+#ifdef LW_MOST_SHIFTED
     if (component->functions != NULL) {
-        return lw_compute(component, place, previous, current);
+        if (!component->moore) {
+            lw_compute(component, place, previous, current);
+        }
+        return lw_pursue(component, place, previous, current);
     }
 #else
     (void)previous;
@@ -326,7 +354,7 @@ LW_INLINE int lw_respond(const lw_component *component, int place, const int64_t
 /* The outputs of a Moore component, before its inputs are known; 0 where it has none. */
 LW_INLINE int lw_respond_first(const lw_component *component, int place, const int64_t *previous, int64_t *current)
 {
-#ifdef LW_SIGNALS
+#ifdef LW_MOST_SHIFTED
     if (component->functions != NULL) {
         lw_compute(component, place, previous, current);
         return 1;

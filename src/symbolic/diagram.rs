@@ -101,6 +101,46 @@ impl Diagram {
         self.roots.iter().map(|r| share(&known, *r)).collect()
     }
 
+    /// The same decisions, as far as these functions need them, which are its roots.
+    #[must_use]
+    pub fn keeping(&self, roots: &[Edge]) -> Self {
+        let mut needed = vec![false; self.nodes.len()];
+        for root in roots {
+            if let Some(node) = root.node() {
+                needed[node] = true;
+            }
+        }
+        for (index, node) in self.nodes.iter().enumerate().rev() {
+            if needed[index] {
+                for way in [node.high, node.low] {
+                    if let Some(node) = way.node() {
+                        needed[node] = true;
+                    }
+                }
+            }
+        }
+        let mut places = vec![0; self.nodes.len()];
+        let moved = |places: &[usize], edge: Edge| match edge.node() {
+            Some(node) => Edge::to(places[node]).flipped(edge.is_negated()),
+            None => edge,
+        };
+        let mut nodes = Vec::new();
+        for (index, node) in self.nodes.iter().enumerate() {
+            if needed[index] {
+                places[index] = nodes.len();
+                nodes.push(DiagramNode {
+                    bit: node.bit,
+                    high: moved(&places, node.high),
+                    low: moved(&places, node.low),
+                });
+            }
+        }
+        Self {
+            roots: roots.iter().map(|r| moved(&places, *r)).collect(),
+            nodes,
+        }
+    }
+
     /// Whether every edge leads to an earlier node and every bit is below `bits`: what [`Diagram::build`] needs.
     pub fn is_sound(&self, bits: usize) -> bool {
         let below = |edge: Edge, limit: usize| edge.node().is_none_or(|n| n < limit);

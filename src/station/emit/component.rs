@@ -4,6 +4,7 @@ use super::decisions::{self, Naming};
 use super::expression;
 use super::splits::{Decisions, Way};
 use super::text::{comment, identifier, string, wrap};
+use super::walks::{Place, Walks};
 use super::{Names, table};
 use crate::contract::machine::{ActionTime, Component, Machine, RealExpr};
 use crate::gr1::interval::{Interval, interval};
@@ -11,6 +12,8 @@ use crate::gr1::{Domain, Expr, Formula, Side, Time, Timing, VarId, shown};
 use crate::mealy;
 use crate::mealy::functions::Functions;
 use crate::station::messages::{self, Party};
+use crate::symbolic::Bit;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// What the emitter knows of one component.
@@ -26,9 +29,73 @@ pub(super) struct Emitter<'a> {
     pub wires: &'a [String],
     /// Its first variable among those of all components.
     pub first_value: usize,
-    /// Its first wire.
     /// Its first justice assumption among those of all components.
     pub first_justice: usize,
+}
+
+/// Where a signal is: which bit of which value.
+struct Signal {
+    value: usize,
+    /// `LW_PREVIOUS`, `LW_CURRENT` or `LW_SHIFTED` of `ffi/machine.h`.
+    from: usize,
+    shift: usize,
+}
+
+/// `LW_PUT` of `ffi/machine.h`.
+const PUT: usize = 3;
+
+impl Signal {
+    fn fields(&self) -> String {
+        format!("{}, {}, {}", self.value, self.from, self.shift)
+    }
+}
+
+/// The rows of walks, and lists of those at which the walks of a step begin. What writes bits of several variables takes several rows.
+fn walk_rows(walks: &Walks, signal: impl Fn(Bit) -> Signal) -> (Vec<String>, Vec<Vec<usize>>) {
+    let put = |bits: &[Bit]| {
+        let mut values: BTreeMap<(usize, usize), u32> = BTreeMap::new();
+        for bit in bits {
+            let at = signal(*bit);
+            *values.entry((at.from, at.value)).or_default() |= 1 << at.shift;
+        }
+        values
+    };
+    let mut places = vec![0];
+    let mut count = 0;
+    for place in &walks.places {
+        places.push(count + 1);
+        count += match place {
+            Place::Ask { .. } => 1,
+            Place::Put { bits, .. } => put(bits).len(),
+        };
+    }
+    let mut rows = Vec::new();
+    for place in &walks.places {
+        match place {
+            Place::Ask { bit, high, low } => {
+                let (high, low) = (places[*high], places[*low]);
+                rows.push(format!(
+                    "    {{ {high}, {low}, {} }},\n",
+                    signal(*bit).fields()
+                ));
+            }
+            Place::Put { bits, next: after } => {
+                let values = put(bits);
+                let last = rows.len() + values.len();
+                for ((from, value), mask) in values {
+                    let next = rows.len() + 2;
+                    let next = if next > last { places[*after] } else { next };
+                    rows.push(format!(
+                        "    {{ {next}, {mask}, {value}, {}, 0 }},\n",
+                        PUT + from
+                    ));
+                }
+            }
+        }
+    }
+    let starts = walks.starts.iter();
+    let starts = starts.map(|list| list.iter().map(|place| places[*place]).collect());
+    (rows, starts.collect())
 }
 
 /// The names of a component's variables as enumeration constants.
@@ -271,42 +338,75 @@ impl Emitter<'_> {
         }
     }
 
-    /// The functions: their decisions, and which signals stand for which variable.
+    /// The functions: their decisions, and where the bits are that they look at.
     fn functions(&self, out: &mut String, functions: &Functions) {
         let p = &self.prefix;
         let specification = &self.component.specification;
-        let _ = writeln!(
-            out,
-            "/* The controller as functions: of {} signals, in {} decisions. Signal 2k is a bit of the step before, 2k + 1 the same\n * bit of this step. Of a goal's modes the first that holds says what the outputs are. */",
-            2 * functions.pairs(),
-            functions.controls.diagram.nodes.len()
-        );
+        let mut shifted = Vec::new();
+        // Where the bits of each pair are: the variable's number, that among the shifted ones, and the place in the value.
+        let mut places = vec![(0, None, 0); functions.pairs()];
+        let inputs = specification.inputs().zip(&functions.input_bits);
+        let outputs = specification.outputs().zip(&functions.output_bits);
+        for (is_output, (id, bits)) in inputs.map(|i| (false, i)).chain(outputs.map(|o| (true, o)))
+        {
+            let variable = specification.variable(id);
+            let low = variable.domain.low();
+            let moved = (low != 0).then(|| {
+                shifted.push(format!(
+                    "    {{ {}, {}, {} }},\n",
+                    self.variables[id.index()],
+                    u8::from(is_output),
+                    expression::literal(low),
+                ));
+                shifted.len() - 1
+            });
+            for (shift, bit) in bits.iter().rev().enumerate() {
+                places[usize::from(bit.pair())] = (id.index(), moved, shift);
+            }
+        }
+        let signal = |bit: Bit| {
+            let (value, moved, shift) = places[usize::from(bit.pair())];
+            let time = usize::from(bit != Bit(2 * bit.pair()));
+            match moved {
+                Some(number) => Signal {
+                    value: 2 * number + time,
+                    from: 2,
+                    shift,
+                },
+                None => Signal {
+                    value,
+                    from: time,
+                    shift,
+                },
+            }
+        };
         let naming = Naming {
             types: "lw_",
             tables: &format!("{p}_"),
+            signal: &|bit| signal(bit).fields(),
         };
-        decisions::tables(out, &functions.controls, naming);
-        let mut rows = vec![String::new(); specification.variables.len()];
-        let inputs = specification.inputs().zip(&functions.input_bits);
-        let outputs = specification.outputs().zip(&functions.output_bits);
-        for (id, bits) in inputs.chain(outputs) {
-            let variable = specification.variable(id);
-            rows[id.index()] = format!(
-                "    {{ {}, {}, {} }}, /* {} */\n",
-                bits.first().map_or(0, |b| b.0),
-                bits.len(),
-                expression::literal(variable.domain.low()),
-                comment(&variable.name)
-            );
-        }
-        out.push_str("/* The bits of its variables, the most significant first: { first signal, bits, lowest value }. */\n");
-        table(out, "lw_bits", &format!("{p}_bits"), &rows, "{ 0, 0, 0 }");
+        let controls = &functions.controls;
+        let signals = 2 * functions.pairs();
+        let (rows, starts) = walk_rows(&Walks::of(controls), signal);
         let _ = writeln!(
             out,
-            "static const lw_functions {p}_functions = {{\n    {p}_nodes, {p}_bits, {}, {p}_computed, {}, {p}_modes, {p}_goals, {}\n}};\n",
-            specification.variables.len(),
-            functions.controls.first.len(),
-            functions.controls.goals.len()
+            "/* The controller as functions of {signals} signals: walks decide all outputs. Of a goal's modes the first that holds says\n * which. */",
+        );
+        table(out, "lw_node", &format!("{p}_walk"), &rows, "{ 0 }");
+        decisions::around_walks(out, controls, naming, &starts);
+        out.push_str("/* Its variables whose domains do not begin at 0: { variable, whether it is an output, lowest value }. */\n");
+        table(
+            out,
+            "lw_shifted",
+            &format!("{p}_shifted"),
+            &shifted,
+            "{ 0 }",
+        );
+        let _ = writeln!(
+            out,
+            "static const lw_functions {p}_functions = {{\n    {p}_nodes, {p}_shifted, {}, {p}_walk, {p}_walks, {p}_modes, {p}_goals, {}\n}};\n",
+            shifted.len(),
+            controls.goals.len()
         );
     }
 

@@ -438,6 +438,7 @@ impl<'a> Text<'a> {
         let naming = Naming {
             types: "",
             tables: "",
+            signal: &|bit| bit.0.to_string(),
         };
         decisions::tables(&mut out, controls, naming);
         let count = controls.first.len();

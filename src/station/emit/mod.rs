@@ -11,6 +11,7 @@ mod describe;
 pub mod expression;
 mod splits;
 pub(super) mod text;
+mod walks;
 
 use crate::contract::machine::{Machine, PlantSource, RealExpr};
 use crate::gr1::{Domain, Timing, VarId};
@@ -58,9 +59,7 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
         first_value += component.specification.variables.len();
         first_justice += component.specification.assumptions.justice.len();
     }
-    let signals = controllers.iter().filter_map(mealy::Controller::functions);
-    let signals = signals.map(|f| 2 * f.pairs().max(1)).max().unwrap_or(0);
-    let sizes = sizes(machine, first_value, first_justice, signals);
+    let sizes = sizes(machine, controllers, first_value, first_justice);
     let body = body(machine, &emitters, &wires);
     let hash = hex(&Sha256::digest(format!("{sizes}{body}")));
     let description = describe::describe(machine, &hash, profile);
@@ -93,8 +92,13 @@ pub fn table_bytes(machine: &mealy::Machine) -> usize {
     splits::Decisions::of(machine).bytes()
 }
 
-/// The sizes of all tables; the signals are those of the largest component that is functions.
-fn sizes(machine: &Machine, values: usize, justice: usize, signals: usize) -> String {
+/// The sizes of all tables.
+fn sizes(
+    machine: &Machine,
+    controllers: &[mealy::Controller],
+    values: usize,
+    justice: usize,
+) -> String {
     let mut out = String::new();
     let sizes = [
         ("LW_COMPONENTS", machine.components.len()),
@@ -108,8 +112,14 @@ fn sizes(machine: &Machine, values: usize, justice: usize, signals: usize) -> St
     for (name, size) in sizes {
         let _ = writeln!(out, "#define {name} {size}");
     }
-    if signals > 0 {
-        let _ = writeln!(out, "#define LW_SIGNALS {signals}");
+    let functions = machine.components.iter().zip(controllers);
+    let functions = functions.filter(|(_, controller)| controller.functions().is_some());
+    let shifted = functions.map(|(c, _)| {
+        let variables = c.specification.variables.iter();
+        variables.filter(|v| v.domain.low() != 0).count()
+    });
+    if let Some(most) = shifted.max() {
+        let _ = writeln!(out, "#define LW_MOST_SHIFTED {most}");
     }
     let _ = writeln!(out, "#define LW_NUMBER {}", number(machine));
     let components = machine.components.iter().enumerate();
