@@ -22,12 +22,14 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
     linewright build examples/ice-lab/cell.lw
+    linewright build examples/ice-lab/real.lw --target windows
     linewright build examples/ice-lab/camera.lw::QualityCheck --target source --out station
 
 `linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` \
 needs none. `fmu` takes what there is.")]
 pub struct Arguments {
-    /// A file with machines, and the name of one of them; without a name, all that the file declares
+    /// A file with machines or lines, and the name of one of them; without a name, all machines that the file declares, or, where it
+    /// declares lines only, those of the lines with the sizes that they have there
     #[arg(value_name = "FILE[::NAME]", required_unless_present = "probe")]
     pub selection: Option<Selection>,
     /// What to build; can be given several times
@@ -81,7 +83,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Err(code) => return Ok(code),
     };
     let library = &loaded.library;
-    let picked = selection.pick(&loaded, "machine", &library.machines, |m| (&m.name, m.span))?;
+    let picked = machines::told_apart(&machines::picked(selection, &loaded)?);
     let mut jobs = Jobs::default().wishing(Wish {
         functions: true,
         ..Wish::default()

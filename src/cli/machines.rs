@@ -1,10 +1,15 @@
 //! The controllers of machines: every component's contract with the arguments that the machine gives it.
 
+use super::files::Loaded;
 use super::libraries::Controlled;
 use super::pipeline::{CheckedContract, Jobs, Verdict};
+use super::select::Selection;
 use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::{Machine, Role};
 use crate::diagnostics::{Diagnostic, codes};
+use crate::station::file_stem;
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A machine, and the job of each of its components.
@@ -77,6 +82,54 @@ impl<'a> Planned<'a> {
             controllers: controllers.collect::<Option<_>>()?,
         })
     }
+}
+
+/// The machines that a selection names, or those of the line that it names. Without a name those that the file itself declares, or,
+/// where it declares lines only, those of its lines.
+pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<Vec<&'a Machine>> {
+    let library = &loaded.library;
+    let machines = selection.find(loaded, &library.machines, |m| (&m.name, m.span));
+    if !machines.is_empty() {
+        return Ok(machines);
+    }
+    let lines = selection.find(loaded, &library.lines, |l| (&l.name, l.span));
+    let mut machines: Vec<&Machine> = Vec::new();
+    for machine in lines.into_iter().flat_map(of_line) {
+        if !machines
+            .iter()
+            .any(|m| std::ptr::eq(*m, Arc::as_ptr(machine)))
+        {
+            machines.push(machine);
+        }
+    }
+    if machines.is_empty() {
+        return selection.pick(loaded, "machine", &library.machines, |m| (&m.name, m.span));
+    }
+    Ok(machines)
+}
+
+/// The same machines under names whose files differ: of two that would be written to the same file, such as one machine in two sizes, the
+/// second is called `Printer_2`.
+pub fn told_apart<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
+    let mut taken: BTreeSet<String> = BTreeSet::new();
+    let mut told = Vec::new();
+    for machine in machines {
+        let mut name = machine.name.clone();
+        let mut number = 2;
+        while !taken.insert(file_stem(&name)) {
+            name = format!("{}_{number}", machine.name);
+            number += 1;
+        }
+        told.push(if name == machine.name {
+            Cow::Borrowed(*machine)
+        } else {
+            Cow::Owned(Machine {
+                name,
+                ..(*machine).clone()
+            })
+        });
+    }
+    told
 }
 
 /// The machines of a line, each once, in the order of their first place in it.

@@ -91,20 +91,18 @@ impl Selection {
         Ok(Ok(loaded))
     }
 
-    /// What is meant among `all`: that of the name, or else everything that the file itself declares. An error says what
-    /// there is.
-    pub fn pick<'a, T>(
+    /// What is meant among `all`: that of the name, or else everything that the file itself declares. It may be nothing.
+    pub fn find<'a, T>(
         &self,
         loaded: &Loaded,
-        kind: &str,
         all: &'a [T],
         describe: impl Fn(&T) -> (&str, Span),
-    ) -> anyhow::Result<Vec<&'a T>> {
+    ) -> Vec<&'a T> {
         let own = |item: &T| {
             let file = loaded.library.sources.file(describe(item).1.file);
             loaded.roots.contains(&file.name)
         };
-        let picked: Vec<&T> = match &self.name {
+        match &self.name {
             Some(name) => {
                 let named = || all.iter().filter(|i| describe(i).0 == name);
                 // A name of the file itself goes before an equal one that is imported.
@@ -114,7 +112,18 @@ impl Selection {
                 }
             }
             None => all.iter().filter(|i| own(i)).collect(),
-        };
+        }
+    }
+
+    /// The same, where nothing is an error that says what there is.
+    pub fn pick<'a, T>(
+        &self,
+        loaded: &Loaded,
+        kind: &str,
+        all: &'a [T],
+        describe: impl Fn(&T) -> (&str, Span),
+    ) -> anyhow::Result<Vec<&'a T>> {
+        let picked = self.find(loaded, all, &describe);
         if picked.is_empty() {
             let path = &self.path;
             let names: Vec<&str> = all.iter().map(|i| describe(i).0).collect();

@@ -24,7 +24,7 @@ pub mod toolchain;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::mealy;
-pub use package::Package;
+pub use package::{Package, file_stem};
 use std::path::PathBuf;
 pub use toolchain::Toolchain;
 

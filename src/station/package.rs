@@ -157,8 +157,18 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
     Ok(())
 }
 
-/// `AssemblyCell` and `assembly cell` are `assembly_cell`; what is no letter or digit of ASCII becomes `_`.
-pub(super) fn file_stem(name: &str) -> String {
+/// Names that Windows keeps for devices, whatever ending stands behind them.
+fn is_device(stem: &str) -> bool {
+    let numbered = ["com", "lpt"].iter().any(|device| {
+        let number = stem.strip_prefix(device).unwrap_or_default();
+        number.len() == 1 && number.as_bytes()[0].is_ascii_digit()
+    });
+    numbered || ["con", "prn", "aux", "nul"].contains(&stem)
+}
+
+/// A machine's name as a file's: `AssemblyCell` and `assembly cell` are `assembly_cell`; what is no letter or digit of ASCII becomes
+/// `_`.
+pub fn file_stem(name: &str) -> String {
     let mut stem = String::new();
     let mut after_lower = false;
     for c in name.chars() {
@@ -179,7 +189,7 @@ pub(super) fn file_stem(name: &str) -> String {
     // Not the name of a file that comes with a package.
     let names = SUPPORT.iter().map(|(n, _)| *n);
     let mut names = names.chain(["fmi.c", "fmi2.c", "fmi3.c"]);
-    if names.any(|n| n == format!("{stem}.c")) {
+    if names.any(|n| n == format!("{stem}.c")) || is_device(&stem) {
         stem.push('_');
     }
     stem
@@ -197,6 +207,9 @@ mod tests {
         assert_eq!(file_stem("Fräse/1"), "fr_se_1");
         assert_eq!(file_stem("runtime"), "runtime_");
         assert_eq!(file_stem("fmi2"), "fmi2_");
+        assert_eq!(file_stem("Con"), "con_");
+        assert_eq!(file_stem("LPT1"), "lpt1_");
+        assert_eq!(file_stem("Com10"), "com10");
         assert_eq!(file_stem("2nd"), "m_2nd");
     }
 }
