@@ -50,9 +50,29 @@ pub(super) fn classify<'a>(
 impl Label<'_> {
     /// What stands in the file, in one line.
     fn text(&self, span: Span) -> String {
-        let words: Vec<&str> = self.sources.text(span).split_whitespace().collect();
-        words.join(" ")
+        one_line(self.sources.text(span))
     }
+}
+
+/// The words of a formula in one line, without comments: one that ends with its line would take what follows for its own. Formulas
+/// hold no texts in quotes.
+fn one_line(text: &str) -> String {
+    let mut words = String::new();
+    let mut rest = text;
+    while let Some(start) = rest.find("//").into_iter().chain(rest.find("/*")).min() {
+        words.push_str(&rest[..start]);
+        words.push(' ');
+        let comment = &rest[start..];
+        let end = if comment.starts_with("//") {
+            comment.find(['\n', '\r'])
+        } else {
+            comment[2..].find("*/").map(|end| end + 4)
+        };
+        rest = end.map_or("", |end| &comment[end..]);
+    }
+    words.push_str(rest);
+    let words: Vec<&str> = words.split_whitespace().collect();
+    words.join(" ")
 }
 
 fn visit<'a>(
@@ -381,4 +401,28 @@ fn speaks_of_outputs(e: &Elaborator<'_>, expr: &Expr, label: &Label<'_>) -> bool
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_line;
+
+    #[test]
+    fn a_text_in_one_line_has_no_comments() {
+        for (text, wanted) in [
+            ("a -> b", "a -> b"),
+            ("(a\n    -> b)\tand  c", "(a -> b) and c"),
+            ("a // not ) b\n or b", "a or b"),
+            ("a // all\r\nor b // (", "a or b"),
+            ("a /* ( // */ or /**/ b", "a or b"),
+            ("a/*)*/or/*(*/b", "a or b"),
+            ("a or /* never closed", "a or"),
+            ("x / 2 * y / z", "x / 2 * y / z"),
+            ("x // /* y\n * 2", "x * 2"),
+            ("x /*/ y */ * 2", "x * 2"),
+            ("", ""),
+        ] {
+            assert_eq!(one_line(text), wanted, "{text}");
+        }
+    }
 }

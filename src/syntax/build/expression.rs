@@ -144,11 +144,15 @@ impl Builder {
     /// instead, which keeps long conjunctions and sums shallow.
     pub(super) fn chain(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let mut c = Children::of(pair);
-        let mut operands = vec![self.expr(c.next())];
+        let first = c.next();
+        if c.pairs.peek().is_none() {
+            return self.expr(first);
+        }
+        let mut operands = vec![self.placed(first)];
         let mut ops = Vec::new();
         while let Some(op) = c.pairs.next() {
             ops.push(binary_op(op.as_str()));
-            operands.push(self.expr(c.next()));
+            operands.push(self.placed(c.next()));
         }
         if let Some(op) = ops.first()
             && matches!(
@@ -172,13 +176,26 @@ impl Builder {
         ops.into_iter()
             .zip(operands)
             .fold(first, |a, (op, b)| binary(op, a, b))
+            .expr
+    }
+
+    /// An operand with its place.
+    pub(super) fn placed(&mut self, pair: Pair<'_, Rule>) -> Placed {
+        let place = self.span(&pair);
+        let expr = self.expr(pair);
+        Placed { expr, place }
     }
 
     pub(super) fn implication(&mut self, pair: Pair<'_, Rule>) -> Expr {
-        let mut operands: Vec<Expr> = Vec::new();
-        for p in Children::of(pair).rest() {
+        let mut c = Children::of(pair);
+        let first = c.next();
+        if c.pairs.peek().is_none() {
+            return self.expr(first);
+        }
+        let mut operands = vec![self.placed(first)];
+        for p in c.rest() {
             if p.as_rule() != Rule::implies_op {
-                operands.push(self.expr(p));
+                operands.push(self.placed(p));
             }
         }
         self.limit(&mut operands);
@@ -187,15 +204,16 @@ impl Builder {
             .rev()
             .reduce(|b, a| binary(BinaryOp::Implies, a, b))
             .unwrap_or_else(|| unreachable!("an implication has an operand"))
+            .expr
     }
 
     /// Chains that cannot be halved make deep trees; refuse what would be deeper than any real formula.
-    pub(super) fn limit(&mut self, operands: &mut Vec<Expr>) {
+    pub(super) fn limit(&mut self, operands: &mut Vec<Placed>) {
         if let Some(last) = operands.get(MAX_CHAIN) {
             self.findings.push(
                 Diagnostic::error(
                     codes::SYNTAX,
-                    last.span,
+                    last.expr.span,
                     format!("this chain of operators has more than {MAX_CHAIN} operands"),
                 )
                 .with_help("give parts of it names with `define`, or use `sum`"),
@@ -227,12 +245,15 @@ impl Builder {
             self.many_prefixes(*span);
             prefixes.truncate(1);
         }
-        let body = self.expr(c.next());
+        if prefixes.is_empty() {
+            return self.expr(c.next());
+        }
+        let Placed { expr, place } = self.placed(c.next());
         prefixes
             .into_iter()
             .rev()
-            .fold(body, |body, (rule, both, span)| {
-                let whole = span.to(body.span);
+            .fold(expr, |body, (rule, both, span)| {
+                let whole = span.to(place);
                 let body = Box::new(body);
                 match rule {
                     Rule::not_op => make(ExprKind::Not(body), whole),
@@ -250,8 +271,13 @@ impl Builder {
     pub(super) fn comparison(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let whole = pair.clone();
         let mut c = Children::of(pair);
-        let first = self.expr(c.next());
+        let first = c.next();
+        if c.pairs.peek().is_none() {
+            return self.expr(first);
+        }
+        let first = self.placed(first);
         if let Some(membership) = c.take(Rule::membership) {
+            let first = first.expr;
             let span = self.span(&whole);
             let set = Children::of(membership).next();
             let mut inner = Children::of(set);
@@ -265,30 +291,26 @@ impl Builder {
             return make(ExprKind::Member(Box::new(first), members), span);
         }
         // `a < b < c` is `a < b and b < c`.
-        let mut links: Vec<Expr> = Vec::new();
+        let mut links: Vec<Placed> = Vec::new();
         let mut left = first;
         while let Some(op) = c.take(Rule::compare_op) {
             // What stands in the middle is compared twice, so it is copied; nested copies would grow without bound.
-            if !links.is_empty() && !small_enough_for_the_middle(&left) {
+            if !links.is_empty() && !small_enough_for_the_middle(&left.expr) {
                 self.findings.push(
                     Diagnostic::error(
                         codes::SYNTAX,
-                        left.span,
+                        left.expr.span,
                         "this is too large for the middle of a chain of comparisons",
                     )
                     .with_help("give it a name with `define`, or write two comparisons with `and`"),
                 );
-                return left;
+                return left.expr;
             }
-            let right = self.expr(c.next());
+            let right = self.placed(c.next());
             links.push(binary(binary_op(op.as_str()), left, right.clone()));
             left = right;
         }
-        if links.is_empty() {
-            left
-        } else {
-            balanced(BinaryOp::And, links)
-        }
+        balanced(BinaryOp::And, links)
     }
 
     pub(super) fn signed(&mut self, pair: Pair<'_, Rule>) -> Expr {
@@ -302,9 +324,12 @@ impl Builder {
             self.many_prefixes(*span);
             signs.truncate(1);
         }
-        let body = self.expr(c.next());
-        signs.into_iter().rev().fold(body, |body, (rule, span)| {
-            let whole = span.to(body.span);
+        if signs.is_empty() {
+            return self.expr(c.next());
+        }
+        let Placed { expr, place } = self.placed(c.next());
+        signs.into_iter().rev().fold(expr, |body, (rule, span)| {
+            let whole = span.to(place);
             let body = Box::new(body);
             make(
                 if rule == Rule::minus {
@@ -319,9 +344,13 @@ impl Builder {
 
     pub(super) fn postfix(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let mut c = Children::of(pair);
-        let mut expr = self.expr(c.next());
+        let base = c.next();
+        if c.pairs.peek().is_none() {
+            return self.expr(base);
+        }
+        let Placed { mut expr, place } = self.placed(base);
         for (count, p) in c.rest().enumerate() {
-            let span = expr.span.to(self.span(&p));
+            let span = place.to(self.span(&p));
             if count == MAX_PREFIXES {
                 self.many_prefixes(span);
                 break;
@@ -435,12 +464,23 @@ pub(super) fn make(kind: ExprKind, span: Span) -> Expr {
     Expr { kind, span }
 }
 
-fn binary(op: BinaryOp, a: Expr, b: Expr) -> Expr {
-    let span = a.span.to(b.span);
-    make(ExprKind::Binary(op, Box::new(a), Box::new(b)), span)
+/// An expression, and where it stands with the brackets around it: what holds it reaches so far.
+#[derive(Clone)]
+pub(super) struct Placed {
+    pub expr: Expr,
+    pub place: Span,
 }
 
-fn balanced(op: BinaryOp, mut operands: Vec<Expr>) -> Expr {
+fn binary(op: BinaryOp, a: Placed, b: Placed) -> Placed {
+    let place = a.place.to(b.place);
+    let kind = ExprKind::Binary(op, Box::new(a.expr), Box::new(b.expr));
+    Placed {
+        expr: make(kind, place),
+        place,
+    }
+}
+
+fn balanced(op: BinaryOp, mut operands: Vec<Placed>) -> Expr {
     while operands.len() > 1 {
         let mut halved = Vec::with_capacity(operands.len().div_ceil(2));
         let mut pairs = operands.into_iter();
@@ -455,6 +495,7 @@ fn balanced(op: BinaryOp, mut operands: Vec<Expr>) -> Expr {
     operands
         .pop()
         .unwrap_or_else(|| unreachable!("a chain has an operand"))
+        .expr
 }
 
 pub(super) fn binary_op(text: &str) -> BinaryOp {
@@ -475,5 +516,72 @@ pub(super) fn binary_op(text: &str) -> BinaryOp {
         "/" => BinaryOp::Div,
         "mod" => BinaryOp::Mod,
         _ => BinaryOp::Eq,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::FileId;
+    use crate::syntax::ast::{ContractItem, File, Item};
+    use crate::syntax::parse;
+
+    fn parsed(formula: &str) -> (String, File) {
+        let text = format!("contract A {{\n    guarantee: {formula}\n}}\n");
+        let (file, findings) = parse(FileId(0), &text);
+        assert_eq!(findings, [], "{formula}");
+        (text, file)
+    }
+
+    fn formula(file: &mut File) -> &mut Expr {
+        let Some(Item::Contract(contract)) = file.items.first_mut() else {
+            panic!("a contract");
+        };
+        let Some(ContractItem::Formula { expr, .. }) = contract.items.first_mut() else {
+            panic!("a formula");
+        };
+        expr
+    }
+
+    /// Every part of a formula stands where its span says, with all its brackets: read alone, that text is the same part.
+    #[test]
+    fn spans_hold_brackets_that_match() {
+        for (written, whole) in [
+            ("(a -> c) and (c -> a)", ""),
+            ("((a -> c) and (c -> a))", "(a -> c) and (c -> a)"),
+            ("((((a))) or ((b)))", "(((a))) or ((b))"),
+            ("(a)", "a"),
+            ("always ((a -> c) and (c -> a))", ""),
+            ("not (a and (b or c))", ""),
+            ("not not ((a))", ""),
+            ("next (x)' > -(y + (z))", ""),
+            ("(a)[(1)] and (b).c and (d)'", ""),
+            ("((x + 1) * (y - 2)) mod (3) = (0)", ""),
+            ("(x) < (y + 1) <= (z)", ""),
+            ("(x) in {(1), (2)} and (y) in (1)..(2)", ""),
+            ("(a since (b)) since (c or d)", ""),
+            ("(a -> (b -> c)) -> (d <-> (e xor (f)))", ""),
+            ("(a) and (b) and (c) and (d) and (e)", ""),
+            ("(if (a) then (b) else (c)) or (d)", ""),
+            ("(forall i in 0..1: (h[i] > (0))) and (count i in 0..1: (g[i])) = (1)", ""),
+            ("(/* ) */ a // ( \n -> c /* ( */ ) and (\n c\n -> (a) // )\n )", ""),
+            ("(a /* ) */) responds to (b // (\n) within 3 steps after (c)", ""),
+            ("once (a) within 2 steps or previous ((b) or (c))", ""),
+        ] {
+            let (text, mut file) = parsed(written);
+            let all = formula(&mut file).clone();
+            let text_of = |e: &Expr| &text[e.span.start as usize..e.span.end as usize];
+            let whole = if whole.is_empty() { written } else { whole };
+            assert_eq!(text_of(&all), whole);
+            let mut open = vec![&all];
+            while let Some(part) = open.pop() {
+                let mut wanted = file.clone();
+                *formula(&mut wanted) = part.clone();
+                let (_, alone) = parsed(text_of(part));
+                let (alone, wanted) = (alone.without_spans(), wanted.without_spans());
+                assert_eq!(alone, wanted, "{}", text_of(part));
+                open.extend(part.children());
+            }
+        }
     }
 }

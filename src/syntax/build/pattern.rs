@@ -2,7 +2,7 @@
 
 use super::super::ast::{Expr, ExprKind, PastOp, PatternKind, Scope};
 use super::super::parser::Rule;
-use super::expression::make;
+use super::expression::{Placed, make};
 use super::{Builder, Children};
 use pest::iterators::Pair;
 
@@ -79,20 +79,28 @@ impl Builder {
     /// `a since b since c` groups to the left.
     pub(super) fn since(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let mut c = Children::of(pair);
-        let first = self.expr(c.next());
-        let mut operands = vec![first];
+        let first = c.next();
+        if c.pairs.peek().is_none() {
+            return self.expr(first);
+        }
+        let mut operands = vec![self.placed(first)];
         while c.take(Rule::since_op).is_some() {
-            operands.push(self.expr(c.next()));
+            operands.push(self.placed(c.next()));
         }
         self.limit(&mut operands);
         let mut operands = operands.into_iter();
         let first = operands
             .next()
             .unwrap_or_else(|| unreachable!("a chain has an operand"));
-        operands.fold(first, |a, b| {
-            let span = a.span.to(b.span);
-            make(ExprKind::Since(Box::new(a), Box::new(b)), span)
-        })
+        let since = operands.fold(first, |a, b| {
+            let place = a.place.to(b.place);
+            let kind = ExprKind::Since(Box::new(a.expr), Box::new(b.expr));
+            Placed {
+                expr: make(kind, place),
+                place,
+            }
+        });
+        since.expr
     }
 
     pub(super) fn past(&mut self, pair: Pair<'_, Rule>) -> Expr {
