@@ -200,21 +200,29 @@ fn pick() -> Specification {
                 "always (start -> angle mod 2 = 0) /* not *\u{2f} odd */",
                 v(start).implies(op(BinaryOp::Mod, v(angle), c(2)).equals(c(0))),
             )],
-            safety: vec![formula(
-                "height stays",
-                "always (start -> abs(next(height) - height) <= 1 | !next(start))",
-                v(start).implies(
-                    op(
-                        BinaryOp::Le,
-                        Expr::Unary(
-                            UnaryOp::Abs,
-                            Box::new(op(BinaryOp::Sub, n(height), v(height))),
-                        ),
-                        c(1),
-                    )
-                    .or(n(start).not()),
+            safety: vec![
+                formula(
+                    "height stays",
+                    "always (start -> abs(next(height) - height) <= 1 | !next(start))",
+                    v(start).implies(
+                        op(
+                            BinaryOp::Le,
+                            Expr::Unary(
+                                UnaryOp::Abs,
+                                Box::new(op(BinaryOp::Sub, n(height), v(height))),
+                            ),
+                            c(1),
+                        )
+                        .or(n(start).not()),
+                    ),
                 ),
-            )],
+                // A transition without next values: it speaks of the step before.
+                formula(
+                    "low where it picks",
+                    "always (next true -> !(stage = 1 & height = 2))",
+                    v(stage).equals(c(1)).and(v(height).equals(c(2))).not(),
+                ),
+            ],
             ..Side::default()
         },
         guarantees: Side {

@@ -467,7 +467,7 @@ impl Emitter<'_> {
                     body,
                     "    /* {} */\n    if (!({})) {{\n        return {i};\n    }}",
                     cite(formula),
-                    self.formula(formula)
+                    self.formula(formula, kind == "safety")
                 );
             }
             let _ = writeln!(out, "/* {title} {when}. */");
@@ -480,8 +480,9 @@ impl Emitter<'_> {
         }
     }
 
-    fn formula(&self, formula: &Formula) -> String {
-        let text = if formula.expr.mentions_next() {
+    /// A formula, which speaks of two steps or of the current one.
+    fn formula(&self, formula: &Formula, of_two: bool) -> String {
+        let text = if of_two {
             expression::truth(&formula.expr, &|v: VarId, t| match t {
                 Time::Now => format!("previous[{}]", self.variables[v.index()]),
                 Time::Next => format!("current[{}]", self.variables[v.index()]),
@@ -505,7 +506,7 @@ impl Emitter<'_> {
         }
         let mut body = String::new();
         for (i, formula) in justice.iter().enumerate() {
-            let holds = self.formula(formula);
+            let holds = self.formula(formula, formula.expr.mentions_next());
             let holds = if formula.expr.mentions_next() {
                 format!("earlier && ({holds})")
             } else {
