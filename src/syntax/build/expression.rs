@@ -563,9 +563,18 @@ mod tests {
             ("(a -> (b -> c)) -> (d <-> (e xor (f)))", ""),
             ("(a) and (b) and (c) and (d) and (e)", ""),
             ("(if (a) then (b) else (c)) or (d)", ""),
-            ("(forall i in 0..1: (h[i] > (0))) and (count i in 0..1: (g[i])) = (1)", ""),
-            ("(/* ) */ a // ( \n -> c /* ( */ ) and (\n c\n -> (a) // )\n )", ""),
-            ("(a /* ) */) responds to (b // (\n) within 3 steps after (c)", ""),
+            (
+                "(forall i in 0..1: (h[i] > (0))) and (count i in 0..1: (g[i])) = (1)",
+                "",
+            ),
+            (
+                "(/* ) */ a // ( \n -> c /* ( */ ) and (\n c\n -> (a) // )\n )",
+                "",
+            ),
+            (
+                "(a /* ) */) responds to (b // (\n) within 3 steps after (c)",
+                "",
+            ),
             ("once (a) within 2 steps or previous ((b) or (c))", ""),
         ] {
             let (text, mut file) = parsed(written);
