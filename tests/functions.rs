@@ -8,6 +8,9 @@ mod compiled;
 mod explicit;
 #[path = "fixtures/mod.rs"]
 mod fixtures;
+#[path = "structured_text/library.rs"]
+#[allow(dead_code, reason = "only its machines and one contract are used")]
+mod library;
 #[path = "functions/preferences.rs"]
 mod preferences;
 #[path = "oracle/random.rs"]

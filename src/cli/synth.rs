@@ -218,7 +218,7 @@ fn write_files(
 ) -> Result<Vec<(String, String)>, Box<Diagnostic>> {
     if emit == Emit::C {
         let files = match controller {
-            mealy::Controller::Machine(machine) => c_files::of_machine(machine),
+            mealy::Controller::Machine(machine) => c_files::of_machine(machine, specification),
             mealy::Controller::Functions(functions) => c_files::of_functions(functions),
         };
         let name = &files.name;

@@ -122,7 +122,7 @@ fn check(names: &[String], labels: &[String], own: &str, steps: usize) -> Result
     let play = |block: &Block, controller: &Controller| {
         for text in [block.to_text(), text_of(&block.to_plcopen())] {
             let program = compiled(&text).map_err(|e| format!("{e}\n{text}"))?;
-            let broken = |error: &str, _: &[String]| error.contains("_BROKEN_");
+            let broken = |error: &str, _: &str| error.contains("_BROKEN_");
             played(&program, controller, &specification, steps, 3, &broken)?;
         }
         Ok::<(), String>(())

@@ -19,6 +19,37 @@ const LARGE_FILES: [&str; 2] = ["holistic.lw", "real.lw"];
 /// Contracts of the line at real size.
 const LARGE_NAMES: [&str; 4] = ["Mill", "Inspect", "Move", "Turn"];
 
+/// Its assumptions ask for every operator.
+const WIDE: &str = "
+contract Wide {
+    input near: -300..300
+    input far: -40000..40000
+    input mode: {slow, fast, off}
+    input other: {slow, fast, off}
+    input go: bool
+    output place: -70000..70000
+    output few: 3..5
+    output on: bool
+    assume begins: near >= 0 and mode = off
+    assume product: always (near * near <= 80000 or mode != off)
+    assume smooth: always (abs(next near - near) <= 200 or go)
+    assume least: always (min(next near, near) > -290 or max(near, 0) = 0 or place > 0)
+    assume rest: always ((near + 300) mod 7 != 3 or next mode = mode or (near + 300) / 3 < 50)
+    assume choice: always ((if go then near else 0 - near) < 250)
+    assume same: always (mode = other and not next go -> next other != slow)
+    assume flag: always ((go <-> on) or next near < 100 or next far > near)
+    assume counted: always ((if go then 1 else 0) + (if on then 1 else 0) < 2 or next far != 5)
+    assume quotient: always (next near / 7 != near / 7 - 2 and next near / (0 - 7) != 5)
+    assume rests: always (next near mod 7 != 2 or near mod (0 - 9) != 0 - 4 or next near mod (few - 9) = near mod (few - 2))
+    assume chosen: always (next go -> next mode = (if near < 0 then other else if go then fast else mode) or near / few < 9)
+    assume before: always (next true -> not (on and place < 0 and near > 200))
+    assume either: always ((if near > far then go else on) or (if next near > 0 then mode else fast) != (if go then other else off))
+    guarantee places: always (place = (if far < -39990 then -70000 else if far > 39990 then 70000 else -1))
+    guarantee small: always (few = (if near < 0 then 3 else if mode = fast then 4 else 5))
+    guarantee lamp: always (next on <-> go)
+}
+";
+
 /// A contract with its controller.
 pub struct Controlled {
     pub specification: Arc<Specification>,
@@ -167,4 +198,14 @@ pub fn as_functions(specification: &Specification) -> Controller {
     Functions::extract(specification, &won, &limits)
         .expect("no limit")
         .into()
+}
+
+/// A contract with numbers of every width and sign, whose assumptions compute with them.
+pub fn wide() -> Specification {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("wide.lw");
+    std::fs::write(&path, WIDE).expect("a file can be written");
+    let loaded = files::load(&[path.display().to_string()], &StandardLibrary::default());
+    assert_eq!(loaded.findings, []);
+    (*loaded.library.contracts[0].specification).clone()
 }

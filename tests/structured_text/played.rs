@@ -30,26 +30,29 @@ fn machines_and_their_blocks_make_the_same_steps() {
         let text = block(controller, specification).to_text();
         let counts = played(&text, controller, specification, STEPS);
         println!("{} of {} bytes: {counts:?}", controller.name(), text.len());
-        // Every assumption of the library has a short counterpart.
-        assert_eq!(counts.unnamed, 0, "{}", controller.name());
         assert!(counts.accepted > STEPS / 2, "{}", controller.name());
         sum = sum.and(counts);
     }
+    println!("all machines: {sum:?}");
     assert!(
-        sum.outside > 1_000 && sum.named > 10_000 && sum.resets > 1_000,
+        sum.outside > 1_000 && sum.broken > 10_000 && sum.resets > 1_000,
         "{sum:?}"
     );
+    assert!(sum.overruled > 1_000, "{sum:?}");
 }
 
 #[test]
 fn tables_and_their_blocks_make_the_same_steps() {
+    let mut sum = Counts::default();
     for controlled in machines() {
         let specification = &controlled.specification;
         let machine = controlled.controller.machine().expect("a machine");
         let text = block_of_tables(machine, specification).to_text();
         let counts = played(&text, &controlled.controller, specification, STEPS / 5);
-        assert_eq!(counts.unnamed, 0, "{}", machine.name);
+        sum = sum.and(counts);
     }
+    println!("all tables: {sum:?}");
+    assert!(sum.broken > 1_000 && sum.overruled > 1_000, "{sum:?}");
 }
 
 #[test]
@@ -61,15 +64,11 @@ fn functions_and_their_blocks_make_the_same_steps() {
         let text = block(&controller, specification).to_text();
         let counts = played(&text, &controller, specification, STEPS);
         println!("{} of {} bytes: {counts:?}", controller.name(), text.len());
-        assert_eq!(
-            counts.unnamed + counts.late,
-            0,
-            "functions know the assumption"
-        );
         sum = sum.and(counts);
     }
+    println!("all functions: {sum:?}");
     assert!(
-        sum.outside > 1_000 && sum.named > 10_000 && sum.resets > 1_000,
+        sum.outside > 1_000 && sum.broken > 10_000 && sum.resets > 1_000,
         "{sum:?}"
     );
 }

@@ -1,6 +1,7 @@
 //! What several test files need: the built program, a folder to run it in, and a way to skip honestly.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
+pub mod assumed;
 pub mod programs;
 pub mod wine;
 

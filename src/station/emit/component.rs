@@ -475,7 +475,7 @@ impl Emitter<'_> {
             let _ = writeln!(
                 out,
                 "static int {name}(const int64_t *previous, const int64_t *current)\n{{\n{}{body}    return -1;\n}}\n",
-                unused(&body)
+                unused(&body, &["previous", "current"])
             );
         }
     }
@@ -527,7 +527,7 @@ impl Emitter<'_> {
             out,
             "/* What it assumes to happen again and again. */\nstatic void {}_justice(const int64_t *previous, const int64_t *current, int earlier, int64_t step, int64_t *held)\n{{\n{}{unused_earlier}{body}}}\n",
             self.prefix,
-            unused(&body)
+            unused(&body, &["previous", "current"])
         );
     }
 
@@ -567,7 +567,7 @@ impl Emitter<'_> {
 }
 
 /// `gripped (R-12): command = turn -> grip`
-fn cite(formula: &Formula) -> String {
+pub(super) fn cite(formula: &Formula) -> String {
     let requirement = formula
         .requirement
         .as_ref()
@@ -576,10 +576,17 @@ fn cite(formula: &Formula) -> String {
     comment(&format!("{}{requirement}: {}", formula.name, formula.text))
 }
 
-/// The statements that keep a compiler from warning about a parameter.
-fn unused(body: &str) -> String {
-    ["previous", "current"]
-        .into_iter()
-        .filter(|name| !body.contains(&format!("{name}[")))
+/// The statements that keep a compiler from warning about parameters, which are arrays.
+pub(super) fn unused(body: &str, parameters: &[&str]) -> String {
+    let code = without_comments(body);
+    parameters
+        .iter()
+        .filter(|name| !code.contains(&format!("{name}[")))
         .fold(String::new(), |s, name| s + &format!("    (void){name};\n"))
+}
+
+/// The lines of a text that are no comments, in which a contract's words stand.
+pub(super) fn without_comments(text: &str) -> String {
+    let lines = text.lines().filter(|l| !l.trim_start().starts_with("/*"));
+    lines.fold(String::new(), |s, line| s + line + "\n")
 }

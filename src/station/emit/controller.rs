@@ -4,11 +4,12 @@
 //! A machine becomes tables of guards, functions become a table of decisions that a short loop walks. Tables rather than
 //! code: they compile in a moment whatever their size, and what is shared is there once.
 
+use super::assumed::Assumptions;
 use super::decisions::{self, Naming};
 use super::expression::literal;
 use super::text::{comment, identifier};
 use super::{Names, table};
-use crate::gr1::{Domain, Timing};
+use crate::gr1::{Domain, Specification, Timing};
 use crate::mealy::functions::Functions;
 use crate::mealy::{Machine, Port};
 use std::collections::HashMap;
@@ -95,21 +96,21 @@ const RESERVED: [&str; 66] = [
     "alignas",
 ];
 
-/// A controller with explicit states.
-pub fn of_machine(machine: &Machine) -> Files {
+/// A controller of this specification with explicit states.
+pub fn of_machine(machine: &Machine, specification: &Specification) -> Files {
     let text = Text::new(
         &machine.name,
         machine.timing,
         &machine.inputs,
         &machine.outputs,
     );
-    let header = text.header(
-        "    /* -1 before step 0. */\n    int32_t state;\n",
-        "Of the inputs that break an assumption, those are refused for which the machine has no step; others may be accepted,\n\
-         \x20* and then nothing is promised.",
-    );
+    let assumptions = Assumptions::new(specification);
+    let header = text.header(&format!(
+        "    /* -1 before step 0. */\n    int32_t state;\n{}",
+        assumptions.fields()
+    ));
     Files {
-        source: text.machine(machine),
+        source: text.machine(machine, &assumptions),
         name: text.name,
         header,
     }
@@ -127,10 +128,7 @@ pub fn of_functions(functions: &Functions) -> Files {
         "    /* The goal that is pursued; -1 before step 0. */\n    int32_t goal;\n    /* The bits of the last step's values. */\n    uint8_t current[{}];\n",
         functions.pairs().max(1)
     );
-    let header = text.header(
-        &state,
-        "Exactly the inputs that break an assumption are refused as such.",
-    );
+    let header = text.header(&state);
     Files {
         source: text.functions(functions),
         name: text.name,
@@ -227,8 +225,8 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// The header, with what is kept between two steps and what is said of broken assumptions.
-    fn header(&self, state: &str, refused: &str) -> String {
+    /// The header, with what is kept between two steps.
+    fn header(&self, state: &str) -> String {
         let name = &self.name;
         let guard = format!("LINEWRIGHT_{name}_H");
         let structure = |what: &str, ports: &[(String, &Port)]| {
@@ -267,7 +265,7 @@ impl<'a> Text<'a> {
              #ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n\n\
              #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n\
              {}\n{}\n/* Where the controller is between two steps. */\ntypedef struct {name}_state {{\n{state}}} {name}_state;\n\n\
-             /* What {name}_step returns. {refused} */\nenum {{\n    {name}_OK = 0,\n    {name}_ASSUMPTION_BROKEN = -1,\n    {name}_OUTSIDE_DOMAIN = -2\n}};\n\n\
+             /* What {name}_step returns. Exactly the inputs that break an assumption are refused as such. */\nenum {{\n    {name}_OK = 0,\n    {name}_ASSUMPTION_BROKEN = -1,\n    {name}_OUTSIDE_DOMAIN = -2\n}};\n\n\
              /* Before step 0. */\nvoid {name}_reset({name}_state *state);\n\n\
              /* One step. A negative result says why it was refused; then state and outputs are as before. */\n\
              int {name}_step({name}_state *state, const {name}_inputs *inputs, {name}_outputs *outputs);\n\n\
@@ -312,7 +310,7 @@ impl<'a> Text<'a> {
         out
     }
 
-    fn machine(&self, machine: &Machine) -> String {
+    fn machine(&self, machine: &Machine, assumptions: &Assumptions<'_>) -> String {
         let name = &self.name;
         let mut out = self.begin();
         let (mut tests, mut cubes, mut rows) = (Vec::new(), Vec::new(), Vec::new());
@@ -373,9 +371,11 @@ impl<'a> Text<'a> {
         if !self.outputs.is_empty() {
             table(&mut out, "int64_t", "answers", &answers, "0");
         }
+        out.push_str(&assumptions.definitions());
         let _ = write!(
             out,
-            "void {name}_reset({name}_state *state)\n{{\n    state->state = -1;\n}}\n\n{}",
+            "void {name}_reset({name}_state *state)\n{{\n    state->state = -1;\n{}}}\n\n{}",
+            assumptions.reset(),
             self.signature()
         );
         let _ = writeln!(
@@ -390,6 +390,7 @@ impl<'a> Text<'a> {
         if self.inputs.is_empty() {
             out.push_str("    values[0] = 0;\n");
         }
+        out.push_str(&assumptions.refuse(&format!("{name}_ASSUMPTION_BROKEN")));
         out.push_str("    for (t = here->first; t < here->last; t++) {\n        const transition *taken = &transitions[t];\n");
         out.push_str("        for (c = taken->first; c < taken->last; c++) {\n            int holds = 1;\n            for (k = cubes[c].first; k < cubes[c].last; k++) {\n");
         out.push_str("                int64_t value = values[tests[k].input];\n                holds = holds && tests[k].low <= value && value <= tests[k].high;\n            }\n");
@@ -402,6 +403,9 @@ impl<'a> Text<'a> {
                 integer(&port.domain)
             );
         }
+        out.push_str(&assumptions.keep("                ", |i| {
+            format!("answers[{count} * taken->answer + {i}]")
+        }));
         if self.outputs.is_empty() {
             out.push_str("                (void)outputs;\n");
         }

@@ -9,6 +9,7 @@
 use crate::contract::machine::{RealBinary, RealExpr, RealUnary};
 use crate::gr1::interval::{Interval, interval};
 use crate::gr1::{BinaryOp, Expr, Time, UnaryOp, VarId, eval};
+use std::fmt::Write;
 
 /// What an expression is in C, which decides how it may be used.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -66,6 +67,37 @@ pub fn real_literal(value: f64) -> String {
     } else {
         format!("{value:?}")
     }
+}
+
+/// The runtime's header, which defines the operators that C lacks.
+const RUNTIME: &str = include_str!("../../../ffi/machine.h");
+
+/// The operators that a text calls, defined as in the runtime.
+pub fn operators(text: &str) -> String {
+    let calls = |name: &str| text.contains(&format!("{name}("));
+    let mut out = String::new();
+    for name in ["lw_abs", "lw_min", "lw_max", "lw_div", "lw_mod", "lw_int"] {
+        // The rest is computed with the division.
+        if calls(name) || name == "lw_div" && calls("lw_mod") {
+            let _ = writeln!(out, "{}", operator(name).replace("LW_MAY_BE_UNUSED ", ""));
+        }
+    }
+    if out.is_empty() {
+        return out;
+    }
+    format!(
+        "/* Operators of contracts that C lacks. No value leaves an int64_t, and no divisor is 0. */\n{out}"
+    )
+}
+
+/// The definition of one operator in the runtime.
+fn operator(name: &str) -> &'static str {
+    let head = format!("LW_MAY_BE_UNUSED static int64_t {name}(");
+    let definition = RUNTIME.find(&head).and_then(|start| {
+        let rest = &RUNTIME[start..];
+        Some(&rest[..rest.find("\n}\n")? + 3])
+    });
+    definition.expect("the runtime defines its operators; please report this")
 }
 
 /// The same expression without constant parts. Arithmetic that could leave an `int64_t` is left as it is.

@@ -4,6 +4,7 @@
 //! The file is one translation unit, so that a library takes one run of the compiler. Everything in it is ordered as the
 //! machine is; nothing depends on time, place or a hash map.
 
+mod assumed;
 mod component;
 pub mod controller;
 mod decisions;

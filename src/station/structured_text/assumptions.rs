@@ -1,20 +1,23 @@
-//! Which assumption a refused step breaks.
+//! What a machine relies on, asked before its transitions.
 //!
-//! A machine knows only that it has no transition. So a refused step evaluates the contract's assumptions one after the other
-//! and gives the name of the first that is broken; that takes the inputs of the step before, which are kept. An assumption that
-//! the standard cannot say shortly stays unnamed.
+//! A machine's guards were put together over inputs that the assumptions exclude, so it has transitions for some of those, too. So a
+//! step first evaluates the contract's assumptions one after the other, and the first that is broken refuses it, by its name. That
+//! takes the inputs of the step before, which are kept.
+//!
+//! The standard can say every assumption. One whose condition would be longer than [`LONGEST`](super::expression::LONGEST) is not
+//! asked: then only such inputs are refused for which the machine has no transition, without a name.
 
 use super::Variable;
 use super::expression::Translator;
 use super::interface::{Interface, Own, mentions};
 use super::text::{indented, wrap_condition};
-use crate::gr1::{Formula, Specification, Time};
+use crate::gr1::{Expr, Formula, Specification, Time};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// The assumptions as statements.
 pub(super) struct Assumptions {
-    unnamed: String,
+    no_step: String,
     state: String,
     first: String,
     later: String,
@@ -49,6 +52,9 @@ impl Assumptions {
                     outputs: &interface.outputs,
                     kept: safety.then_some(&kept),
                 };
+                if formula.expr.simplify() == Expr::TRUE {
+                    return;
+                }
                 let Some(condition) = translator.broken(&formula.expr) else {
                     return;
                 };
@@ -86,7 +92,7 @@ impl Assumptions {
         });
         Self {
             kept: kept.collect(),
-            unnamed: interface.broken_somehow(),
+            no_step: interface.no_step(),
             state: state.to_owned(),
             first,
             later,
@@ -94,29 +100,30 @@ impl Assumptions {
     }
 
     /// The error of a step for which the machine has no transition.
-    pub fn unnamed(&self) -> &str {
-        &self.unnamed
+    pub fn no_step(&self) -> &str {
+        &self.no_step
     }
 
-    /// What follows a step.
-    pub fn after(&self, own: &Own) -> String {
+    /// The step of a machine: what it relies on, then the transition, then what is kept.
+    pub fn around(&self, own: &Own, transition: &str) -> String {
         let (refused, fine) = (&own.refused, &own.fine);
         let mut out = String::new();
-        if !self.first.is_empty() || !self.later.is_empty() {
-            let state = &self.state;
-            let _ = writeln!(
+        let state = &self.state;
+        let (first, later) = (indented(&self.first, 1), indented(&self.later, 1));
+        let asked = match (first.is_empty(), later.is_empty()) {
+            (true, true) => String::new(),
+            (false, true) => format!("IF {state} < 0 THEN\n{first}END_IF;\n"),
+            (true, false) => format!("IF {state} >= 0 THEN\n{later}END_IF;\n"),
+            (false, false) => format!("IF {state} < 0 THEN\n{first}ELSE\n{later}END_IF;\n"),
+        };
+        if asked.is_empty() {
+            out.push_str(transition);
+        } else {
+            let transition = indented(transition, 1);
+            let _ = write!(
                 out,
-                "IF {refused} = {} THEN\n    (* Which assumption it is. *)",
-                self.unnamed
+                "(* What it relies on. *)\n{asked}IF {refused} = {fine} THEN\n{transition}END_IF;\n"
             );
-            let (first, later) = (indented(&self.first, 2), indented(&self.later, 2));
-            let text = match (first.is_empty(), later.is_empty()) {
-                (false, true) => format!("    IF {state} < 0 THEN\n{first}    END_IF;\n"),
-                (true, _) => format!("    IF {state} >= 0 THEN\n{later}    END_IF;\n"),
-                _ => format!("    IF {state} < 0 THEN\n{first}    ELSE\n{later}    END_IF;\n"),
-            };
-            out.push_str(&text);
-            out.push_str("END_IF;\n");
         }
         if !self.kept.is_empty() {
             let _ = writeln!(out, "IF {refused} = {fine} THEN");

@@ -1,7 +1,8 @@
-//! Formulas as conditions of Structured Text, where it can say them shortly.
+//! Formulas as conditions of Structured Text.
 //!
-//! Whole numbers are computed in the narrowest type that holds every intermediate value. What has no short counterpart, such as
-//! division of negative numbers, which the standard rounds otherwise, is left out: the caller can do without.
+//! Whole numbers are computed in the narrowest type that holds every intermediate value. The standard rounds quotients towards 0 and
+//! contracts round them down, so that a division of what may be negative takes some words. Enumerations are compared by their
+//! labels, and become numbers only where nothing else will do.
 
 use super::interface::Port;
 use super::{Type, Width, literal};
@@ -9,8 +10,9 @@ use crate::gr1::interval::{Interval, interval};
 use crate::gr1::{BinaryOp, Domain, Expr, Owner, Specification, Time, UnaryOp, VarId};
 use std::collections::BTreeMap;
 
-/// A condition of more characters would explain nothing.
-const LONGEST: usize = 2_000;
+/// A condition has at most so many characters. What is said of numbers is said several times in quotients of negative ones, so
+/// that a formula of nothing else could grow without bound.
+pub(super) const LONGEST: usize = 100_000;
 
 /// What variables are called.
 pub(super) struct Translator<'a> {
@@ -22,14 +24,13 @@ pub(super) struct Translator<'a> {
 }
 
 impl Translator<'_> {
-    /// The condition that a formula does not hold.
+    /// The condition that a formula does not hold; none if it would be too long.
     pub fn broken(&self, expr: &Expr) -> Option<String> {
         let expr = expr.simplify();
-        let text = match self.connected(&expr, true) {
+        bounded(match self.connected(&expr, true) {
             Some((operands, sign)) => operands?.join(sign),
             None => self.truth(&expr, true)?,
-        };
-        (text.len() <= LONGEST).then_some(text)
+        })
     }
 
     /// The operands that AND or OR joins in a truth value or its negation, if one does.
@@ -86,72 +87,86 @@ impl Translator<'_> {
     /// A truth value or its negation, as an operand.
     fn truth(&self, expr: &Expr, negate: bool) -> Option<String> {
         use BinaryOp as B;
-        match expr {
-            Expr::Const(c) => Some(if (*c != 0) == negate { "FALSE" } else { "TRUE" }.to_owned()),
+        bounded(match expr {
+            Expr::Const(c) => if (*c != 0) == negate { "FALSE" } else { "TRUE" }.to_owned(),
             Expr::Var(v, t) if *self.domain(*v) == Domain::Bool => {
                 let (name, _) = self.variable(*v, *t)?;
-                Some(if negate { format!("NOT {name}") } else { name })
+                if negate { format!("NOT {name}") } else { name }
             }
-            Expr::Unary(UnaryOp::Not, a) => self.truth(a, !negate),
+            Expr::Unary(UnaryOp::Not, a) => self.truth(a, !negate)?,
             Expr::Binary(B::And | B::Or | B::Implies, ..) => {
                 let (operands, sign) = self.connected(expr, negate)?;
-                Some(format!("({})", operands?.join(sign)))
+                format!("({})", operands?.join(sign))
             }
             Expr::Binary(op @ (B::Eq | B::Ne), a, b) => {
                 let equal = (*op == B::Eq) != negate;
                 match (self.is_truth(a), &**a, self.is_truth(b), &**b) {
-                    (true, _, _, Expr::Const(c)) => self.truth(a, equal != (*c != 0)),
-                    (_, Expr::Const(c), true, _) => self.truth(b, equal != (*c != 0)),
+                    (true, _, _, Expr::Const(c @ (0 | 1))) => self.truth(a, equal != (*c != 0))?,
+                    (_, Expr::Const(c @ (0 | 1)), true, _) => self.truth(b, equal != (*c != 0))?,
                     (true, _, true, _) => {
                         let sign = if equal { "=" } else { "<>" };
                         let (a, b) = (self.truth(a, false)?, self.truth(b, false)?);
-                        Some(format!("({a} {sign} {b})"))
+                        format!("({a} {sign} {b})")
                     }
-                    (false, _, false, _) => self
-                        .labels(a, b, equal)
-                        .or_else(|| self.compared(a, if equal { "=" } else { "<>" }, b)),
-                    _ => None,
+                    _ => match self.labels(a, b, equal) {
+                        Some(text) => text,
+                        None => self.compared(a, if equal { "=" } else { "<>" }, b)?,
+                    },
                 }
             }
-            Expr::Binary(op, a, b) => {
-                let sign = match (op, negate) {
-                    (B::Lt, false) | (B::Ge, true) => "<",
-                    (B::Le, false) | (B::Gt, true) => "<=",
-                    (B::Gt, false) | (B::Le, true) => ">",
-                    (B::Ge, false) | (B::Lt, true) => ">=",
-                    _ => return None,
-                };
-                self.compared(a, sign, b)
+            Expr::Binary(B::Lt | B::Ge, a, b) => {
+                let less = matches!(expr, Expr::Binary(B::Lt, ..)) != negate;
+                self.compared(a, if less { "<" } else { ">=" }, b)?
+            }
+            Expr::Binary(B::Gt | B::Le, a, b) => {
+                let more = matches!(expr, Expr::Binary(B::Gt, ..)) != negate;
+                self.compared(a, if more { ">" } else { "<=" }, b)?
             }
             Expr::If(c, a, b) => {
-                let (yes, no) = (self.truth(c, false)?, self.truth(c, true)?);
                 let (a, b) = (self.truth(a, negate)?, self.truth(b, negate)?);
-                Some(format!("(({yes} AND {a}) OR ({no} AND {b}))"))
+                match &**c {
+                    // One that is short can be said twice.
+                    Expr::Var(..) | Expr::Unary(..) => {
+                        let (yes, no) = (self.truth(c, false)?, self.truth(c, true)?);
+                        format!("(({yes} AND {a}) OR ({no} AND {b}))")
+                    }
+                    _ => format!("SEL({}, {b}, {a})", self.truth(c, false)?),
+                }
             }
-            _ => None,
-        }
+            // A number is true unless it is 0.
+            _ => self.compared(expr, if negate { "=" } else { "<>" }, &Expr::Const(0))?,
+        })
     }
 
     /// Two values of one enumeration.
     fn labels(&self, a: &Expr, b: &Expr, equal: bool) -> Option<String> {
         let (a, b) = match (a, b) {
-            (Expr::Const(_), Expr::Var(..)) => (b, a),
+            (Expr::Const(_) | Expr::If(..), Expr::Var(..)) => (b, a),
             _ => (a, b),
         };
         let Expr::Var(v, t) = a else {
             return None;
         };
         let (name, port) = self.variable(*v, *t)?;
-        let other = match b {
-            Expr::Const(c) => port.labels.get(usize::try_from(*c).ok()?)?.clone(),
-            Expr::Var(v, t) => {
-                let (name, other) = self.variable(*v, *t)?;
-                (!port.labels.is_empty() && port.kind == other.kind).then_some(name)?
-            }
-            _ => return None,
-        };
+        let other = self.label(b, port)?;
         let sign = if equal { "=" } else { "<>" };
         Some(format!("({name} {sign} {other})"))
+    }
+
+    /// A value of the enumeration that a port has.
+    fn label(&self, expr: &Expr, port: &Port<'_>) -> Option<String> {
+        match expr {
+            Expr::Const(c) => port.labels.get(usize::try_from(*c).ok()?).cloned(),
+            Expr::Var(v, t) => {
+                let (name, other) = self.variable(*v, *t)?;
+                (!port.labels.is_empty() && port.kind == other.kind).then_some(name)
+            }
+            Expr::If(c, a, b) => {
+                let (a, b) = (self.label(a, port)?, self.label(b, port)?);
+                Some(format!("SEL({}, {b}, {a})", self.truth(c, false)?))
+            }
+            _ => None,
+        }
     }
 
     fn compared(&self, a: &Expr, sign: &str, b: &Expr) -> Option<String> {
@@ -183,26 +198,26 @@ impl Translator<'_> {
     /// A whole number of this width, as an operand.
     fn number(&self, expr: &Expr, width: Width) -> Option<String> {
         use BinaryOp as B;
+        let word = width.keyword();
         if self.is_truth(expr) {
-            let word = width.keyword();
             let condition = self.truth(expr, false)?;
             return Some(format!("SEL({condition}, {word}#0, {word}#1)"));
         }
-        Some(match expr {
+        bounded(match expr {
             Expr::Const(c) => literal(*c),
             Expr::Var(v, t) => {
                 let (name, port) = self.variable(*v, *t)?;
-                let Type::Integer(own) = port.kind else {
-                    return None;
-                };
-                own.convert(width, &name)
+                match port.kind {
+                    Type::Integer(own) => own.convert(width, &name),
+                    _ => numbered(&name, &port.labels, word),
+                }
             }
             Expr::Unary(UnaryOp::Neg, a) => format!("(0 - {})", self.number(a, width)?),
             Expr::Unary(_, a) => format!("ABS({})", self.number(a, width)?),
             Expr::If(c, a, b) => {
                 // Two bare literals would have no type.
                 let typed = |e: &Expr| match e {
-                    Expr::Const(c) => Some(format!("{}#{c}", width.keyword())),
+                    Expr::Const(c) => Some(format!("{word}#{c}")),
                     _ => self.number(e, width),
                 };
                 let (a, b) = (typed(a)?, typed(b)?);
@@ -210,20 +225,56 @@ impl Translator<'_> {
             }
             Expr::Binary(op, a, b) => {
                 let (x, y) = (self.number(a, width)?, self.number(b, width)?);
-                // The standard rounds towards 0.
-                let plain = || Some(self.range(a)?.low >= 0 && self.range(b)?.low > 0);
                 match op {
                     B::Add => format!("({x} + {y})"),
                     B::Sub => format!("({x} - {y})"),
                     B::Mul => format!("({x} * {y})"),
-                    B::Div if plain()? => format!("({x} / {y})"),
-                    B::Mod if plain()? => format!("({x} MOD {y})"),
+                    B::Div | B::Mod => {
+                        let signs = (self.range(a)?.low < 0, self.range(b)?.low < 0);
+                        rounded_down(*op, &x, &y, signs, word)
+                    }
                     B::Min => format!("MIN({x}, {y})"),
                     B::Max => format!("MAX({x}, {y})"),
                     _ => return None,
                 }
             }
         })
+    }
+}
+
+/// A text that is not too long.
+fn bounded(text: String) -> Option<String> {
+    (text.len() <= LONGEST).then_some(text)
+}
+
+/// The number of a label.
+fn numbered(name: &str, labels: &[String], word: &str) -> String {
+    let last = labels.len().saturating_sub(1);
+    let labels = labels.iter().enumerate().take(last).rev();
+    labels.fold(format!("{word}#{last}"), |rest, (number, label)| {
+        format!("SEL(({name} = {label}), {rest}, {word}#{number})")
+    })
+}
+
+/// A quotient that is rounded down, or its rest, which has the divisor's sign; `signs` tells which of the two may be negative. The
+/// standard's own rounds towards 0, and its rest has the dividend's sign.
+fn rounded_down(op: BinaryOp, x: &str, y: &str, signs: (bool, bool), word: &str) -> String {
+    let rest = format!("({x} MOD {y})");
+    // No divisor's range holds 0. A rest that has the other sign than the divisor tells that the quotient is one too high.
+    let high = match signs {
+        (false, false) => None,
+        (true, false) => Some(format!("({rest} < 0)")),
+        (_, true) => Some(format!("({rest} > 0)")),
+    };
+    let zero = format!("{word}#0");
+    match (op, high) {
+        (BinaryOp::Div, None) => format!("({x} / {y})"),
+        (BinaryOp::Div, Some(high)) => {
+            format!("(({x} / {y}) - SEL({high}, {zero}, {word}#1))")
+        }
+        (_, None) => rest,
+        // The divisor may be a bare literal, which SEL could not give a type.
+        (_, Some(high)) => format!("({rest} + SEL({high}, {zero}, ({zero} + {y})))"),
     }
 }
 

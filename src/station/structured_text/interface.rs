@@ -155,10 +155,10 @@ impl<'a> Interface<'a> {
         label
     }
 
-    /// The error that some assumption is broken, and nobody says which.
-    pub fn broken_somehow(&mut self) -> String {
-        let meaning = "the inputs break an assumption without a name here, or one was broken in an earlier step";
-        self.error("broken_assumption", meaning)
+    /// The error that there is no transition.
+    pub fn no_step(&mut self) -> String {
+        let meaning = "the controller has no step for these inputs; it has one wherever the assumptions are kept";
+        self.error("no_step", meaning)
     }
 
     /// Declares the type of an enumeration, unless it is known.
@@ -306,8 +306,8 @@ impl<'a> Interface<'a> {
             format!(
                 "Call an instance once in every cycle, from one task. A call in which {} is TRUE makes one step of the contract: it \
                  reads the inputs and writes the outputs. Leave it TRUE for a step a cycle; for a step an event, connect the event \
-                 through R_TRIG. Between steps the outputs keep their values. After a step that is refused, outputs and state are as before, {} is TRUE, and {} \
-                 says why. With {} the block is as before its first call.",
+                 through R_TRIG. Between steps the outputs keep their values. A step whose inputs leave their domains or break an assumption is refused: \
+                 outputs and state are as before, {} is TRUE, and {} says why. With {} the block is as before its first call.",
                 own.enable, own.error, own.error_id, own.reset
             ),
         ];

@@ -44,7 +44,7 @@ pub(super) fn parts(
     let refuse = format!(
         "{} := {};\n",
         interface.own().refused,
-        assumptions.unnamed()
+        assumptions.no_step()
     );
     let mut step = format!("CASE {} OF\n", state.name);
     let places = std::iter::once(&machine.initial).chain(&machine.states);
@@ -60,7 +60,7 @@ pub(super) fn parts(
         step.push_str(&indented(&text, 2));
     }
     step.push_str("END_CASE;\n");
-    step.push_str(&assumptions.after(interface.own()));
+    let step = assumptions.around(interface.own(), &step);
     let reset = format!("{} := -1;\n{}", state.name, assumptions.reset());
     let mut locals = vec![state];
     locals.extend(assumptions.into_locals());

@@ -190,7 +190,7 @@ pub(super) fn parts(
         "IF {0} < 0 THEN\n    {1} := {2};\nELSE\n",
         taken.name,
         own.refused,
-        assumptions.unnamed()
+        assumptions.no_step()
     );
     let mut done = format!("{at_name} := {};\n", get(a, &taken.name, index));
     for (place, port) in interface.outputs.iter().enumerate() {
@@ -210,7 +210,7 @@ pub(super) fn parts(
         element(g).convert(width, &format!("{}[{}]", g.name, taken.name))
     );
     let _ = writeln!(step, "{}END_IF;", indented(&done, 1));
-    step.push_str(&assumptions.after(own));
+    let step = assumptions.around(own, &step);
     let reset = format!("{} := -1;\n{}", state.name, assumptions.reset());
     let mut locals = vec![state];
     locals.extend(assumptions.into_locals());
