@@ -353,7 +353,12 @@ static void lw_fmi_step(lw_fmi_call *call, double at, double size)
         lw_fmi_refuse(call, "the step does not begin where the one before has ended");
         return;
     }
-    if (!(ticks >= 0.5 && ticks <= 1e9 && fabs(ticks - round(ticks)) <= 1e-6)) {
+    if (ticks > 1e9) {
+        lw_fmi_refuse(call, "the communication step is longer than a thousand million of the machine's own steps of " LW_FMI_STEP_TEXT
+                            " s");
+        return;
+    }
+    if (!(ticks >= 0.5 && fabs(ticks - round(ticks)) <= 1e-6)) {
         lw_fmi_refuse(call, "the communication step size must be a whole multiple of " LW_FMI_STEP_TEXT
                             " s, the machine's own step");
         return;

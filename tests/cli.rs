@@ -17,6 +17,8 @@ mod inputs;
 mod libraries;
 #[path = "cli/limits.rs"]
 mod limits;
+#[path = "cli/names.rs"]
+mod names;
 #[path = "cli/outside.rs"]
 mod outside;
 #[path = "cli/session.rs"]

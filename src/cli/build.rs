@@ -3,7 +3,7 @@
 use super::console::schema;
 use super::controller::Wish;
 use super::exit::ExitCode;
-use super::libraries::{self, Target};
+use super::libraries::{self, Target, Written};
 use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
 use super::pipeline::Jobs;
@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
     linewright build examples/ice-lab/cell.lw
-    linewright build examples/ice-lab/real.lw --target windows
+    linewright build examples/ice-lab/line.lw --target source --out sources
     linewright build examples/ice-lab/camera.lw::QualityCheck --target source --out station
 
 `linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` \
@@ -117,31 +117,24 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
         for (target, toolchain) in &toolchains {
             let toolchain = toolchain.as_ref();
-            match libraries::build(&plan, &profile, toolchain, folder, arguments.rebuild) {
-                Ok(files) => libraries.push(Built {
-                    machine: plan.machine.name.clone(),
-                    target: target.name(),
-                    files: files.iter().map(|f| f.display().to_string()).collect(),
-                }),
-                Err(finding) => findings.push(*finding),
-            }
+            let built = libraries::build(&plan, &profile, toolchain, folder, arguments.rebuild);
+            built_one(
+                &plan.machine.name,
+                **target,
+                built,
+                &mut libraries,
+                &mut findings,
+            );
         }
         if let Some(toolchains) = &units {
-            match libraries::build_units(&plan, toolchains, folder) {
-                Ok((files, missing)) => {
-                    for finding in missing {
-                        if !findings.contains(&finding) {
-                            findings.push(finding);
-                        }
-                    }
-                    libraries.push(Built {
-                        machine: plan.machine.name.clone(),
-                        target: Target::Fmu.name(),
-                        files: files.iter().map(|f| f.display().to_string()).collect(),
-                    });
-                }
-                Err(finding) => findings.push(*finding),
-            }
+            let built = libraries::build_units(&plan, toolchains, folder);
+            built_one(
+                &plan.machine.name,
+                Target::Fmu,
+                built,
+                &mut libraries,
+                &mut findings,
+            );
         }
     }
     debug_assert!(
@@ -172,6 +165,9 @@ fn build_probe(
     profile: &Profile,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
+    if arguments.target.contains(&Target::Fmu) {
+        anyhow::bail!("the probe is no FMI unit: build it with --target windows");
+    }
     let mut findings = Vec::new();
     let profile = arguments.profile.as_ref().map(|_| profile);
     findings.extend(profile.and_then(profiles::caution).map(|note| {
@@ -182,16 +178,40 @@ fn build_probe(
     let folder = arguments.out.as_deref().unwrap_or(Path::new(".linewright"));
     let mut libraries = Vec::new();
     for (target, toolchain) in toolchains(&arguments.target, &mut findings) {
-        match libraries::build_probe(profile, toolchain.as_ref(), folder, arguments.rebuild) {
-            Ok(files) => libraries.push(Built {
-                machine: "probe".to_owned(),
-                target: target.name(),
-                files: files.iter().map(|f| f.display().to_string()).collect(),
-            }),
-            Err(finding) => findings.push(*finding),
-        }
+        let built = libraries::build_probe(profile, toolchain.as_ref(), folder, arguments.rebuild);
+        built_one("probe", *target, built, &mut libraries, &mut findings);
     }
     print(libraries, &SourceMap::new(), &findings, options)
+}
+
+/// Notes what was written for a target, and what is to be said of it; each finding once.
+fn built_one(
+    machine: &str,
+    target: Target,
+    built: Result<Written, Box<Diagnostic>>,
+    libraries: &mut Vec<Built>,
+    findings: &mut Vec<Diagnostic>,
+) {
+    let more = match built {
+        Ok(written) => {
+            libraries.push(Built {
+                machine: machine.to_owned(),
+                target: target.name(),
+                files: written
+                    .files
+                    .iter()
+                    .map(|f| f.display().to_string())
+                    .collect(),
+            });
+            written.findings
+        }
+        Err(finding) => vec![*finding],
+    };
+    for finding in more {
+        if !findings.contains(&finding) {
+            findings.push(finding);
+        }
+    }
 }
 
 /// Prints what was built and found.

@@ -89,9 +89,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     if let Err(error) = &survey.host {
         findings.push(error.to_diagnostic());
     }
-    if survey.windows().is_none() {
-        findings.push(no_windows());
-    }
+    findings.extend(no_windows(&survey));
     match options.format {
         Format::Json => console.document(&Document {
             schema: schema("doctor"),
@@ -104,7 +102,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                     found: found.as_ref(),
                 })
                 .collect(),
-            windows: survey.windows().is_some(),
+            windows: survey.windows().is_some_and(|(_, f)| f.fault.is_none()),
             wine: survey.wine.as_ref(),
             python: survey.python.as_ref(),
             python_packages: &survey.packages,
@@ -123,16 +121,28 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// What is said where no compiler for Windows is found.
-fn no_windows() -> Diagnostic {
-    let error = crate::station::Error::CrossCompilerMissing.to_diagnostic();
-    let mut finding = Diagnostic::warning(
-        codes::CROSS_COMPILER_MISSING,
-        None,
-        "Windows libraries cannot be built here: no C compiler for 64-bit Windows was found",
-    );
-    finding.help = error.help;
-    finding
+/// What is said where no compiler for Windows is found, or the one that would be taken compiles nothing.
+fn no_windows(survey: &Survey) -> Option<Diagnostic> {
+    let (why, help) = match survey.windows() {
+        None => {
+            let error = crate::station::Error::CrossCompilerMissing.to_diagnostic();
+            let why = "no C compiler for 64-bit Windows was found".to_owned();
+            (why, error.help.unwrap_or_default())
+        }
+        Some((kind, found)) => {
+            let why = format!(
+                "{} is there, but it does not compile: {}",
+                kind.name(),
+                found.fault.as_ref()?
+            );
+            let help =
+                "repair or remove it; the compilers are tried in the order of the list above"
+                    .to_owned();
+            (why, help)
+        }
+    };
+    let message = format!("Windows libraries cannot be built here: {why}");
+    Some(Diagnostic::warning(codes::CROSS_COMPILER_MISSING, None, message).with_help(help))
 }
 
 fn cache_folder() -> Option<String> {
@@ -144,9 +154,12 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
     let mut row = |what: &str, said: &str| {
         let _ = writeln!(out, "  {what:24} {said}");
     };
-    let show = |found: &Found| match &found.version {
-        Some(version) => format!("{version} ({})", found.command),
-        None => found.command.clone(),
+    let show = |found: &Found| {
+        let fault = found.fault.as_ref().map(|_| ", which does not compile");
+        match &found.version {
+            Some(version) => format!("{version} ({}){}", found.command, fault.unwrap_or("")),
+            None => format!("{}{}", found.command, fault.unwrap_or("")),
+        }
     };
     match &survey.host {
         Ok(found) => row("C compiler", &show(found)),
@@ -163,8 +176,8 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
     row(
         "Windows libraries",
         &match survey.windows() {
-            Some(kind) => format!("with {}", kind.name()),
-            None => "cannot be built here".to_owned(),
+            Some((kind, found)) if found.fault.is_none() => format!("with {}", kind.name()),
+            _ => "cannot be built here".to_owned(),
         },
     );
     match &survey.wine {

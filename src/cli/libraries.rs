@@ -2,10 +2,11 @@
 
 use super::output;
 use crate::contract::machine::Machine;
-use crate::diagnostics::Diagnostic;
+use crate::diagnostics::{Diagnostic, Severity};
 use crate::mealy;
 use crate::station::composition::{self, Composition};
 use crate::station::profile::Profile;
+use crate::station::simtalk::Beside;
 use crate::station::{self, Package, Toolchain, fmi, probe, simtalk};
 use std::path::{Path, PathBuf};
 
@@ -67,28 +68,76 @@ impl Target {
     }
 }
 
-/// Writes a machine's station library, or its sources where there is no toolchain, into a folder, and gives the files that a user
-/// needs.
+/// What was written, and what is to be said of it.
+#[derive(Debug, Default)]
+pub struct Written {
+    /// The files that a user needs.
+    pub files: Vec<PathBuf>,
+    /// Files that were kept, binaries that are missing.
+    pub findings: Vec<Diagnostic>,
+}
+
+/// Writes a machine's station library, or its sources where there is no toolchain, into a folder. With what Windows can load come the C
+/// source and the texts for Plant Simulation.
 pub fn build(
     controlled: &Controlled<'_>,
     profile: &Profile,
     toolchain: Option<&Toolchain>,
     folder: &Path,
     rebuild: bool,
-) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
+) -> Result<Written, Box<Diagnostic>> {
     let package = package(controlled, profile);
-    let (mut files, library) = compile(&package, toolchain, folder, rebuild)?;
-    let texts = simtalk::texts(controlled.machine, &package, profile, &library);
-    let named = [
-        (simtalk::methods_name(&library), &texts.methods),
-        (simtalk::page_name(&library), &texts.page),
-    ];
-    for (name, text) in named {
-        let path = folder.join(name);
-        output::write(&path, text)?;
-        files.push(path);
+    let (files, library) = compile(&package, toolchain, folder, rebuild)?;
+    let mut written = Written {
+        files,
+        ..Written::default()
+    };
+    let source = format!("{}-source", simtalk::stem(&library));
+    let beside = match toolchain {
+        None => Beside::Source { library: &library },
+        Some(toolchain) if toolchain.is_for_windows() => {
+            let main = package
+                .write_source(&folder.join(&source))
+                .map_err(|e| Box::new(e.to_diagnostic()))?;
+            written.files.push(main);
+            Beside::Library {
+                library: &library,
+                source: &source,
+            }
+        }
+        Some(_) => return Ok(written),
+    };
+    let texts = simtalk::texts(controlled.machine, &package, profile, beside);
+    written.methods(folder, &library, &texts.methods, rebuild)?;
+    let page = folder.join(simtalk::page_name(&library));
+    output::write(&page, &texts.page)?;
+    written.files.push(page);
+    Ok(written)
+}
+
+impl Written {
+    /// Writes the methods that call a library. A user puts paths and stations into them, so that a file that differs is kept, unless
+    /// everything is to be made anew.
+    fn methods(
+        &mut self,
+        folder: &Path,
+        library: &str,
+        text: &str,
+        rebuild: bool,
+    ) -> Result<(), Box<Diagnostic>> {
+        let path = folder.join(simtalk::methods_name(library));
+        if rebuild || !path.exists() {
+            output::write(&path, text)?;
+        } else if let Err(mut kept) =
+            output::keep(&path, text, "move it away, or write it anew with --rebuild")
+        {
+            kept.severity = Severity::Warning;
+            kept.message.push_str("; it is kept");
+            self.findings.push(*kept);
+        }
+        self.files.push(path);
+        Ok(())
     }
-    Ok(files)
 }
 
 /// Writes the probe's library, or its sources, and the SimTalk that calls it. With a profile it is the second round.
@@ -97,13 +146,16 @@ pub fn build_probe(
     toolchain: Option<&Toolchain>,
     folder: &Path,
     rebuild: bool,
-) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
+) -> Result<Written, Box<Diagnostic>> {
     let package = probe::package::package(profile);
-    let (mut files, library) = compile(&package, toolchain, folder, rebuild)?;
-    let path = folder.join(simtalk::methods_name(&library));
-    output::write(&path, &probe::package::simtalk(profile, &library))?;
-    files.push(path);
-    Ok(files)
+    let (files, library) = compile(&package, toolchain, folder, rebuild)?;
+    let mut written = Written {
+        files,
+        ..Written::default()
+    };
+    let text = probe::package::simtalk(profile, &library);
+    written.methods(folder, &library, &text, rebuild)?;
+    Ok(written)
 }
 
 /// The files of a package, and the library's file name: for the sources, what it would be called.
@@ -116,6 +168,7 @@ fn compile(
     let explain = |e: station::Error| Box::new(e.to_diagnostic());
     if let Some(toolchain) = toolchain {
         let built = toolchain.build(package, folder, rebuild).map_err(explain)?;
+        built.verify().map_err(explain)?;
         let name = built.path.file_name().unwrap_or_default();
         let name = name.to_string_lossy().into_owned();
         return Ok((vec![built.path], name));
@@ -126,15 +179,16 @@ fn compile(
     Ok((files, format!("{}.dll", package.stem)))
 }
 
-/// Writes a machine's FMI units into a folder, and gives their paths and what they lack.
+/// Writes a machine's FMI units into a folder.
 pub fn build_units(
     controlled: &Controlled<'_>,
     toolchains: &[Toolchain],
     folder: &Path,
-) -> Result<(Vec<PathBuf>, Vec<Diagnostic>), Box<Diagnostic>> {
+) -> Result<Written, Box<Diagnostic>> {
     let controllers = controllers(controlled);
-    fmi::build(controlled.machine, &controllers, toolchains, folder)
-        .map_err(|e| Box::new(e.to_diagnostic()))
+    let (files, findings) = fmi::build(controlled.machine, &controllers, toolchains, folder)
+        .map_err(|e| Box::new(e.to_diagnostic()))?;
+    Ok(Written { files, findings })
 }
 
 /// The C of a machine.

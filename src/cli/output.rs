@@ -13,6 +13,23 @@ pub fn write(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
     })
 }
 
+/// Writes a file that is not there; one that is and says the same is left, and one that says something else is kept: LW546.
+pub fn keep(path: &Path, text: &str, help: &str) -> Result<(), Box<Diagnostic>> {
+    match std::fs::read(path) {
+        Ok(old) if old == text.as_bytes() => Ok(()),
+        Ok(_) => {
+            let message = format!(
+                "{} is there already, and says something else",
+                path.display()
+            );
+            Err(Box::new(
+                Diagnostic::error(codes::FILE_KEPT, None, message).with_help(help),
+            ))
+        }
+        Err(_) => write(path, text),
+    }
+}
+
 /// Writes a file of the user's anew, where a link to it leads and with the permissions that it has. One that may not be written is
 /// left as it is.
 pub fn rewrite(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {

@@ -3,6 +3,7 @@
 use crate::diagnostics::{Diagnostic, codes};
 use crate::source::SourceMap;
 use crate::station::profile::{Profile, read};
+use std::io::Read;
 use std::path::Path;
 
 /// No profile is larger.
@@ -27,11 +28,14 @@ pub fn text(path: &Path, largest: u64) -> Result<String, Box<Diagnostic>> {
                 .with_help("check the path, and that the file may be read"),
         )
     };
-    let length = std::fs::metadata(path).map_err(|e| unreadable(e.to_string()))?;
-    if length.len() > largest {
+    let mut bytes = Vec::new();
+    // What is no plain file says nothing of its length before it is read.
+    std::fs::File::open(path)
+        .and_then(|file| file.take(largest + 1).read_to_end(&mut bytes))
+        .map_err(|e| unreadable(e.to_string()))?;
+    if bytes.len() as u64 > largest {
         return Err(unreadable(format!("it has more than {largest} bytes")));
     }
-    let bytes = std::fs::read(path).map_err(|e| unreadable(e.to_string()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 

@@ -13,8 +13,9 @@ use crate::interchange::{self, Target, inquiries};
 use crate::mealy;
 use crate::source::Span;
 use crate::station::emit::controller as c_files;
-use crate::station::structured_text;
+use crate::station::{is_device, structured_text};
 use clap::{Args, ValueEnum};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// The arguments of `synth`.
@@ -133,23 +134,32 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .pick(&loaded, "contract", &library.contracts, |c| {
             (&c.name, c.span)
         })?;
-    let files: usize = arguments.emit.iter().map(|e| e.files()).sum();
+    let mut forms: Vec<Emit> = Vec::new();
+    for emit in &arguments.emit {
+        if !forms.contains(emit) {
+            forms.push(*emit);
+        }
+    }
+    let files: usize = forms.iter().map(|e| e.files()).sum();
     let results = contracts.len() * files;
     if results > 1 && arguments.out.is_none() {
         anyhow::bail!("there are {results} results: name a folder for them with --out DIR");
     }
 
     let mut findings = loaded.findings.clone();
-    let mut written: Vec<(String, String)> = Vec::new();
+    let mut written = Results::default();
     let (specifications, controllers): (Vec<Emit>, Vec<Emit>) =
-        arguments.emit.iter().partition(|e| e.target().is_some());
+        forms.into_iter().partition(|e| e.target().is_some());
     for contract in &contracts {
         for emit in &specifications {
             let Some(target) = emit.target() else {
                 continue;
             };
             match interchange::write(&contract.specification, target) {
-                Ok(text) => written.push((format!("{}.{}", contract.name, emit.ending()), text)),
+                Ok(text) => {
+                    let name = file_name(&contract.name, emit.ending());
+                    findings.extend(written.add(&contract.name, contract.span, vec![(name, text)]));
+                }
                 Err(found) => findings.extend(found),
             }
         }
@@ -185,28 +195,70 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         };
         for emit in &controllers {
             match write_files(controller, *emit, &contract.specification, contract.span) {
-                Ok(files) => written.extend(files),
+                Ok(files) => {
+                    findings.extend(written.add(&contract.name, contract.span, files));
+                }
                 Err(finding) => findings.push(*finding),
             }
         }
     }
     if let Some(folder) = &arguments.out {
-        for (name, text) in &written {
+        for (name, text) in &written.files {
             let path = folder.join(name);
             match output::write(&path, text) {
                 Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
                 Err(finding) => findings.push(*finding),
             }
         }
-    } else if let [(_, text)] = written.as_slice() {
+    } else if let [(_, text)] = written.files.as_slice() {
         console.result(text)?;
     }
-    if has_errors(&findings) && (written.is_empty() || arguments.out.is_some()) {
+    if has_errors(&findings) && (written.files.is_empty() || arguments.out.is_some()) {
         console.failed("synth", &library.sources, &findings)?;
     } else {
         console.findings(&library.sources, &findings)?;
     }
     Ok(options.exit_code(&findings))
+}
+
+/// The files that are to be written.
+#[derive(Default)]
+struct Results {
+    /// Names and texts.
+    files: Vec<(String, String)>,
+    /// Whose each file is, by its name without regard to capitals: not every disk tells them apart.
+    owners: BTreeMap<String, String>,
+}
+
+impl Results {
+    /// Adds files of a contract. A finding (LW504), and none of them, where one has the name of another contract's file.
+    fn add(
+        &mut self,
+        contract: &str,
+        span: Span,
+        files: Vec<(String, String)>,
+    ) -> Option<Diagnostic> {
+        for (name, _) in &files {
+            if let Some(other) = self.owners.get(&name.to_lowercase()) {
+                let message = format!("`{other}` and `{contract}` would both be written to {name}");
+                let help =
+                    "rename one, or write each into a folder of its own: FILE::NAME --out DIR";
+                let finding = Diagnostic::error(codes::OUTPUT_UNWRITABLE, span, message);
+                return Some(finding.with_help(help));
+            }
+        }
+        for (name, _) in &files {
+            self.owners.insert(name.to_lowercase(), contract.to_owned());
+        }
+        self.files.extend(files);
+        None
+    }
+}
+
+/// A name that every system takes for a file's.
+fn file_name(name: &str, ending: &str) -> String {
+    let mark = if is_device(name) { "_" } else { "" };
+    format!("{name}{mark}.{ending}")
 }
 
 /// The files of one of its written forms, by name. A finding (LW204) where that form would be too large.
@@ -233,7 +285,7 @@ fn write_files(
             Emit::St => block.to_text(),
             _ => block.to_plcopen(),
         };
-        let name = format!("{}.{}", controller.name(), emit.ending());
+        let name = file_name(controller.name(), emit.ending());
         return Ok(vec![(name, text)]);
     }
     let (name, text) = match controller {
@@ -253,7 +305,7 @@ fn write_files(
             ));
         }
     };
-    Ok(vec![(format!("{name}.{}", emit.ending()), text)])
+    Ok(vec![(file_name(name, emit.ending()), text)])
 }
 
 /// A controller in one of its written forms. A finding (LW204) where that form would be too large.

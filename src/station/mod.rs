@@ -24,7 +24,7 @@ pub mod toolchain;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::mealy;
-pub use package::{Package, file_stem};
+pub use package::{Package, file_stem, is_device};
 use std::path::PathBuf;
 pub use toolchain::Toolchain;
 
@@ -111,8 +111,8 @@ impl ErrorCode {
 /// What can go wrong around station libraries.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// There is no C compiler of that name.
-    #[error("the C compiler `{command}` could not be started: {cause}")]
+    /// There is no C compiler of that name, or it compiles nothing.
+    #[error("the C compiler `{command}` cannot be used: {cause}")]
     CompilerMissing {
         /// What was to be started.
         command: String,

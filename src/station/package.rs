@@ -157,13 +157,14 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Names that Windows keeps for devices, whatever ending stands behind them.
-fn is_device(stem: &str) -> bool {
+/// Whether Windows keeps a name for a device, whatever ending stands behind it.
+pub fn is_device(stem: &str) -> bool {
+    let stem = stem.to_ascii_lowercase();
     let numbered = ["com", "lpt"].iter().any(|device| {
         let number = stem.strip_prefix(device).unwrap_or_default();
         number.len() == 1 && number.as_bytes()[0].is_ascii_digit()
     });
-    numbered || ["con", "prn", "aux", "nul"].contains(&stem)
+    numbered || ["con", "prn", "aux", "nul"].contains(&stem.as_str())
 }
 
 /// A machine's name as a file's: `AssemblyCell` and `assembly cell` are `assembly_cell`; what is no letter or digit of ASCII becomes

@@ -10,6 +10,7 @@
 use super::package::Package;
 use super::probe::Value;
 use super::profile::Profile;
+use super::toolchain;
 use crate::contract::machine::{Machine, PropertyKind};
 use crate::gr1::Domain;
 use std::collections::BTreeSet;
@@ -27,6 +28,31 @@ pub struct Texts {
 /// How the texts' file names end, behind the library's name without its ending.
 pub const ENDINGS: [&str; 2] = [".simtalk.txt", ".import.md"];
 
+/// What the texts stand beside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beside<'a> {
+    /// A library of this file name, and a folder with its C source.
+    Library {
+        /// The library.
+        library: &'a str,
+        /// The folder.
+        source: &'a str,
+    },
+    /// The C source, which is yet to be compiled into a library of this file name.
+    Source {
+        /// The library.
+        library: &'a str,
+    },
+}
+
+impl<'a> Beside<'a> {
+    fn library(self) -> &'a str {
+        match self {
+            Self::Library { library, .. } | Self::Source { library } => library,
+        }
+    }
+}
+
 /// A value as SimTalk writes it.
 pub fn literal(value: &Value) -> String {
     match value {
@@ -42,14 +68,15 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "'"))
 }
 
-/// The texts for a machine's library of that file name.
-pub fn texts(machine: &Machine, package: &Package, profile: &Profile, library: &str) -> Texts {
+/// The texts for a machine.
+pub fn texts(machine: &Machine, package: &Package, profile: &Profile, beside: Beside<'_>) -> Texts {
     let names = Names::of(machine);
     let writer = Writer {
         machine,
         package,
         profile,
-        library,
+        library: beside.library(),
+        beside,
         names,
     };
     Texts {
@@ -112,6 +139,7 @@ struct Writer<'a> {
     package: &'a Package,
     profile: &'a Profile,
     library: &'a str,
+    beside: Beside<'a>,
     names: Names,
 }
 
@@ -187,7 +215,19 @@ impl Writer<'_> {
             "    print \"{name}: the library was not loaded. Is the path absolute, and Plant Simulation one of 64 bits?\""
         );
         out.push_str("    Station.LW_Handle := 0\n    Station.Failed := true\nelse\n");
-        out.push_str("    -- From here to the end of its `if`, once for each station of this kind, with its name for Station.\n");
+        out.push_str(
+            "    -- First, once for each station of this kind, with its name for Station: what a run that did not come to its endSim has left.\n\
+             \x20   if 0 < Station.LW_Handle\n",
+        );
+        let _ = writeln!(
+            out,
+            "        if {} < 0",
+            self.call("deinstantiate", &["Station.LW_Handle".to_owned()])
+        );
+        out.push_str(
+            "            Station.LW_Handle := 0 -- the program was closed in between\n        end\n    end\n\
+             \x20   -- Then, from here to the end of its `if`, once for each station, likewise.\n",
+        );
         let _ = writeln!(
             out,
             "    Station.LW_Handle := {}",
@@ -195,8 +235,20 @@ impl Writer<'_> {
         );
         out.push_str("    if Station.LW_Handle < 0\n");
         out.push_str(&self.failed("Station", "0", "        "));
-        out.push_str("    end\nend\n\n");
+        match self.no_energy("    ") {
+            None => out.push_str("    end\n"),
+            Some(none) => {
+                let _ = write!(out, "    else\n    {none}    end\n");
+            }
+        }
+        out.push_str("end\n\n");
         out
+    }
+
+    /// Sets a station's sum of energy back, where it has one.
+    fn no_energy(&self, indent: &str) -> Option<String> {
+        let has = !self.machine.operations.is_empty();
+        has.then(|| format!("{indent}Station.LW_Energy := 0\n"))
     }
 
     fn entrance(&self) -> String {
@@ -278,7 +330,9 @@ impl Writer<'_> {
             self.call("reset", &["Station.LW_Handle".to_owned()])
         );
         out.push_str(&self.failed("Station", "Station.LW_Handle", "        "));
-        out.push_str("    end\nend\n\n");
+        out.push_str("    end\n");
+        out.push_str(&self.no_energy("    ").unwrap_or_default());
+        out.push_str("end\n\n");
         out
     }
 
@@ -311,11 +365,30 @@ impl Writer<'_> {
         let library = &names.library;
         let methods = methods_name(self.library);
         let mut out = format!("# {name} in Plant Simulation\n\n");
-        let _ = write!(
-            out,
-            "The library `{}` holds the machine *{name}*; `{methods}` holds the SimTalk 2 methods that call it.\n\n",
-            self.library
-        );
+        let source = format!("{}.c", self.package.stem);
+        match self.beside {
+            Beside::Library {
+                library,
+                source: folder,
+            } => {
+                let _ = write!(
+                    out,
+                    "The library `{library}` holds the machine *{name}*; `{methods}` holds the SimTalk 2 methods that call it. Its C source is \
+                     `{folder}/{source}`.\n\n"
+                );
+            }
+            Beside::Source { library } => {
+                let _ = write!(
+                    out,
+                    "`{source}` is the C source of the machine *{name}*; `{methods}` holds the SimTalk 2 methods that call its library. Compile it to \
+                     `{library}` first, with either of these:\n\n"
+                );
+                for command in toolchain::by_hand(&source, library) {
+                    let _ = writeln!(out, "    {command}");
+                }
+                out.push('\n');
+            }
+        }
         let _ = write!(
             out,
             "## What is known, and what is not\n\n\
@@ -333,7 +406,7 @@ impl Writer<'_> {
                  3. `linewright build --probe --profile plant-simulation.toml --target windows --out probe` makes the second round, in which \
                  values are returned as well; `doctor --probe` then writes a verified profile.\n\
                  4. `linewright build ... --profile FILE --target windows` builds this library anew with it.\n\n\
-                 Whoever has Siemens' `cwinfunc.h` can compile the C source against it instead (`build --target source`, `-DUF_USE_VENDOR_HEADER`).\n\n",
+                 Whoever has Siemens' `cwinfunc.h` can compile the C source against it instead (`-DUF_USE_VENDOR_HEADER`).\n\n",
             );
         }
         out.push_str(
@@ -344,13 +417,17 @@ impl Writer<'_> {
         let _ = write!(
             out,
             "1. Save your model.\n\
-             2. Copy `{}` to a folder of the computer with Plant Simulation (64 bits), such as `C:\\linewright`. It needs no other file. Keep its \
-             name: it changes with its content, so that a new library is never mistaken for an old one.\n\
+             2. Copy `{}` to a folder of the computer with Plant Simulation (64 bits), such as `C:\\linewright`. It needs no other file{}.\n\
              3. In the frame with the stations, create a variable `{library}` of type integer with the value -1.\n\
              4. Give each station of this kind these user-defined attributes:\n\n\
              | attribute | type | value |\n|---|---|---|\n\
              | `LW_Handle` | {} | 0; the methods set it |\n",
             self.library,
+            match self.beside {
+                Beside::Library { .. } =>
+                    ". Keep its name: it changes with its content, so that a new library is never mistaken for an old one",
+                Beside::Source { .. } => "",
+            },
             if self.profile.layout.integer_bits == 16 {
                 "real"
             } else {
@@ -369,7 +446,7 @@ impl Writer<'_> {
                 "| `LW_Operation` | integer | the operation: {} |",
                 operations.join(", ")
             );
-            out.push_str("| `LW_Energy` | real | 0; adds up joules |\n");
+            out.push_str("| `LW_Energy` | real | 0; adds up the joules of a run |\n");
         }
         out.push_str(&self.attributes(PropertyKind::Parameter));
         let of_parts = self.attributes(PropertyKind::Part);
@@ -485,7 +562,7 @@ fn banner(title: &str) -> String {
 }
 
 /// The library's name without its ending.
-fn stem(library: &str) -> &str {
+pub fn stem(library: &str) -> &str {
     library.rsplit_once('.').map_or(library, |(stem, _)| stem)
 }
 

@@ -373,9 +373,13 @@ static void check(const char *token)
     free_instance(&h);
 
     /* Steps of a wrong size, at a wrong time. */
-    double sizes[] = { 0.0, -h, 0.5 * h, 1.5 * h, h * 1.001, 1e300, HUGE_VAL, -HUGE_VAL, (double)NAN };
+    double sizes[] = { 0.0, -h, 0.5 * h, 1.5 * h, h * 1.001, -HUGE_VAL, (double)NAN };
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         REFUSED(do_step(c, 0.0, sizes[i]), "whole multiple");
+    }
+    double lengths[] = { 1.1e9 * h, 1e300, HUGE_VAL };
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        REFUSED(do_step(c, 0.0, lengths[i]), "thousand million");
     }
     double places[] = { h, -h, 1e300, HUGE_VAL, (double)NAN };
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {

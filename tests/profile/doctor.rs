@@ -85,26 +85,45 @@ fn without_any_compiler_it_cannot_run() {
     assert!(String::from_utf8_lossy(&output.stdout).contains("not found"));
 }
 
-/// A compiler is listed only when it can say its version.
+/// A compiler is taken for one when it compiles.
 #[test]
-fn what_is_found_is_listed() {
+fn what_is_found_is_tried() {
     let folder = only(&["cc", "as", "ld"]);
-    for (name, script) in [
-        ("x86_64-w64-mingw32-gcc", "echo MinGW of the test"),
-        ("zig", "exit 1"),
-    ] {
+    let program = |name: &str, script: &str| {
         let path = folder.path().join(name);
         std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).expect("a file");
         std::fs::set_permissions(&path, std::os::unix::fs::PermissionsExt::from_mode(0o755))
             .expect("permissions");
-    }
+    };
+    program("x86_64-w64-mingw32-gcc", "echo MinGW of the test");
     let output = doctor(&[], folder.path());
     let text = String::from_utf8_lossy(&output.stdout);
+    let said = String::from_utf8_lossy(&output.stderr);
     assert!(text.contains("MinGW of the test"), "{text}");
+    assert!(text.contains("which does not compile"), "{text}");
+    assert!(text.contains("cannot be built here"), "{text}");
+    assert!(said.contains("does not compile: it made nothing"), "{said}");
     assert!(
         text.contains("zig cc                   not found"),
         "{text}"
     );
-    assert!(text.contains("with x86_64-w64-mingw32-gcc"), "{text}");
     assert!(text.contains("profile \"default\" (unverified)"), "{text}");
+    let output = doctor(&["--format", "json"], folder.path());
+    let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(document["windows"], false);
+    // One that compiles, and does no more than that.
+    program(
+        "x86_64-w64-mingw32-gcc",
+        "case $1 in --version) echo MinGW of the test;; *) exec cc \"$@\";; esac",
+    );
+    let output = doctor(&[], folder.path());
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("with x86_64-w64-mingw32-gcc"), "{text}");
+    // The compiler of this computer is tried as well.
+    std::fs::remove_file(folder.path().join("cc")).expect("it is there");
+    program("cc", "echo no compiler of ours; exit 0");
+    let output = doctor(&[], folder.path());
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("error[LW501]"), "{said}");
 }

@@ -5,6 +5,7 @@ use crate::simtalk::{Expression, Method, Statement, methods};
 use crate::{fixtures, support};
 use linewright::contract::machine::Machine;
 use linewright::station::profile::Profile;
+use linewright::station::simtalk::Beside;
 use linewright::station::{Package, simtalk};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -53,7 +54,9 @@ fn wrong(text: &str, description: &Value) -> Vec<String> {
         ("loadLibrary", "instantiate"),
         ("instantiate", "simulate"),
         ("deinstantiate", "freeLibrary"),
-        ("instantiate", "deinstantiate"),
+        // What an unfinished run has left is given back before anything is given anew: handles could be equal.
+        ("loadLibrary", "deinstantiate"),
+        ("deinstantiate", "instantiate"),
     ];
     for (first, second) in in_order {
         if let (before, Some(after)) = (place(first), place(second))
@@ -67,6 +70,18 @@ fn wrong(text: &str, description: &Value) -> Vec<String> {
         .is_some_and(|o| !o.is_empty());
     if has_operations != place("simulate").is_some() {
         found.push("`simulate` is called if and only if there are operations".to_owned());
+    }
+    let backs = all.iter().filter(|(_, e)| *e == "deinstantiate");
+    if backs.map(|(m, _)| m).collect::<BTreeSet<_>>().len() != 2 {
+        found.push("instances are not given back at the beginning and at the end".to_owned());
+    }
+    if has_operations {
+        for end in ["_init", "_reset"] {
+            let zero = titled(end).is_some_and(|m| sets(&m.body, "Station.LW_Energy", "0"));
+            if !zero {
+                found.push(format!("{end} leaves the energy as it is"));
+            }
+        }
     }
     if all.iter().filter(|(_, e)| *e == "loadLibrary").count() != 1 {
         found.push("the library is loaded more or less than once".to_owned());
@@ -248,14 +263,37 @@ impl Checker<'_> {
     }
 }
 
+/// Whether statements set a target to a number.
+fn sets(body: &[Statement], target: &str, number: &str) -> bool {
+    body.iter().any(|statement| match statement {
+        Statement::Assign(t, Expression::Number(n)) => t == target && n == number,
+        Statement::If(_, then, otherwise) => {
+            sets(then, target, number) || sets(otherwise, target, number)
+        }
+        _ => false,
+    })
+}
+
 /// Whether a condition asks for this to be below 0.
 fn is_negative(condition: &Expression, of: &Expression) -> bool {
     matches!(condition, Expression::Operation(a, '<', zero)
         if **a == *of && **zero == Expression::Number("0".to_owned()))
 }
 
+fn beside(library: &str) -> Beside<'_> {
+    Beside::Library {
+        library,
+        source: "station-0123-source",
+    }
+}
+
 fn of_machine(machine: &Machine, package: &Package) -> (String, Value) {
-    let texts = simtalk::texts(machine, package, &Profile::assumed(), "station-0123.dll");
+    let texts = simtalk::texts(
+        machine,
+        package,
+        &Profile::assumed(),
+        beside("station-0123.dll"),
+    );
     let description = serde_json::from_str(&package.description).expect("JSON");
     (texts.methods, description)
 }
@@ -289,6 +327,11 @@ fn wrong_methods_are_noticed() {
         ("loadLibrary(\"C:\\linewright\\", "loadLibrary(\".\\"),
         ("LW_Manipulator := loadLibrary", "LW_Other := loadLibrary"),
         ("_endSim:", "_end:"),
+        ("LW_Energy := 0", "LW_Energy := 1"),
+        (
+            "if 0 < Station.LW_Handle\n        if callLibrary(LW_Manipulator, \"deinst",
+            "if 0 < Station.LW_Handle\n        if callLibrary(LW_Manipulator, \"inst",
+        ),
         (
             "Station.LW_Handle := callLibrary",
             "Station.LW_Handl := callLibrary",
@@ -312,10 +355,20 @@ fn a_machines_texts_read_well() {
         &machine,
         &package,
         &Profile::assumed(),
-        "manipulator-0123456789abcdef.dll",
+        beside("manipulator-0123456789abcdef.dll"),
     );
     insta::assert_snapshot!("methods", texts.methods);
-    insta::assert_snapshot!("page", texts.page.replace(&package.contract_hash, "[hash]"));
+    let page = |text: &str| text.replace(&package.contract_hash, "[hash]");
+    insta::assert_snapshot!("page", page(&texts.page));
+    let library = "manipulator.dll";
+    let source = simtalk::texts(
+        &machine,
+        &package,
+        &Profile::assumed(),
+        Beside::Source { library },
+    );
+    let beginning: Vec<&str> = source.page.lines().take(8).collect();
+    insta::assert_snapshot!("page_of_source", beginning.join("\n"));
 }
 
 /// Every machine of the laboratory, through the program.

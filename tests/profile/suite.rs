@@ -141,6 +141,14 @@ fn the_vendors_header_is_taken_where_it_is_asked_for() {
         let host = mock.host("suite_host.c", folder, &[]);
         let (passed, printed) = run(&host, &library, &[]);
         assert!(passed, "{}: {printed}", mock.name);
+        // It describes itself so, and names no profile.
+        let bytes = std::fs::read(&library).expect("a library");
+        let holds = |text: &str| bytes.windows(text.len()).any(|w| w == text.as_bytes());
+        assert!(
+            holds("vendor header") && !holds("\"name\":\"default\""),
+            "{}",
+            mock.name
+        );
     }
 }
 

@@ -6,8 +6,9 @@ use crate::suite::package;
 use crate::support;
 use crate::support::wine::{Wine, windows_path, wine};
 use linewright::station::Toolchain;
-use linewright::station::toolchain::Compiler;
+use linewright::station::toolchain::{Compiler, CrossCompiler};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::Duration;
 
 const PATIENCE: Duration = Duration::from_mins(2);
@@ -114,5 +115,54 @@ fn layouts_are_recovered_and_confirmed_on_windows() {
         let host = host(mock, &compiler, "suite_host.c", folder);
         let (passed, printed) = run(wine, &host, &built.path);
         assert!(passed, "{}: {printed}", mock.name);
+    }
+}
+
+/// The command that the page of the sources names makes, byte for byte, the library that `--target windows` makes; its source lies beside
+/// that, too.
+#[test]
+fn the_command_of_the_page_makes_the_same_library() {
+    match Compiler::windows() {
+        Ok((CrossCompiler::MinGw, _)) => {}
+        Ok((other, _)) => return support::skip("mingw", &format!("{} is taken", other.name())),
+        Err(error) => return support::skip("mingw", &error.to_string()),
+    }
+    let sandbox = support::sandbox();
+    let build = |target: &str| {
+        let file = "examples/ice-lab/printer.lw";
+        let output = support::linewright(
+            sandbox.path(),
+            &["build", file, "--target", target, "--out", target],
+        );
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        String::from_utf8(output.stdout).expect("paths")
+    };
+    let printed = build("windows");
+    let [library, source, _, page] = printed.lines().collect::<Vec<_>>()[..] else {
+        panic!("a library, its source, methods and a page: {printed}");
+    };
+    let read = |path: &str| std::fs::read(sandbox.path().join(path)).expect(path);
+    assert!(String::from_utf8_lossy(&read(page)).contains(&source["windows/".len()..]));
+    build("source");
+    assert_eq!(read(source), read("source/printer.c"));
+    let page = String::from_utf8(read("source/printer.import.md")).expect("a text");
+    let commands: Vec<&str> = page
+        .lines()
+        .filter_map(|l| l.strip_prefix("    "))
+        .collect();
+    assert!(commands[1].starts_with("cl "), "{commands:?}");
+    for folder in ["source", source.trim_end_matches("/printer.c")] {
+        let mut words = commands[0].split_whitespace();
+        let status = Command::new(words.next().expect("a compiler"))
+            .args(words)
+            .current_dir(sandbox.path().join(folder))
+            .status();
+        assert!(status.expect("a compiler").success(), "{folder}");
+        assert_eq!(
+            read(&format!("{folder}/printer.dll")),
+            read(library),
+            "{folder}"
+        );
     }
 }

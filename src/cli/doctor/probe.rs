@@ -4,7 +4,7 @@ use super::super::console::schema;
 use super::super::exit::ExitCode;
 use super::super::options::{Format, GlobalOptions};
 use super::super::{output, profiles};
-use crate::diagnostics::{Diagnostic, codes, has_errors, json};
+use crate::diagnostics::{Diagnostic, has_errors, json};
 use crate::source::SourceMap;
 use crate::station::probe::dump::{self, Dump};
 use crate::station::probe::infer::{self, Fact, Sureness};
@@ -12,6 +12,8 @@ use crate::station::profile::Profile;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
+
+const ELSEWHERE: &str = "name another file with --out, or move that one away first";
 
 /// No dump is larger.
 const LARGEST_FILE: u64 = 16 << 20;
@@ -58,7 +60,7 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
             note.with_help("confirm it: `linewright build --probe --profile FILE --target windows` makes the second round; give its dump to `doctor --probe`")
         }));
         if let Some(out) = out {
-            match keep(out, &profile.to_toml()) {
+            match output::keep(out, &profile.to_toml(), ELSEWHERE) {
                 Ok(()) => written = Some(out.display().to_string()),
                 Err(finding) => findings.push(*finding),
             }
@@ -113,7 +115,10 @@ fn judge(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Di
             let name = out
                 .and_then(Path::file_stem)
                 .map(|s| s.to_string_lossy().chars().take(60).collect::<String>())
-                .filter(|s| !s.trim().is_empty() && !s.chars().any(char::is_control))
+                .filter(|s| {
+                    let says_more = s.to_lowercase().contains("verified");
+                    !s.trim().is_empty() && !s.chars().any(char::is_control) && !says_more
+                })
                 .unwrap_or_else(|| "probed".to_owned());
             let profile = Profile {
                 name,
@@ -155,22 +160,4 @@ fn report(dump: &Dump, profile: &Profile, facts: &[Fact], whole: bool) -> String
         out.push('\n');
     }
     out
-}
-
-/// Writes a file that is not there; one that is and says the same is left, any other is kept.
-fn keep(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
-    match std::fs::read(path) {
-        Ok(old) if old == text.as_bytes() => Ok(()),
-        Ok(_) => {
-            let message = format!(
-                "{} is there already, and says something else",
-                path.display()
-            );
-            Err(Box::new(
-                Diagnostic::error(codes::FILE_KEPT, None, message)
-                    .with_help("name another file with --out, or move that one away first"),
-            ))
-        }
-        Err(_) => output::write(path, text),
-    }
 }

@@ -12,6 +12,7 @@ use super::{Names, table};
 use crate::gr1::{Domain, Specification, Timing};
 use crate::mealy::functions::Functions;
 use crate::mealy::{Machine, Port};
+use crate::station::is_device;
 use std::collections::HashMap;
 use std::fmt::Write;
 
@@ -213,7 +214,7 @@ impl<'a> Text<'a> {
             named.collect::<Vec<_>>()
         };
         let mut name = word(contract);
-        if is_header(&name) {
+        if is_header(&name) || is_device(&name) {
             name.push('_');
         }
         Self {

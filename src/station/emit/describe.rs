@@ -2,11 +2,11 @@
 
 use crate::contract::machine::{Machine, PlantSource, PropertyKind};
 use crate::gr1::Domain;
-use crate::station::profile::Profile;
 use serde_json::{Map, Value, json};
 
-/// The description of a machine. Values are numbers in every call; `labels` says what an enumeration's numbers mean.
-pub(super) fn describe(machine: &Machine, contract_hash: &str, profile: &Profile) -> String {
+/// The description of a machine whose values are laid out by this profile. Values are numbers in every call; `labels` says what an
+/// enumeration's numbers mean.
+pub(super) fn describe(machine: &Machine, contract_hash: &str, profile: &Value) -> String {
     let plant: Vec<Value> = machine
         .plant
         .iter()
@@ -68,7 +68,7 @@ pub(super) fn describe(machine: &Machine, contract_hash: &str, profile: &Profile
         "schema": "linewright/station/1",
         "machine": machine.name,
         "contract_hash": contract_hash,
-        "profile": profile.describe(),
+        "profile": profile,
         "plant": plant,
         "outputs": outputs,
         "properties": properties,

@@ -63,7 +63,8 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
     let sizes = sizes(machine, controllers, first_value, first_justice);
     let body = body(machine, &emitters, &wires);
     let hash = hex(&Sha256::digest(format!("{sizes}{body}")));
-    let description = describe::describe(machine, &hash, profile);
+    let description = describe::describe(machine, &hash, &profile.describe());
+    let vendors = describe::describe(machine, &hash, &Profile::describe_vendors());
     // 1 to 1023: no handle is 0, and those of two machines hardly ever agree.
     let mark = u64::from_str_radix(&hash[..8], 16).unwrap_or(0) % 1023 + 1;
     let name = comment(&machine.name);
@@ -76,8 +77,10 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
     let unit = format!("{sizes}#define LW_HANDLE_MARK {mark}\n\n#include \"machine.h\"\n\n{body}");
     let source = format!(
         "/* The machine {name}, emitted by linewright from its contracts.\n{doc} *\n * Compile this file alone, with the files of ffi/ beside it:\n *\n *     cc -std=c99 -O2 -fPIC -shared -fvisibility=hidden -ffp-contract=off -pthread THIS.c -o THIS.so -lm\n */\n\
-         {unit}static const char lw_description[] =\n    {};\n\n#include \"runtime.c\"\n#include \"plant_simulation.c\"\n",
-        long_string(&description, "    ")
+         {unit}#ifndef UF_USE_VENDOR_HEADER\nstatic const char lw_description[] =\n    {};\n#else\nstatic const char lw_description[] =\n    {};\n#endif\n\n\
+         #include \"runtime.c\"\n#include \"plant_simulation.c\"\n",
+        long_string(&description, "    "),
+        long_string(&vendors, "    ")
     );
     Emitted {
         source,

@@ -363,6 +363,14 @@ impl Reader {
             );
             return None;
         }
+        // Shown, it stands before "(unverified)".
+        if key == "name" && value.to_lowercase().contains("verified") {
+            self.report(
+                text.span(),
+                format!("the name \"{value}\" speaks of being verified"),
+                "that is what the key `verified` says; choose another name",
+            );
+        }
         Some(text.into_inner())
     }
 

@@ -11,6 +11,7 @@
 //! Microsoft's compiler is looked for on Windows only. The `cc` crate would name some other compiler in its place, so it is not
 //! asked for that.
 
+use super::trial::{self, Answer};
 use crate::station::Error;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -185,12 +186,13 @@ impl Compiler {
         words.join(" ")
     }
 
-    /// The first line of what it says of itself; `None` where it cannot be started.
-    pub fn version(&self) -> Option<String> {
-        let output = self.command().arg("--version").output().ok()?;
-        let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        let line = text.lines().find(|l| !l.trim().is_empty())?;
-        output.status.success().then(|| line.trim().to_owned())
+    /// The first line of what it says of itself; an error says why it does not.
+    pub fn version(&self) -> Result<String, String> {
+        let answer = trial::answer(self.command().arg("--version"))?;
+        if !answer.status.success() {
+            return Err(format!("it does not say its version ({})", answer.status));
+        }
+        Answer::first_line(&answer.stdout).ok_or("it does not say its version".to_owned())
     }
 }
 
@@ -230,11 +232,11 @@ impl CrossCompiler {
             Self::Zig => Some(Compiler::plain(on_path(OsStr::new("zig"))?, &zig)),
             Self::PythonZig => ["python3", "python"].into_iter().find_map(|python| {
                 let python = on_path(OsStr::new(python))?;
-                let mut trial = Command::new(&python);
-                trial.args(["-m", "ziglang", "version"]);
-                let trial = trial.stdin(Stdio::null()).output().ok()?;
+                let mut zig_version = Command::new(&python);
+                zig_version.args(["-m", "ziglang", "version"]);
+                let answer = trial::answer(&mut zig_version).ok()?;
                 let words: Vec<&str> = ["-m", "ziglang"].into_iter().chain(zig).collect();
-                trial
+                answer
                     .status
                     .success()
                     .then(|| Compiler::plain(python, &words))

@@ -18,6 +18,7 @@
 pub mod compiler;
 mod manifest;
 pub mod survey;
+mod trial;
 
 use super::package::{Package, create_folder, write};
 use super::{Error, emit};
@@ -58,6 +59,23 @@ const WINDOWS_LINKER: &[&str] = &["-static-libgcc", "-Wl,--no-insert-timestamp"]
 const MSVC_FLAGS: &[&str] = &["/nologo", "/O2", "/fp:precise", "/utf-8", "/LD"];
 const MSVC_LINKER: &[&str] = &["/link", "/Brepro"];
 
+/// How a 64-bit DLL is made by hand of a package's C file: with MinGW's compiler, and with Microsoft's.
+pub fn by_hand(source: &str, library: &str) -> [String; 2] {
+    let gcc: Vec<&str> = FLAGS.into_iter().chain([FAST_TO_STEP]).collect();
+    [
+        format!(
+            "x86_64-w64-mingw32-gcc {} {source} -o {library} {}",
+            gcc.join(" "),
+            WINDOWS_LINKER.join(" ")
+        ),
+        format!(
+            "cl {} {source} /Fe:{library} {}",
+            MSVC_FLAGS.join(" "),
+            MSVC_LINKER.join(" ")
+        ),
+    ]
+}
+
 /// A C compiler, and what it compiles for.
 #[derive(Debug)]
 pub struct Toolchain {
@@ -79,6 +97,13 @@ pub struct Built {
     pub path: PathBuf,
     /// Whether a compiler was run; otherwise it was there already.
     pub compiled: bool,
+}
+
+impl Built {
+    /// Whether the library's bytes are those that were built; an error where they are not.
+    pub fn verify(&self) -> Result<(), Error> {
+        Manifest::verify(&self.path)
+    }
 }
 
 impl Toolchain {
@@ -167,6 +192,11 @@ impl Toolchain {
         self.platform
     }
 
+    /// Whether Windows loads its libraries.
+    pub fn is_for_windows(&self) -> bool {
+        self.platform.suffix() == ".dll"
+    }
+
     /// Where a package's library is, or will be: `assembly_cell-0123456789abcdef.so`.
     pub fn path(&self, package: &Package, folder: &Path) -> PathBuf {
         let mut hash = Sha256::new();
@@ -192,7 +222,7 @@ impl Toolchain {
     }
 
     /// Sees to it that a package's library is in `folder`. Unless `rebuild` is asked for, a library that is there already is
-    /// taken as it is; loading it checks that it is whole.
+    /// taken as it is; loading it checks that it is whole, and so does [`Built::verify`].
     pub fn build(&self, package: &Package, folder: &Path, rebuild: bool) -> Result<Built, Error> {
         let path = self.path(package, folder);
         let compiled = rebuild || !path.exists() || !Manifest::path(&path).exists();

@@ -1,13 +1,14 @@
-//! What there is on this computer: compilers, and what tests use beside them. Nothing is compiled; programs are only asked for their
-//! version.
+//! What there is on this computer: compilers, each of which is tried with a line of C, and what tests use beside them, which is asked for
+//! its version.
 
 use super::compiler::on_path;
+use super::trial::{self, Answer};
 use super::{Compiler, CrossCompiler};
 use crate::station::Error;
 use serde::Serialize;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// Where Wine is installed without being on the PATH.
 const WINE_PLACES: [&str; 8] = [
@@ -31,6 +32,9 @@ pub struct Found {
     pub command: String,
     /// The first line of what it says of its version.
     pub version: Option<String>,
+    /// Why a compiler compiles nothing, although it is there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
 }
 
 /// What was looked for, and found or not.
@@ -49,10 +53,10 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// The compiler that `--target windows` takes.
-    pub fn windows(&self) -> Option<CrossCompiler> {
-        let found = self.cross.iter().find(|(_, found)| found.is_some());
-        found.map(|(kind, _)| *kind)
+    /// The compiler that `--target windows` takes: the first that is there. It may have a fault.
+    pub fn windows(&self) -> Option<(CrossCompiler, &Found)> {
+        let mut cross = self.cross.iter();
+        cross.find_map(|(kind, found)| Some((*kind, found.as_ref()?)))
     }
 }
 
@@ -62,13 +66,22 @@ pub fn survey() -> Survey {
         .into_iter()
         .find_map(|p| on_path(OsStr::new(p)));
     let packages = python.as_deref().map(packages).unwrap_or_default();
+    let work = tempfile::tempdir();
     let cross = CrossCompiler::ALL.into_iter().map(|kind| {
-        let found = kind.find().map(|compiler| Found {
-            command: compiler.show(),
-            version: compiler.version(),
+        let found = kind.find().map(|compiler| {
+            let version = compiler.version();
+            let tried = match (&version, &work) {
+                (Ok(_), Ok(work)) => trial::compiles(&compiler, work.path()),
+                (Err(why), _) => Err(why.clone()),
+                (_, Err(e)) => Err(e.to_string()),
+            };
+            Found {
+                command: compiler.show(),
+                version: version.ok(),
+                fault: tried.err(),
+            }
         });
-        // One that cannot say its version cannot compile either.
-        (kind, found.filter(|f| f.version.is_some()))
+        (kind, found)
     });
     Survey {
         host: host(),
@@ -96,35 +109,33 @@ fn host() -> Result<Found, Error> {
         path: std::env::temp_dir(),
         cause,
     })?;
+    let useless = |command: String, cause: String| Error::CompilerMissing { command, cause };
+    // Its kind is found out by a library that would wait for one that hangs.
+    let named = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
+    let program = named.split_whitespace().next().unwrap_or("cc");
+    if let Some(program) = on_path(OsStr::new(program)) {
+        let answer = trial::answer(Command::new(program).arg("--version"));
+        answer.map_err(|why| useless(named.clone(), why))?;
+    }
     let compiler = Compiler::host(None, work.path())?;
     let version = compiler.version();
-    if version.is_none() {
-        return Err(Error::CompilerMissing {
-            command: compiler.show(),
-            cause: "it does not say its version".to_owned(),
-        });
-    }
+    let version = version.and_then(|v| trial::compiles(&compiler, work.path()).map(|()| v));
+    let version = version.map_err(|why| useless(compiler.show(), why))?;
     Ok(Found {
         command: compiler.program().display().to_string(),
-        version,
+        version: Some(version),
+        fault: None,
     })
 }
 
 /// A program and what it says of its version.
 fn asked(program: &Path) -> Found {
-    let output = Command::new(program)
-        .arg("--version")
-        .env("WINEDEBUG", "-all")
-        .stdin(Stdio::null())
-        .output();
-    let version = output.ok().and_then(|o| {
-        let text = String::from_utf8_lossy(&o.stdout).into_owned();
-        let line = text.lines().find(|l| !l.trim().is_empty())?;
-        Some(line.trim().to_owned())
-    });
+    let mut command = Command::new(program);
+    let answer = trial::answer(command.arg("--version").env("WINEDEBUG", "-all"));
     Found {
         command: program.display().to_string(),
-        version,
+        version: answer.ok().and_then(|a| Answer::first_line(&a.stdout)),
+        fault: None,
     }
 }
 
@@ -133,12 +144,8 @@ fn packages(python: &Path) -> Vec<&'static str> {
         "import importlib.util as u\nprint(' '.join(p for p in '{}'.split() if u.find_spec(p)))",
         PACKAGES.join(" ")
     );
-    let output = Command::new(python)
-        .args(["-c", &script])
-        .stdin(Stdio::null())
-        .output();
-    let said = output.map(|o| String::from_utf8_lossy(&o.stdout).into_owned());
-    let said = said.unwrap_or_default();
+    let answer = trial::answer(Command::new(python).args(["-c", &script]));
+    let said = answer.map(|a| a.stdout).unwrap_or_default();
     let has = |p: &&str| said.split_whitespace().any(|word| word == *p);
     PACKAGES.into_iter().filter(has).collect()
 }

@@ -1,0 +1,93 @@
+//! Programs that are tried: started with a deadline, and compilers with a line of C.
+
+use super::compiler::Compiler;
+use std::io::{Read, Seek};
+use std::path::Path;
+use std::process::{Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// A program that says nothing for so long hangs. Zig needs its time when it runs first.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// How a program that has ended answered.
+pub(super) struct Answer {
+    pub status: ExitStatus,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Answer {
+    /// The first line of a text that is not empty.
+    pub fn first_line(text: &str) -> Option<String> {
+        let line = text.lines().find(|l| !l.trim().is_empty())?;
+        Some(line.trim().to_owned())
+    }
+}
+
+/// Runs a program to its end; an error says why there is no answer. One that does not end is ended.
+pub(super) fn answer(command: &mut Command) -> Result<Answer, String> {
+    // Files rather than pipes: what a program leaves running cannot hold them open for us.
+    let said = || tempfile::tempfile().map_err(|e| e.to_string());
+    let (mut stdout, mut stderr) = (said()?, said()?);
+    let own = |file: &std::fs::File| file.try_clone().map_err(|e| e.to_string());
+    let mut child = command
+        .stdin(Stdio::null())
+        .stdout(own(&stdout)?)
+        .stderr(own(&stderr)?)
+        .spawn()
+        .map_err(|e| e.to_string())?;
+    let deadline = Instant::now() + PATIENCE;
+    let mut pause = Duration::from_millis(1);
+    let status = loop {
+        match child.try_wait() {
+            Ok(Some(status)) => break status,
+            Ok(None) if Instant::now() < deadline => {
+                std::thread::sleep(pause);
+                pause = (2 * pause).min(Duration::from_millis(50));
+            }
+            Ok(None) => {
+                // It may have ended at this very moment; then there is nothing to end.
+                let _ = child.kill();
+                let _ = child.wait();
+                let seconds = PATIENCE.as_secs();
+                return Err(format!("it did not answer within {seconds} s"));
+            }
+            Err(e) => return Err(e.to_string()),
+        }
+    };
+    let text = |file: &mut std::fs::File| {
+        let mut bytes = Vec::new();
+        file.rewind()
+            .and_then(|()| file.take(1 << 20).read_to_end(&mut bytes))
+            .map_err(|e| e.to_string())?;
+        Ok::<_, String>(String::from_utf8_lossy(&bytes).into_owned())
+    };
+    Ok(Answer {
+        status,
+        stdout: text(&mut stdout)?,
+        stderr: text(&mut stderr)?,
+    })
+}
+
+/// Lets a compiler compile a line; an error says why it does not.
+pub(super) fn compiles(compiler: &Compiler, work: &Path) -> Result<(), String> {
+    let (source, object) = ("trial.c", work.join("trial.o"));
+    std::fs::write(work.join(source), "int lw_trial(void) { return 0; }\n")
+        .map_err(|e| e.to_string())?;
+    let mut command = compiler.command();
+    command
+        .args(["-c", source, "-o", "trial.o"])
+        .current_dir(work);
+    let answer = answer(&mut command)?;
+    let why = || Answer::first_line(&answer.stderr).unwrap_or_else(|| answer.status.to_string());
+    if !answer.status.success() {
+        return Err(why());
+    }
+    let length = std::fs::metadata(&object).map_or(0, |m| m.len());
+    // It may be tried by another compiler next.
+    let _ = std::fs::remove_file(&object);
+    if length == 0 {
+        return Err("it made nothing".to_owned());
+    }
+    Ok(())
+}
