@@ -4,6 +4,8 @@
 #[path = "fuzz/check.rs"]
 mod check;
 mod support;
+#[path = "fuzz/uf_value.rs"]
+mod uf_value;
 
 use check::Solved;
 use linewright::interchange::Format;
@@ -63,6 +65,15 @@ fn other_tools_formats() {
             .par_iter()
             .for_each(|text| check::reader(format, text));
     }
+}
+
+/// Profiles of `UF_Value` and dumps of the probe: the corpus, and every other text of the repository, which is neither.
+#[test]
+fn layouts() {
+    let both = [texts("profile"), texts("dump")].concat();
+    let profiles = both.iter().filter(|text| uf_value::profile(text)).count();
+    let dumps = both.iter().filter(|text| uf_value::dump(text).0).count();
+    assert!(profiles > 0 && dumps > 0, "{profiles} {dumps}");
 }
 
 #[test]

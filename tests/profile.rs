@@ -22,5 +22,8 @@ mod simtalk;
 #[path = "profile/suite.rs"]
 mod suite;
 mod support;
+#[path = "fuzz/uf_value.rs"]
+#[allow(dead_code, reason = "profiles as files have tests of their own")]
+mod uf_value;
 #[path = "profile/windows.rs"]
 mod windows;

@@ -2,10 +2,8 @@
 
 use crate::mocks::mocks;
 use crate::probing::{build, probe};
-use linewright::diagnostics::{Diagnostic, has_errors};
-use linewright::source::FileId;
-use linewright::station::probe::{dump, infer};
-use linewright::station::profile::{Profile, read};
+use crate::uf_value;
+use linewright::station::profile::Profile;
 
 /// splitmix64.
 struct Random(u64);
@@ -18,54 +16,6 @@ impl Random {
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) % bound.max(1) as u64) as usize
     }
-}
-
-/// What becomes of a dump: whether a layout was found, and whether it was confirmed.
-fn judge(text: &str) -> (bool, bool) {
-    let sound = |findings: &[Diagnostic]| {
-        for finding in findings {
-            assert!(finding.help.is_some(), "{finding:?}");
-            let inside = finding
-                .span
-                .is_none_or(|s| s.start <= s.end && s.end as usize <= text.len());
-            assert!(inside, "{finding:?}");
-        }
-    };
-    let readable = |profile: &Profile| {
-        let again = read::parse(FileId(0), &profile.to_toml());
-        assert_eq!(again.as_ref(), Ok(profile), "{}", profile.to_toml());
-    };
-    let (dump, findings) = dump::parse(FileId(0), text);
-    sound(&findings);
-    if has_errors(&findings) {
-        return (false, false);
-    }
-    let inferred = match infer::infer(&dump) {
-        Ok(inference) => {
-            readable(&Profile {
-                layout: inference.layout,
-                ..Profile::assumed()
-            });
-            true
-        }
-        Err(finding) => {
-            sound(&[*finding]);
-            false
-        }
-    };
-    let confirmed = match infer::confirm(&dump) {
-        None => false,
-        Some(Ok(profile)) => {
-            readable(&profile);
-            true
-        }
-        Some(Err(findings)) => {
-            assert!(!findings.is_empty());
-            sound(&findings);
-            false
-        }
-    };
-    (inferred, confirmed)
 }
 
 fn mutated(text: &str, random: &mut Random) -> String {
@@ -145,15 +95,15 @@ fn damaged_dumps_give_findings() {
         for path in [path, confirmed] {
             let whole = std::fs::read_to_string(&path).expect("a dump");
             let second = whole.contains("lw_confirm_seen");
-            assert_eq!(judge(&whole), (true, second), "{}", mock.name);
+            assert_eq!(uf_value::dump(&whole), (true, second), "{}", mock.name);
             for _ in 0..300 {
                 cases += 1;
-                found += usize::from(judge(&mutated(&whole, &mut random)).0);
+                found += usize::from(uf_value::dump(&mutated(&whole, &mut random)).0);
             }
             // Cut off anywhere, what is left is enough or it is not.
             for _ in 0..60 {
                 let end = random.below(whole.len());
-                let _ = judge(&whole[..end]);
+                let _ = uf_value::dump(&whole[..end]);
             }
         }
     }
@@ -176,7 +126,7 @@ fn contradictions_are_said() {
         .collect();
     let calls = texts[1].split_once("call ").expect("calls").1;
     let mixed = format!("{}call {calls}", texts[0]);
-    assert_eq!(judge(&mixed), (false, false));
+    assert_eq!(uf_value::dump(&mixed), (false, false));
     // Two sessions do not: the last one counts.
-    assert_eq!(judge(&texts.concat()), (true, false));
+    assert_eq!(uf_value::dump(&texts.concat()), (true, false));
 }

@@ -115,7 +115,9 @@ pub(super) fn around_walks(
     for starts in starts {
         let place = *known.entry(starts).or_insert(count);
         if place == count {
-            let numbers: String = starts.iter().map(|s| format!("{s}, ")).collect();
+            let numbers = starts
+                .iter()
+                .fold(String::new(), |s, n| s + &format!("{n}, "));
             list.push(format!("    {}\n", wrap(&format!("{numbers}0,"), "    ")));
             count += starts.len() + 1;
         }

@@ -348,7 +348,7 @@ mod tests {
     }
 
     /// A function over some bits: a sum of products, each a choice of signs for bits that are chosen.
-    fn function(maker: &mut Maker, bits: &mut Vec<Bit>, terms: &[Vec<(usize, bool)>]) -> Edge {
+    fn function(maker: &mut Maker, bits: &mut [Bit], terms: &[Vec<(usize, bool)>]) -> Edge {
         bits.sort_by_key(|bit| maker.level(*bit));
         let terms: Vec<BTreeMap<usize, bool>> = terms
             .iter()
@@ -393,7 +393,9 @@ mod tests {
                     Place::Ask { bit, high, low } if signals[bit.index()] => *high,
                     Place::Ask { low, .. } => *low,
                     Place::Put { bits, next } => {
-                        bits.iter().for_each(|bit| signals[bit.index()] = true);
+                        for bit in bits {
+                            signals[bit.index()] = true;
+                        }
                         *next
                     }
                 };
