@@ -2,7 +2,7 @@
 //! These are the figures behind `src/station/toolchain/mod.rs` and `src/cli/controller.rs`.
 //!
 //!     cargo bench --bench station                 all three tables
-//!     cargo bench --bench station -- shipped      every machine of the laboratory: steps, operations, what surrounds them
+//!     cargo bench --bench station -- shipped      every machine of the laboratory, and at real size: steps, operations, what surrounds them
 //!     cargo bench --bench station -- forms        tables beside functions on growing machines
 //!     cargo bench --bench station -- levels       levels of optimisation
 //!
@@ -24,10 +24,14 @@ mod laboratory;
 mod support;
 
 use differential::Random;
+use indicatif::ProgressBar;
 use laboratory::Controlled;
+use linewright::cli::controller::Wish;
 use linewright::cli::files::{self, StandardLibrary};
+use linewright::cli::machines::{Planned, of_line};
+use linewright::cli::pipeline::{Jobs, Settings};
 use linewright::contract::machine::Machine;
-use linewright::game::{Limits, Outcome, solve};
+use linewright::game::{Heuristics, KernelChoice, Limits, Outcome, solve};
 use linewright::mealy::{self, extract::extract, functions::Functions};
 use linewright::station::interpret::Interpreter;
 use linewright::station::load::{Instance, Library};
@@ -140,21 +144,67 @@ fn step_time(instance: &mut Instance, machine: &Machine, steps: &[Vec<i64>]) -> 
     })
 }
 
-/// Every machine of the laboratory as it ships.
+/// The machines of the line at real size, with the controllers that `build` takes.
+fn at_real_size() -> Vec<Controlled> {
+    let file = support::root().join("examples/ice-lab/real.lw");
+    let file = file.display().to_string();
+    let loaded = files::load(&[file], &StandardLibrary::default());
+    let [line] = loaded.library.lines.as_slice() else {
+        panic!("{:?}", loaded.findings);
+    };
+    let mut jobs = Jobs::default().wishing(Wish {
+        functions: true,
+        ..Wish::default()
+    });
+    let machines = of_line(line);
+    let planned: Vec<Planned<'_>> = machines
+        .iter()
+        .map(|m| Planned::new(m, &mut jobs))
+        .collect();
+    let settings = Settings {
+        limits: Limits::default(),
+        kernel: KernelChoice::default(),
+        heuristics: Heuristics::default(),
+        cache: None,
+    };
+    let checked = jobs
+        .run(&settings, &ProgressBar::hidden())
+        .expect("controllers that keep their contracts");
+    let controlled = planned.iter().zip(&machines).map(|(plan, machine)| {
+        let found = plan.controlled(&checked).expect("a controller each");
+        Controlled {
+            machine: Arc::clone(machine),
+            controllers: Arc::new(found.controllers.into_iter().cloned().collect()),
+        }
+    });
+    controlled.collect()
+}
+
+/// Every machine of the laboratory as it ships, and those of its line at real size.
 fn shipped() {
     println!(
         "| machine | controllers | library | a step | a controller's share | an operation | its steps | `simulate` | `reset` |"
     );
     println!("|---|---:|---:|---:|---:|---|---:|---:|---:|");
-    for controlled in laboratory::machines() {
+    let real = at_real_size();
+    let at_real_size = |machine: &Machine| {
+        real.iter()
+            .any(|c| std::ptr::eq(&raw const *c.machine, machine))
+    };
+    for controlled in laboratory::machines().iter().chain(&real) {
         let machine = &controlled.machine;
         let mut built = build(machine, &controlled.controllers, &Toolchain::shipping());
         let steps = walk(controlled);
         let step = step_time(&mut built.instance, machine, &steps);
         let components = machine.components.len();
         let start = format!(
-            "| {} | {components} | {} KiB | {step:.0} ns | {:.0} ns |",
+            "| {}{} | {components} | {} KiB | {step:.0} ns | {:.0} ns |",
             machine.name,
+            if at_real_size(machine) {
+                ", real size"
+            } else {
+                ""
+            },
             built.bytes >> 10,
             step / components as f64
         );
