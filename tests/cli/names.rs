@@ -17,12 +17,15 @@ fn files(session: &Session, folder: &str) -> Vec<String> {
 #[test]
 fn machines_with_names_alike_have_files_of_their_own() {
     let session = Session::new();
-    let mut text = format!("contract Follow implements vdi:Foerdern {{\n {BELT}\n}}\n");
-    for name in ["FastBelt", "Fast_Belt", "Förder", "Fürder", "Con"] {
-        text += &format!(
+    let machines = ["FastBelt", "Fast_Belt", "Förder", "Fürder", "Con"].map(|name| {
+        format!(
             "machine {name} implements vdi:Foerdern {{\n signal a: bool = false\n action follow: Follow\n}}\n"
-        );
-    }
+        )
+    });
+    let text = format!(
+        "contract Follow implements vdi:Foerdern {{\n {BELT}\n}}\n{}",
+        machines.concat()
+    );
     std::fs::write(session.path("belts.lw"), text).expect("a file");
     let built = session.run("build belts.lw --target source --out out --format json");
     assert_eq!(built.code, 0, "{}", built.err);
