@@ -4,6 +4,8 @@
  * lock guards which places are taken; each place has a lock for its instance. */
 #include "step.c"
 
+#include <time.h>
+
 #if defined(_WIN32)
 #ifndef WIN32_LEAN_AND_MEAN
 #define WIN32_LEAN_AND_MEAN
@@ -39,10 +41,12 @@ typedef int lw_count;
 
 /* ---- Instances --------------------------------------------------------------------------------------------------- */
 
-/* A handle: 10 bits of the machine's mark, 11 bits of generation from 1, 10 bits of place. A place whose generations are
- * used up is not given again. */
+/* A handle: 10 bits of the machine's mark, 11 bits of generation, 10 bits of place. A place whose generations are used up is not given
+ * again. The first generation is another one in every process: a model that was saved with handles of another process must not end
+ * instances of this one with them. */
 #define LW_SLOTS 1024
 #define LW_GENERATIONS 2047
+#define LW_FIRST_GENERATIONS 512U
 
 typedef struct lw_slot {
     lw_lock lock;
@@ -60,6 +64,7 @@ static lw_slot lw_slots[LW_SLOTS];
 /* How many places have a lock. It only grows, and a place is ready before it is counted. */
 static lw_count lw_slots_used;
 static lw_lock lw_table_lock = LW_LOCK_INITIALIZER;
+static int32_t lw_first_generation; /* 0 until the first instance */
 static lw_error lw_table_error;
 
 /* The state of an instance, to work with. */
@@ -173,6 +178,11 @@ lw_handle lw_create(void)
     }
     lw_slot *slot = &lw_slots[place];
     if (place == used) {
+        if (lw_first_generation == 0) {
+            uint32_t now = (uint32_t)time(NULL) * 2654435769U + (uint32_t)clock();
+            lw_first_generation = (int32_t)(now >> 16 & (LW_FIRST_GENERATIONS - 1U)) + 1;
+        }
+        slot->generation = lw_first_generation - 1;
         lw_lock_create(&slot->lock);
         lw_set(&lw_slots_used, used + 1);
     }

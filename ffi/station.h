@@ -5,8 +5,8 @@
  *
  * Handles.  `lw_create` gives an instance's handle, a number above 0 that fits 31 bits. It carries a mark of the library
  * and a generation, so that a handle of another machine, one that was destroyed, and one that was never given are all
- * answered with LW_ERROR_HANDLE. Two copies of one library file in one program have the same mark, and instances of their own: load it
- * from one path. A library holds up to 1024 instances at a time.
+ * answered with LW_ERROR_HANDLE. There are 1023 marks, so that one pair of machines in a thousand has the same; and two copies of one
+ * library file have instances of their own, but the same mark: load it from one path. A library holds up to 1024 instances at a time.
  *
  * Errors.  Every function that can fail gives a negative code. A text that says what is wrong can be read with
  * `lw_last_error`. After an error the instance is as it was before the call, except after LW_ERROR_LIMIT, where it has

@@ -12,6 +12,8 @@ mod explicit;
 mod expressions;
 #[path = "station/fixtures.rs"]
 mod fixtures;
+#[path = "station/functions.rs"]
+mod functions;
 
 use differential::{Random, assert_same, differential};
 use linewright::mealy;

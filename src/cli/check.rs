@@ -1,6 +1,7 @@
 //! `linewright check`: the consistency of every contract, machine and line found.
 
 use super::console::{Console, schema};
+use super::controller::Wish;
 use super::exit::ExitCode;
 use super::files::{self, Loaded, StandardLibrary};
 use super::libraries;
@@ -154,7 +155,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     );
     let files = FileView::all(&loaded);
 
-    let mut jobs = Jobs::examining().ranking(arguments.proof.is_some());
+    // A machine's actions are looked at in the form that `build` gives them.
+    let mut jobs = Jobs::examining()
+        .wishing(Wish {
+            functions: true,
+            ..Wish::default()
+        })
+        .ranking(arguments.proof.is_some());
     let library = &loaded.library;
     let contracts: Vec<(&Contract, usize)> = library
         .contracts

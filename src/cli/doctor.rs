@@ -163,7 +163,7 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
     };
     match &survey.host {
         Ok(found) => row("C compiler", &show(found)),
-        Err(_) => row("C compiler", "not found"),
+        Err(_) => row("C compiler", "not found, or of no use"),
     }
     for (kind, found) in &survey.cross {
         // What nobody has named is not missing.

@@ -2,7 +2,7 @@
 
 use super::output;
 use crate::contract::machine::Machine;
-use crate::diagnostics::{Diagnostic, Severity};
+use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::mealy;
 use crate::station::composition::{self, Composition};
 use crate::station::profile::Profile;
@@ -108,7 +108,7 @@ pub fn build(
         Some(_) => return Ok(written),
     };
     let texts = simtalk::texts(controlled.machine, &package, profile, beside);
-    written.methods(folder, &library, &texts.methods, rebuild)?;
+    written.methods(folder, &library, &texts.methods)?;
     let page = folder.join(simtalk::page_name(&library));
     output::write(&page, &texts.page)?;
     written.files.push(page);
@@ -116,24 +116,20 @@ pub fn build(
 }
 
 impl Written {
-    /// Writes the methods that call a library. A user puts paths and stations into them, so that a file that differs is kept, unless
-    /// everything is to be made anew.
-    fn methods(
-        &mut self,
-        folder: &Path,
-        library: &str,
-        text: &str,
-        rebuild: bool,
-    ) -> Result<(), Box<Diagnostic>> {
+    /// Writes the methods that call a library. A user puts paths and stations into them, so that a file that differs is kept.
+    fn methods(&mut self, folder: &Path, library: &str, text: &str) -> Result<(), Box<Diagnostic>> {
         let path = folder.join(simtalk::methods_name(library));
-        if rebuild || !path.exists() {
-            output::write(&path, text)?;
-        } else if let Err(mut kept) =
-            output::keep(&path, text, "move it away, or write it anew with --rebuild")
-        {
-            kept.severity = Severity::Warning;
-            kept.message.push_str("; it is kept");
-            self.findings.push(*kept);
+        match output::keep(
+            &path,
+            text,
+            "to have it written anew, move it away or delete it",
+        ) {
+            Err(mut kept) if kept.code == codes::FILE_KEPT => {
+                kept.severity = Severity::Warning;
+                kept.message.push_str("; it is kept");
+                self.findings.push(*kept);
+            }
+            written => written?,
         }
         self.files.push(path);
         Ok(())
@@ -154,7 +150,7 @@ pub fn build_probe(
         ..Written::default()
     };
     let text = probe::package::simtalk(profile, &library);
-    written.methods(folder, &library, &text, rebuild)?;
+    written.methods(folder, &library, &text)?;
     Ok(written)
 }
 

@@ -111,15 +111,18 @@ pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<V
 /// The same machines under names whose files differ: of two that would be written to the same file, such as one machine in two sizes, the
 /// second is called `Printer_2`.
 pub fn told_apart<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
+    // SimTalk does not tell capitals from small letters either.
+    let keys = |name: &str| [file_stem(name), name.to_lowercase()];
     let mut taken: BTreeSet<String> = BTreeSet::new();
     let mut told = Vec::new();
     for machine in machines {
         let mut name = machine.name.clone();
         let mut number = 2;
-        while !taken.insert(file_stem(&name)) {
+        while keys(&name).iter().any(|key| taken.contains(key)) {
             name = format!("{}_{number}", machine.name);
             number += 1;
         }
+        taken.extend(keys(&name));
         told.push(if name == machine.name {
             Cow::Borrowed(*machine)
         } else {

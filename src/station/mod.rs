@@ -170,7 +170,7 @@ impl Error {
         let (code, help) = match self {
             Self::CompilerMissing { .. } => (
                 codes::COMPILER_MISSING,
-                "install a C compiler (Debian and Ubuntu: `apt install gcc`; macOS: `xcode-select --install`), or name one in the environment variable CC",
+                "install a C compiler (Debian and Ubuntu: `apt install gcc`; macOS: `xcode-select --install`), or name one in the environment variable CC; `linewright doctor` tries it",
             ),
             Self::CrossCompilerMissing => (
                 codes::CROSS_COMPILER_MISSING,

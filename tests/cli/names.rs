@@ -2,6 +2,7 @@
 
 use crate::session::Session;
 use crate::support::root;
+use std::collections::BTreeSet;
 
 const BELT: &str = "input a: bool\n output b: bool\n guarantee follows: always (b <-> a)";
 
@@ -41,6 +42,19 @@ fn machines_with_names_alike_have_files_of_their_own() {
         .collect();
     let wanted = own.map(|name| format!("{name}.simtalk.txt"));
     assert_eq!(methods, wanted.iter().collect::<Vec<_>>());
+    // Nor does one take another's handle.
+    let marks: BTreeSet<String> = own
+        .iter()
+        .map(|name| {
+            let path = session.path(&format!("out/{name}.c"));
+            let text = std::fs::read_to_string(path).expect("a C file");
+            let mark = text
+                .lines()
+                .find(|l| l.starts_with("#define LW_HANDLE_MARK "));
+            mark.expect("a mark").to_owned()
+        })
+        .collect();
+    assert_eq!(marks.len(), own.len(), "{marks:?}");
     for name in own {
         assert!(found.contains(&format!("{name}.c")), "{name}: {found:?}");
     }
@@ -150,7 +164,11 @@ fn methods_that_were_edited_are_kept() {
     assert!(kept.err.contains("warning[LW546]"), "{}", kept.err);
     let text = || std::fs::read_to_string(session.path(&name)).expect("a text");
     assert!(text().contains("D:\\plant"));
-    assert_eq!(session.run(&format!("{build} --rebuild")).code, 0);
+    let rebuilt = session.run(&format!("{build} --rebuild"));
+    assert!(rebuilt.err.contains("warning[LW546]"), "{}", rebuilt.err);
+    assert!(text().contains("D:\\plant"));
+    std::fs::remove_file(session.path(&name)).expect("it is there");
+    assert_eq!(session.run(build).code, 0);
     assert!(text().contains("C:\\linewright"));
 }
 

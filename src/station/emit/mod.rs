@@ -65,8 +65,9 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
     let hash = hex(&Sha256::digest(format!("{sizes}{body}")));
     let description = describe::describe(machine, &hash, &profile.describe());
     let vendors = describe::describe(machine, &hash, &Profile::describe_vendors());
-    // 1 to 1023: no handle is 0, and those of two machines hardly ever agree.
-    let mark = u64::from_str_radix(&hash[..8], 16).unwrap_or(0) % 1023 + 1;
+    // 1 to 1023: no handle is 0, and those of two machines hardly ever agree, even where only their names differ.
+    let named = hex(&Sha256::digest(format!("{}\n{hash}", machine.name)));
+    let mark = u64::from_str_radix(&named[..8], 16).unwrap_or(0) % 1023 + 1;
     let name = comment(&machine.name);
     let doc = comment(&machine.doc);
     let doc = if doc.trim().is_empty() {
