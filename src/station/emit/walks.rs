@@ -1,10 +1,10 @@
 //! The output bits of a step in few walks.
 //!
 //! The functions of a controller's output bits ask much the same: one after the other, each begins with the questions of those before
-//! it. A walk asks every question once, for many bits. It goes from place to place; a place either asks for a signal and goes on with one place or
-//! the other, or writes output bits that are decided by then. What makes a place is the list of the bits that are still open, each with
-//! what is left of its function, so walks that have come to the same list go on as one: as a decision diagram of all bits together, but
-//! for the bits' order, in which a bit is decided before it is asked for.
+//! it. A walk asks every question once, for many bits. It goes from place to place; a place either asks for a signal and goes on with
+//! one place or the other, or writes output bits that are decided by then. What makes a place is the list of the bits that are still
+//! open, each with what is left of its function, so walks that have come to the same list go on as one: as a decision diagram of all
+//! bits together, but for the bits' order, in which a bit is decided before it is asked for.
 //!
 //! In the worst case there are exponentially more places than decisions. So a walk takes as many bits as come to no more than their share
 //! of places, and the bits after them another walk. A single bit takes as many places as its function has decisions.
