@@ -179,8 +179,9 @@ lw_handle lw_create(void)
     lw_slot *slot = &lw_slots[place];
     if (place == used) {
         if (lw_first_generation == 0) {
-            uint32_t now = (uint32_t)time(NULL) * 2654435769U + (uint32_t)clock();
-            lw_first_generation = (int32_t)(now >> 16 & (LW_FIRST_GENERATIONS - 1U)) + 1;
+            /* Seconds that follow each other are spread over all generations that may be the first. */
+            uint32_t spread = (uint32_t)time(NULL) * 2654435769U;
+            lw_first_generation = (int32_t)(spread >> 16 & (LW_FIRST_GENERATIONS - 1U)) + 1;
         }
         slot->generation = lw_first_generation - 1;
         lw_lock_create(&slot->lock);

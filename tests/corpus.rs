@@ -67,10 +67,12 @@ fn other_tools_formats() {
     }
 }
 
-/// Profiles of `UF_Value` and dumps of the probe: the corpus, and every other text of the repository, which is neither.
+/// Profiles of `UF_Value` and dumps of the probe: the corpus, the example, and every other text of the repository, which is neither.
 #[test]
 fn layouts() {
-    let both = [texts("profile"), texts("dump")].concat();
+    let example = support::root().join("examples/plant-simulation/mock.dump.txt");
+    let example = std::fs::read_to_string(example).expect("a text");
+    let both = [texts("profile"), vec![example]].concat();
     let profiles = both.iter().filter(|text| uf_value::profile(text)).count();
     let dumps = both.iter().filter(|text| uf_value::dump(text).0).count();
     assert!(profiles > 0 && dumps > 0, "{profiles} {dumps}");

@@ -155,10 +155,14 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
         let _ = writeln!(out, "  {what:24} {said}");
     };
     let show = |found: &Found| {
-        let fault = found.fault.as_ref().map(|_| ", which does not compile");
+        let fault = if found.fault.is_some() {
+            ", which does not compile"
+        } else {
+            ""
+        };
         match &found.version {
-            Some(version) => format!("{version} ({}){}", found.command, fault.unwrap_or("")),
-            None => format!("{}{}", found.command, fault.unwrap_or("")),
+            Some(version) => format!("{version} ({}){fault}", found.command),
+            None => format!("{}{fault}", found.command),
         }
     };
     match &survey.host {

@@ -527,7 +527,7 @@ impl Writer<'_> {
              | -4: there is no operation | `LW_Operation` is none of those above |\n\
              | -5: the plant broke the assumption | the text names the rule: the station was asked for what it may not be asked in its state |\n\
              | -7: did not end within | a signal that the operation waits for never came; the instance has been reset |\n\
-             | -8: there is no free place | 1024 instances live at a time: a model that ends without `{library}_endSim` leaves its own behind until Plant Simulation is closed |\n\
+             | -8: there is no free place | 1024 instances live at a time: a station that is deleted before `{library}_endSim` or `{library}_init` has run leaves its own behind until Plant Simulation is closed |\n\
              | the processing time takes effect one part late | your version sets times before the entrance control runs: choose the control that runs before the entrance |\n\
              | a station stays failed | nothing sets `Failed` back: set it to false when the cause is mended, or reset the model |\n\
              | every text is unreadable | the profile's encoding of strings is another one |\n\n\

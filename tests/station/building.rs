@@ -7,6 +7,7 @@ use linewright::station::profile::{Encoding, Profile};
 use linewright::station::{Controller, Error, Package, Toolchain};
 use std::path::Path;
 use std::process::Command;
+use std::time::Duration;
 
 fn manipulator() -> Package {
     let (machine, controllers) = fixtures::manipulator();
@@ -302,6 +303,46 @@ fn an_unwritable_folder_is_named() {
         assert_eq!(error.to_diagnostic().code, codes::OUTPUT_UNWRITABLE);
         assert!(manipulator().write_source(&place).is_err());
     }
+}
+
+/// A handle that was saved with a model must not fit an instance of the next process.
+#[test]
+fn processes_begin_with_handles_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let package = manipulator();
+    package.write_source(folder.path()).unwrap();
+    let main = format!(
+        "#include \"{}.c\"\n#include <stdio.h>\nint main(void)\n{{\n    printf(\"%d\", (int)lw_create());\n    return 0;\n}}\n",
+        package.stem
+    );
+    std::fs::write(folder.path().join("first_handle.c"), main).unwrap();
+    let output = Command::new("cc")
+        .args([
+            "-std=gnu99",
+            "first_handle.c",
+            "-o",
+            "first_handle",
+            "-pthread",
+            "-lm",
+        ])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let first = || {
+        let output = Command::new(folder.path().join("first_handle")).output();
+        let handle = String::from_utf8(output.unwrap().stdout).unwrap();
+        handle.parse::<i32>().unwrap()
+    };
+    let handle = first();
+    assert!(handle > 0);
+    // One pair of seconds in five hundred agrees by chance.
+    let differs = (0..4).any(|_| {
+        std::thread::sleep(Duration::from_millis(1_100));
+        first() != handle
+    });
+    assert!(differs, "{handle}");
 }
 
 #[test]
