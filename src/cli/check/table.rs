@@ -1,6 +1,6 @@
 //! The result of `check` as text: one line a contract, machine and line, and a summary.
 
-use super::Document;
+use super::document::{DischargeEntry, Document};
 use crate::taxonomy;
 use clap::builder::styling::{AnsiColor, Style};
 use std::fmt::Write as _;
@@ -197,7 +197,7 @@ fn discharges(document: &Document) -> String {
         .filter(|m| !m.discharges.is_empty())
     {
         let _ = writeln!(text, "\n{}: how each assumption is met", machine.name);
-        let name = |d: &super::DischargeEntry| format!("{}: {}", d.component, d.assumption);
+        let name = |d: &DischargeEntry| format!("{}: {}", d.component, d.assumption);
         let width = machine
             .discharges
             .iter()

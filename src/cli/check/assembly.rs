@@ -1,0 +1,270 @@
+//! From what is known of every contract and machine to the document.
+
+use super::document::{
+    ComponentEntry, ContractEntry, DischargeEntry, Document, LineEntry, MachineEntry, Summary,
+};
+use super::view::FileView;
+use crate::cli::console::schema;
+use crate::cli::files::Loaded;
+use crate::cli::libraries;
+use crate::cli::machines::{self, Planned};
+use crate::cli::outline::{Declaration, Kind};
+use crate::cli::pipeline::{CheckedContract, Jobs, Verdict};
+use crate::contract::{Contract, TaxonomyCode};
+use crate::diagnostics::{Diagnostic, has_errors, json};
+use crate::gr1::{Specification, VarId};
+use crate::station::composition::By;
+use std::path::Path;
+
+/// All that the document is made from.
+pub(super) struct Assembly<'a> {
+    pub(super) loaded: &'a Loaded,
+    pub(super) files: &'a [FileView<'a>],
+    pub(super) contracts: &'a [(&'a Contract, usize)],
+    pub(super) machines: &'a [Planned<'a>],
+    pub(super) jobs: &'a Jobs,
+    pub(super) checked: &'a [CheckedContract],
+    pub(super) timing: bool,
+    pub(super) statistics: bool,
+}
+
+impl Assembly<'_> {
+    /// The document, and every finding in it once.
+    pub(super) fn document(&self) -> (Document, Vec<Diagnostic>) {
+        let sources = &self.loaded.library.sources;
+        let mut document = Document {
+            schema: schema("check"),
+            semantics: "strict",
+            contracts: Vec::new(),
+            machines: Vec::new(),
+            lines: Vec::new(),
+            findings: Vec::new(),
+            summary: Summary::default(),
+        };
+        let mut all: Vec<Diagnostic> = Vec::new();
+        let mut loose: Vec<Diagnostic> = self
+            .loaded
+            .findings
+            .iter()
+            .filter(|f| f.span.is_none())
+            .cloned()
+            .collect();
+        for file in self.files {
+            loose.extend(file.outside());
+            for declaration in &file.declarations {
+                let mut findings = file.within(declaration);
+                match declaration.kind {
+                    Kind::Contract => {
+                        let entry = self.contract(file, declaration, &mut findings);
+                        document.contracts.push(entry);
+                    }
+                    Kind::Machine => {
+                        let entry = self.machine(file, declaration, &mut findings);
+                        document.machines.push(entry);
+                    }
+                    Kind::Line => document.lines.push(LineEntry {
+                        name: declaration.name.clone(),
+                        file: file.name.to_owned(),
+                        verdict: if file.broken || has_errors(&findings) {
+                            "invalid"
+                        } else {
+                            "valid"
+                        },
+                        findings: json::findings(sources, &findings),
+                    }),
+                }
+                all.extend(findings);
+            }
+            if file.broken && file.declarations.iter().all(|d| d.kind != Kind::Contract) {
+                document.contracts.push(nameless(file.name));
+            }
+        }
+        self.lines_of_invalid_machines(&mut document);
+        for path in &self.loaded.unreadable {
+            document.contracts.push(nameless(path));
+        }
+        document.findings = json::findings(sources, &loose);
+        all.extend(loose);
+        for entry in &document.contracts {
+            let count = match entry.verdict {
+                "realizable" => &mut document.summary.realizable,
+                "unrealizable" => &mut document.summary.unrealizable,
+                "gave_up" => &mut document.summary.gave_up,
+                _ => &mut document.summary.invalid,
+            };
+            *count += 1;
+        }
+        document.summary.findings = all.len();
+        (document, all)
+    }
+
+    /// A line is as valid as its machines.
+    fn lines_of_invalid_machines(&self, document: &mut Document) {
+        let Document {
+            machines, lines, ..
+        } = document;
+        let broken = [Verdict::Invalid.word(), Verdict::Unrealizable.word()];
+        let invalid = |name: &str| {
+            machines
+                .iter()
+                .any(|m| m.name == name && broken.contains(&m.verdict))
+        };
+        for model in &self.loaded.library.lines {
+            let affected = machines::of_line(model).iter().any(|m| invalid(&m.name));
+            for entry in lines
+                .iter_mut()
+                .filter(|l| affected && l.name == model.name)
+            {
+                entry.verdict = "invalid";
+            }
+        }
+    }
+
+    /// The entry of a contract; the findings of its pipeline are added to those of its text.
+    fn contract(
+        &self,
+        file: &FileView<'_>,
+        declaration: &Declaration,
+        findings: &mut Vec<Diagnostic>,
+    ) -> ContractEntry {
+        let sources = &self.loaded.library.sources;
+        let known = self.loaded.library.contracts.iter();
+        let contract = { known }.find(|c| declaration.holds(c.span));
+        let result = self
+            .contracts
+            .iter()
+            .find(|(c, _)| declaration.holds(c.span))
+            .map(|(_, job)| &self.checked[*job]);
+        if let Some(result) = result {
+            findings.extend(result.findings.iter().cloned());
+        }
+        let bits = |inputs: bool| {
+            contract.map(|c| {
+                let s = &c.specification;
+                if inputs {
+                    bits(s, s.inputs())
+                } else {
+                    bits(s, s.outputs())
+                }
+            })
+        };
+        ContractEntry {
+            name: declaration.name.clone(),
+            file: file.name.to_owned(),
+            format: self
+                .loaded
+                .foreign(file.id)
+                .map(|f| f.reading.format.ending()),
+            codes: contract.map(|c| texts(&c.codes)).unwrap_or_default(),
+            verdict: result.map_or(Verdict::Invalid, |r| r.verdict).word(),
+            findings: json::findings(sources, findings),
+            core: result.map(|r| r.core.clone()).unwrap_or_default(),
+            input_bits: bits(true),
+            output_bits: bits(false),
+            states: result
+                .and_then(|r| r.controller.as_ref()?.machine())
+                .map(|m| m.states.len()),
+            seconds: result.filter(|_| self.timing).map(|r| r.seconds),
+            peak_nodes: result.filter(|_| self.timing).and_then(|r| r.peak_nodes),
+            statistics: result
+                .filter(|_| self.statistics)
+                .map(|r| r.statistics.timed(self.timing)),
+            kernel: result
+                .map(|r| r.statistics.kernel.clone())
+                .unwrap_or_default(),
+            verdict_only: result.is_some_and(|r| r.left_out),
+        }
+    }
+
+    fn machine(
+        &self,
+        file: &FileView<'_>,
+        declaration: &Declaration,
+        findings: &mut Vec<Diagnostic>,
+    ) -> MachineEntry {
+        let planned = self
+            .machines
+            .iter()
+            .find(|p| declaration.holds(p.machine.span));
+        if let Some(planned) = planned {
+            findings.extend(planned.findings(self.jobs, self.checked));
+        }
+        let composition = planned
+            .and_then(|p| p.controlled(self.checked))
+            .map(|c| libraries::compose(&c))
+            .unwrap_or_default();
+        let fits = !has_errors(&composition.findings);
+        findings.extend(composition.findings);
+        let verdict = match planned {
+            Some(planned) if fits => planned.verdict(self.checked),
+            _ => Verdict::Invalid,
+        };
+        MachineEntry {
+            name: declaration.name.clone(),
+            file: file.name.to_owned(),
+            codes: planned.map(|p| texts(&p.machine.codes)).unwrap_or_default(),
+            verdict: verdict.word(),
+            components: planned
+                .map(|p| {
+                    let components = p.machine.components.iter().zip(&p.jobs);
+                    components
+                        .map(|(c, job)| ComponentEntry {
+                            name: c.name.clone(),
+                            contract: c.contract.clone(),
+                            verdict: self.checked[*job].verdict.word(),
+                        })
+                        .collect()
+                })
+                .unwrap_or_default(),
+            discharges: composition
+                .discharges
+                .into_iter()
+                .map(|d| DischargeEntry {
+                    by: match d.by {
+                        By::Guarantee(name) => name,
+                        By::Coordinator => "the coordinator's reachable states".to_owned(),
+                        By::Plant => "what the machine's file fixes".to_owned(),
+                        By::Line => "the line, checked at every call".to_owned(),
+                    },
+                    component: d.component,
+                    assumption: d.assumption,
+                })
+                .collect(),
+            findings: json::findings(&self.loaded.library.sources, findings),
+        }
+    }
+}
+
+/// The entry of a file that holds no contract anybody could name.
+fn nameless(file: &str) -> ContractEntry {
+    let stem = Path::new(file).file_stem();
+    ContractEntry {
+        name: stem.map_or(file.to_owned(), |s| s.to_string_lossy().into_owned()),
+        file: file.to_owned(),
+        format: None,
+        codes: Vec::new(),
+        verdict: Verdict::Invalid.word(),
+        findings: Vec::new(),
+        core: Vec::new(),
+        input_bits: None,
+        output_bits: None,
+        states: None,
+        seconds: None,
+        peak_nodes: None,
+        statistics: None,
+        kernel: String::new(),
+        verdict_only: false,
+    }
+}
+
+fn texts(codes: &[TaxonomyCode]) -> Vec<String> {
+    codes.iter().map(|c| c.text.clone()).collect()
+}
+
+/// How many bits these variables need.
+fn bits(specification: &Specification, variables: impl Iterator<Item = VarId>) -> u32 {
+    variables
+        .map(|v| specification.variable(v).domain.size())
+        .map(|size| u64::BITS - size.saturating_sub(1).leading_zeros())
+        .sum()
+}

@@ -1,0 +1,203 @@
+//! `linewright check`: the consistency of every contract, machine and line found.
+
+mod assembly;
+mod document;
+mod table;
+mod view;
+
+use super::console::Console;
+use super::controller::Wish;
+use super::exit::ExitCode;
+use super::files::{self, StandardLibrary};
+use super::machines::Planned;
+use super::options::{Format, GlobalOptions};
+use super::output;
+use super::pipeline::{CheckedContract, Goal, Jobs, Verdict};
+use super::proof;
+use crate::contract::Contract;
+use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
+use crate::interchange::inquiries;
+use crate::source::SourceMap;
+use assembly::Assembly;
+use clap::Args;
+use document::Document;
+use std::path::{Path, PathBuf};
+use view::{FileView, view};
+
+/// The arguments of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright check contracts/
+    linewright check --format short contracts/handling/turn.lw
+    linewright check --stats --proof turn.proof.json contracts/handling/turn.lw
+    linewright check examples/other-tools/arbiter.spc examples/other-tools/arbiter.slugsin
+
+A contract is realizable when a controller exists that keeps its guarantees for as long as the plant \
+keeps the assumptions (safety first, strictly). Each such controller is synthesized and verified, but \
+not written; for a large contract that no machine uses, only the verdict is given. What is known of a contract \
+that has not changed is not worked out again (see --no-cache).
+
+Files of gr1c (.spc) and slugs (.slugsin, .structuredslugs) are read by their ending; for these only the \
+verdict is given.")]
+pub struct Arguments {
+    /// Files (.lw, .spc, .slugsin, .structuredslugs), or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
+    #[arg(value_name = "PATH")]
+    pub paths: Vec<String>,
+    /// Also say what each verdict took: kernel, times by phase, nodes, iterations, orders of the variables
+    #[arg(long)]
+    pub stats: bool,
+    /// Write down why the contract is realizable, in a form that others can check
+    #[arg(
+        long,
+        value_name = "FILE",
+        long_help = "Write down why the contract is realizable: the ranking of the winning region, as JSON that others \
+                     can check; docs/proof.md says how. There must be exactly one contract"
+    )]
+    pub proof: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let console = options.console();
+    let settings = options.settings();
+    let loaded = files::load(
+        &arguments.paths,
+        &StandardLibrary::new(options.library.clone()),
+    );
+    let files = FileView::all(&loaded);
+
+    // A machine's actions are looked at in the form that `build` gives them.
+    let mut jobs = Jobs::examining()
+        .wishing(Wish {
+            functions: true,
+            ..Wish::default()
+        })
+        .ranking(arguments.proof.is_some());
+    let library = &loaded.library;
+    let contracts: Vec<(&Contract, usize)> = library
+        .contracts
+        .iter()
+        .filter(|c| view(&files, c.span.file).is_some_and(|f| f.is_sound(c.span)))
+        .map(|c| match loaded.foreign(c.span.file) {
+            Some(foreign) => {
+                let inquiries = inquiries(&foreign.reading);
+                let job = jobs.add_foreign(&c.specification, c.span, Goal::Verdict, inquiries);
+                (c, job)
+            }
+            None => (c, jobs.add_for(Goal::Small, &c.specification, c.span)),
+        })
+        .collect();
+    let machines: Vec<Planned<'_>> = library
+        .machines
+        .iter()
+        .filter(|m| view(&files, m.span.file).is_some_and(|f| f.is_sound(m.span)))
+        .map(|m| Planned::new(m, &mut jobs))
+        .collect();
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "checking"))?;
+
+    let report = Assembly {
+        loaded: &loaded,
+        files: &files,
+        contracts: &contracts,
+        machines: &machines,
+        jobs: &jobs,
+        checked: &checked,
+        timing: !options.no_timing,
+        statistics: arguments.stats,
+    }
+    .document();
+    let (mut document, mut findings) = report;
+    if let Some(path) = &arguments.proof {
+        let own = contracts.iter().filter(|(c, _)| {
+            loaded
+                .roots
+                .contains(&library.sources.file(c.span.file).name)
+        });
+        let own: Vec<_> = own.map(|(c, job)| (*c, &checked[*job])).collect();
+        // Where there is no contract because of mistakes, these are what there is to say.
+        let found = if own.is_empty() && has_errors(&findings) {
+            Vec::new()
+        } else {
+            write_proof(path, &own)?
+        };
+        document
+            .findings
+            .extend(json::findings(&library.sources, &found));
+        document.summary.findings += found.len();
+        findings.extend(found);
+    }
+    print(
+        console,
+        &loaded.library.sources,
+        &document,
+        &findings,
+        options,
+    )?;
+
+    let verdicts = document
+        .contracts
+        .iter()
+        .map(|c| match c.verdict {
+            "unrealizable" | "invalid" => ExitCode::Findings,
+            "gave_up" => ExitCode::GaveUp,
+            _ => ExitCode::Success,
+        })
+        .fold(ExitCode::Success, ExitCode::and);
+    Ok(options
+        .exit_code(&findings)
+        .and(verdicts)
+        .and(loaded.exit_code()))
+}
+
+/// Writes the proof of the only contract; the findings say why there is none.
+fn write_proof(
+    path: &Path,
+    contracts: &[(&Contract, &CheckedContract)],
+) -> anyhow::Result<Vec<Diagnostic>> {
+    let [(contract, checked)] = contracts else {
+        anyhow::bail!(
+            "--proof is for a single contract, and there are {}: give a file with one",
+            contracts.len()
+        );
+    };
+    let name = &contract.name;
+    let note = |text: String| {
+        let mut note = Diagnostic::error(codes::UNREALIZABLE, contract.span, text);
+        note.severity = Severity::Note;
+        note
+    };
+    Ok(match (&checked.ranking, checked.verdict) {
+        (Some(ranking), _) => {
+            let text = proof::to_text(&contract.specification, ranking);
+            output::write(path, &text).err().map(|f| *f).into_iter().collect()
+        }
+        (None, Verdict::Unrealizable) => vec![
+            note(format!("there is no proof for `{name}` in {}", path.display())).with_help(
+                "a proof can only be written of a realizable contract as yet; the guarantees that clash are named above",
+            ),
+        ],
+        // Its own finding says why there is no verdict.
+        (None, _) => Vec::new(),
+    })
+}
+
+fn print(
+    console: Console,
+    sources: &SourceMap,
+    document: &Document,
+    findings: &[Diagnostic],
+    options: &GlobalOptions,
+) -> anyhow::Result<()> {
+    match options.format {
+        Format::Json => console.document(document),
+        Format::Sarif => console.document(&sarif::document(sources, findings)),
+        Format::Short => {
+            let verdicts = table::short(document);
+            console.result(&(console.render(sources, findings) + &verdicts))
+        }
+        Format::Human => {
+            let table = table::human(document, options.verbose);
+            console.result(&(console.render(sources, findings) + &table))
+        }
+    }
+}

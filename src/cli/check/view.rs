@@ -1,0 +1,82 @@
+//! A file as `check` sees it: its declarations, and which of them can be relied on.
+
+use crate::cli::files::Loaded;
+use crate::cli::outline::{self, Declaration, Kind};
+use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::source::{FileId, Span};
+
+/// One file, with what is declared in it and what was found in it while loading.
+pub(super) struct FileView<'a> {
+    pub(super) id: FileId,
+    pub(super) name: &'a str,
+    pub(super) declarations: Vec<Declaration>,
+    pub(super) findings: Vec<&'a Diagnostic>,
+    /// It does not parse, or something outside all declarations is wrong: then nothing in it can be relied on.
+    pub(super) broken: bool,
+}
+
+impl<'a> FileView<'a> {
+    pub(super) fn all(loaded: &'a Loaded) -> Vec<Self> {
+        let sources = &loaded.library.sources;
+        sources
+            .files()
+            .map(|(id, file)| {
+                let declarations = match loaded.foreign(id) {
+                    Some(foreign) => vec![Declaration {
+                        kind: Kind::Contract,
+                        name: foreign.name.clone(),
+                        extent: foreign.reading.span,
+                    }],
+                    None => outline::declarations(sources, id),
+                };
+                let findings: Vec<&Diagnostic> = loaded
+                    .findings
+                    .iter()
+                    .filter(|f| f.span.is_some_and(|s| s.file == id))
+                    .collect();
+                let broken = findings.iter().any(|f| {
+                    let inside = |d: &Declaration| f.span.is_some_and(|s| d.holds(s));
+                    has_errors(std::slice::from_ref(*f))
+                        && (f.code.id < codes::NAME_UNKNOWN.id || !declarations.iter().any(inside))
+                });
+                Self {
+                    id,
+                    name: &file.name,
+                    declarations,
+                    findings,
+                    broken,
+                }
+            })
+            .collect()
+    }
+
+    /// Whether what is declared at this place has no errors.
+    pub(super) fn is_sound(&self, name: Span) -> bool {
+        let declaration = self.declarations.iter().find(|d| d.holds(name));
+        !self.broken && declaration.is_some_and(|d| !has_errors(&self.within(d)))
+    }
+
+    /// The findings within a declaration.
+    pub(super) fn within(&self, declaration: &Declaration) -> Vec<Diagnostic> {
+        self.findings
+            .iter()
+            .filter(|f| f.span.is_some_and(|s| declaration.holds(s)))
+            .map(|f| (*f).clone())
+            .collect()
+    }
+
+    /// The findings outside all declarations.
+    pub(super) fn outside(&self) -> Vec<Diagnostic> {
+        let inside = |f: &&&Diagnostic| {
+            f.span
+                .is_some_and(|s| self.declarations.iter().any(|d| d.holds(s)))
+        };
+        let outside = self.findings.iter().filter(|f| !inside(f));
+        outside.map(|f| (*f).clone()).collect()
+    }
+}
+
+/// The view of a file.
+pub(super) fn view<'a, 'b>(files: &'b [FileView<'a>], id: FileId) -> Option<&'b FileView<'a>> {
+    files.iter().find(|f| f.id == id)
+}
