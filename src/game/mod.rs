@@ -21,6 +21,7 @@ mod heuristics;
 mod progress;
 mod ranking;
 mod relation;
+mod repair;
 mod set_up;
 mod solver;
 mod strategy;
@@ -36,8 +37,9 @@ pub use self::functions::{Aim, Assumed, Certificate, Controls, Mode, Pursuit, St
 pub use self::heuristics::{Heuristic, Heuristics};
 pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
+pub use self::repair::{Advice, NewAssumption, Weakening};
 pub use self::solver::{
-    KernelChoice, Options, Solved, Statistics, attack, order_of_variables, solve, solve_with,
+    KernelChoice, Options, Solved, Statistics, advise, attack, order_of_variables, solve, solve_with,
 };
 pub use self::strategy::Preference;
 pub use crate::symbolic::{Diagram, DiagramNode, Edge, Limit, Limits, Order};
@@ -87,6 +89,9 @@ pub struct GuaranteeRef {
     /// Its place in that list.
     pub index: usize,
 }
+
+/// Points at one assumption of a specification.
+pub type AssumptionRef = GuaranteeRef;
 
 /// The lists of [`Side`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

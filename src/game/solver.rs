@@ -14,9 +14,10 @@ use super::functions::{self, Controls};
 use super::heuristics::Heuristics;
 use super::progress::{Phase, Progress};
 use super::ranking::{self, Ranking};
+use super::repair::{self, Advice};
 use super::set_up;
 use super::strategy::{self, Preference};
-use super::{Lost, Outcome, Won};
+use super::{GuaranteeRef, Lost, Outcome, Play, Won};
 use crate::gr1::{Specification, Time, VarId};
 use crate::symbolic::{Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
 use std::fmt::Debug;
@@ -294,6 +295,31 @@ pub fn attack(specification: &Specification, limits: &Limits) -> Result<Option<A
         }
     }
     attack::attack_on::<OxiDd>(specification, limits)
+}
+
+/// What could be done about an unrealizable specification, given a minimal core and a play that shows it.
+pub fn advise(
+    specification: &Specification,
+    core: &[GuaranteeRef],
+    play: &Play,
+    limits: &Limits,
+) -> Result<Advice, Limit> {
+    let options = Options {
+        limits: *limits,
+        ..Options::default()
+    };
+    let order = first_order(specification, options.heuristics);
+    if let Some(limits) = small(&order, &options) {
+        let limits = Limits {
+            most_made: None,
+            ..limits
+        };
+        let found = repair::advise_on::<Biodivine>(specification, core, play, &limits);
+        if !matches!(found, Err(Limit::Memory)) {
+            return found;
+        }
+    }
+    repair::advise_on::<OxiDd>(specification, core, play, limits)
 }
 
 /// Solves a game on one kernel.

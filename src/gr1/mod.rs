@@ -29,7 +29,7 @@ use crate::source::Span;
 use serde::{Deserialize, Serialize};
 
 /// The index of a variable in [`Specification::variables`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct VarId(pub u32);
 
 impl VarId {
