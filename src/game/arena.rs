@@ -207,6 +207,14 @@ impl<K: Kernel> Formulas<K> {
         Ok(less)
     }
 
+    /// The same formulas with other limits.
+    pub fn with_limits(&self, limits: &Limits) -> Self {
+        Self {
+            kernel: self.kernel.with_limits(limits),
+            ..self.clone()
+        }
+    }
+
     /// The bits of the variables.
     pub fn encoding(&self) -> &Encoding {
         &self.encoding

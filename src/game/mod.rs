@@ -32,6 +32,8 @@ mod workbench;
 
 pub use self::attack::{Attack, Ending, Play, reduced};
 pub use self::explore::{Explicit, Row};
+pub use self::findings::requests::Request;
+pub use self::findings::shape::{Shape, Unframed};
 pub use self::findings::{EnvironmentFindings, examine_environment};
 pub use self::functions::{Aim, Assumed, Certificate, Controls, Mode, Pursuit, Stage};
 pub use self::heuristics::{Heuristic, Heuristics};
@@ -154,6 +156,11 @@ impl Won {
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit> {
         self.game.examine_environment(specification, limits)
+    }
+
+    /// Where it asks for less than it seems to; see [`Shape`].
+    pub fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit> {
+        self.game.shape(specification, limits)
     }
 
     /// Why it is won, for whoever wants to check it.

@@ -4,10 +4,11 @@
 //! than [`SMALL_MADE`], or has more than [`SMALL_PAIRS`] pairs of bits, is played on `OxiDD`'s. The choice depends on the specification only, so that the same
 //! input always gives the same machine.
 
-use super::arena::{Arena, first_order};
+use super::arena::{Arena, Formulas, first_order};
 use super::attack::{self, Attack};
 use super::core;
 use super::explore::{self, Explicit};
+use super::findings::shape::{self, Shape};
 use super::findings::{self, EnvironmentFindings};
 use super::fixpoint::winning_region;
 use super::functions::{self, Controls};
@@ -133,6 +134,9 @@ pub trait Game: Debug + Send + Sync {
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit>;
 
+    /// See [`Won::shape`].
+    fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit>;
+
     /// See [`Won::ranking`].
     fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit>;
 
@@ -143,6 +147,8 @@ pub trait Game: Debug + Send + Sync {
 /// A game that was won on one kernel.
 #[derive(Debug)]
 struct WonGame<K: Kernel> {
+    /// One by one; not kept of a large game.
+    formulas: Option<Formulas<K>>,
     arena: Arena<K>,
     /// The states from which the machine wins.
     region: K::Function,
@@ -169,7 +175,18 @@ impl<K: Kernel> Game for WonGame<K> {
         specification: &Specification,
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit> {
-        findings::examine(&self.arena.with_limits(limits), specification)
+        match &self.formulas {
+            Some(formulas) => findings::examine(
+                &formulas.with_limits(limits),
+                &self.arena.with_limits(limits),
+                specification,
+            ),
+            None => examine(specification, limits),
+        }
+    }
+
+    fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit> {
+        shape::shape(&self.arena.with_limits(limits), specification, &self.region)
     }
 
     fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit> {
@@ -275,8 +292,9 @@ fn examine_on<K: Kernel>(
     heuristics: Heuristics,
 ) -> Result<EnvironmentFindings, Limit> {
     let progress = Progress::default();
-    let (_, arena) = set_up::set_up::<K>(specification, order, heuristics, limits, &progress)?;
-    findings::examine(&arena, specification)
+    let (formulas, arena) =
+        set_up::set_up::<K>(specification, order, heuristics, limits, &progress)?;
+    findings::examine(&formulas, &arena, specification)
 }
 
 /// The counterstrategy of a specification and the play that shows it, or `None` if the machine wins.
@@ -385,7 +403,11 @@ fn decide<K: Kernel>(
     });
     if let Some(region) = region? {
         return Ok(Outcome::Realizable(Won {
-            game: Box::new(WonGame { arena, region }),
+            game: Box::new(WonGame {
+                formulas: (!progress.statistics().large).then_some(formulas),
+                arena,
+                region,
+            }),
             peak_nodes,
         }));
     }

@@ -22,6 +22,7 @@ mod expr;
 pub mod interval;
 pub mod monitors;
 pub mod overflow;
+pub mod text;
 
 pub use expr::{BinaryOp, Expr, Time, UnaryOp};
 

@@ -15,6 +15,8 @@ mod search;
 mod trial;
 mod vocabulary;
 
+pub use trial::lasting;
+
 use super::arena::Formulas;
 use super::core::assumptions_that_matter;
 use super::heuristics::Heuristics;

@@ -31,7 +31,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
     ) -> Result<Self, Limit> {
         let arena = formulas.arena(&Selection::All, SPLIT)?;
         let m = formulas.kernel();
-        let environment = findings::examine(&arena, specification)?;
+        let environment = findings::examine(formulas, &arena, specification)?;
         let moves = m.and(&arena.states, &arena.environment_moves()?)?;
         let mut all = m.constant(true);
         for (v, _) in specification.variables.iter().enumerate() {
@@ -115,7 +115,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
             return Ok(false);
         }
         let arena = more.arena(&Selection::All, SPLIT)?;
-        let found = findings::examine(&arena, self.specification)?;
+        let found = findings::examine(&more, &arena, self.specification)?;
         let before = &self.environment;
         let worse = |now: bool, before: bool| now && !before;
         Ok(!worse(found.cannot_start, before.cannot_start)

@@ -4,6 +4,7 @@
 //! domain is small enough for that value to mean something.
 
 use crate::game::Play;
+use crate::gr1::text::truth;
 use crate::gr1::{BinaryOp, Domain, Expr, Formula, Owner, Specification, Time, UnaryOp, VarId};
 
 /// So many conditions, negations not counted.
@@ -25,11 +26,6 @@ impl Word {
     /// The same about the next step.
     pub fn next(&self) -> Expr {
         self.expr.substitute(&mut |v, _| Expr::next(v))
-    }
-
-    /// Whether the same variables occur in both.
-    pub fn is_about(&self, other: &Self) -> bool {
-        variables(&self.expr) == variables(&other.expr)
     }
 }
 
@@ -100,7 +96,7 @@ pub fn negation(expr: Expr) -> Expr {
 /// Adds the conditions without connectives that an expression is made of, moved to the current step.
 fn collect(specification: &Specification, expr: &Expr, atoms: &mut Vec<Expr>) {
     use BinaryOp as B;
-    let truth = |e: &Expr| is_truth(specification, e);
+    let truth = |e: &Expr| truth(specification, e);
     match expr {
         Expr::Unary(UnaryOp::Not, a) => collect(specification, a, atoms),
         Expr::Binary(B::And | B::Or | B::Implies, a, b) => {
@@ -131,20 +127,5 @@ fn collect(specification: &Specification, expr: &Expr, atoms: &mut Vec<Expr>) {
             }
         }
         _ => {}
-    }
-}
-
-/// Whether an expression is a truth value.
-fn is_truth(specification: &Specification, expr: &Expr) -> bool {
-    use BinaryOp as B;
-    match expr {
-        Expr::Const(c) => matches!(c, 0 | 1),
-        Expr::Var(v, _) => specification.variable(*v).domain == Domain::Bool,
-        Expr::Unary(op, _) => *op == UnaryOp::Not,
-        Expr::If(_, a, b) => is_truth(specification, a) && is_truth(specification, b),
-        Expr::Binary(op, ..) => matches!(
-            op,
-            B::And | B::Or | B::Implies | B::Eq | B::Ne | B::Lt | B::Le | B::Gt | B::Ge
-        ),
     }
 }
