@@ -154,6 +154,31 @@ impl<K: Kernel> Formulas<K> {
         refs.collect()
     }
 
+    /// The guarantees that a single answer keeps or breaks: those of step 0 (over next bits, as if it were the step to come), or
+    /// those of a later step.
+    pub fn rules(&self, at_start: bool) -> Result<Vec<(GuaranteeRef, K::Function)>, Limit> {
+        use GuaranteeKind::{Initial, Invariant, Safety};
+        let m = &self.kernel;
+        let mut rules = Vec::new();
+        let mut add = |kind, list: &[K::Function]| -> Result<(), Limit> {
+            for (index, f) in list.iter().enumerate() {
+                rules.push((GuaranteeRef { kind, index }, m.prime(f)?));
+            }
+            Ok(())
+        };
+        if at_start {
+            add(Initial, &self.system.initial)?;
+        }
+        add(Invariant, &self.system.invariants)?;
+        if !at_start {
+            for (index, parts) in self.system.safety.iter().enumerate() {
+                let kind = Safety;
+                rules.push((GuaranteeRef { kind, index }, m.all(parts)?));
+            }
+        }
+        Ok(rules)
+    }
+
     /// The largest number of nodes that were alive at once.
     pub fn peak_nodes(&self) -> u64 {
         self.kernel.peak_nodes()
@@ -164,6 +189,16 @@ impl<K: Kernel> Formulas<K> {
         &self,
         selection: &Selection<'_>,
         clustering: Clustering,
+    ) -> Result<Arena<K>, Limit> {
+        self.arena_of(selection, clustering, self.timing)
+    }
+
+    /// The same for another timing than the specification's.
+    pub fn arena_of(
+        &self,
+        selection: &Selection<'_>,
+        clustering: Clustering,
+        timing: Timing,
     ) -> Result<Arena<K>, Limit> {
         let m = &self.kernel;
         let chosen = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
@@ -200,7 +235,7 @@ impl<K: Kernel> Formulas<K> {
         let inputs_next = bits(&self.inputs, Time::Next);
         let outputs_next = bits(&self.outputs, Time::Next);
         let environment = Relation::new(m, &env_parts, &inputs_next, clustering, self.heuristics)?;
-        if self.timing == Timing::Moore {
+        if timing == Timing::Moore {
             // ∀x'. ρe → (a ∧ b) is (∀x'. ρe → a) ∧ (∀x'. ρe → b): the machine's safety can be freed of x' once and for all.
             for part in &mut sys_parts {
                 *part = m.not(&environment.product(m, &m.not(part)?)?)?;
@@ -210,7 +245,7 @@ impl<K: Kernel> Formulas<K> {
         Ok(Arena {
             kernel: m.clone(),
             heuristics: self.heuristics,
-            timing: self.timing,
+            timing,
             states,
             env_initial,
             sys_initial,

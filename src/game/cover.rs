@@ -25,6 +25,20 @@ struct Input {
 impl<'a, K: Kernel> Cover<'a, K> {
     /// For the inputs of a specification.
     pub fn new(kernel: &'a K, encoding: &Encoding, specification: &Specification) -> Self {
+        Self::of(kernel, encoding, specification, specification.inputs())
+    }
+
+    /// For its outputs, in whose place whoever plays against the machine sees its inputs.
+    pub fn of_outputs(kernel: &'a K, encoding: &Encoding, specification: &Specification) -> Self {
+        Self::of(kernel, encoding, specification, specification.outputs())
+    }
+
+    fn of(
+        kernel: &'a K,
+        encoding: &Encoding,
+        specification: &Specification,
+        variables: impl Iterator<Item = VarId>,
+    ) -> Self {
         let input = |v: VarId| Input {
             bits: encoding.bits(v, Time::Next).collect(),
             low: specification.variable(v).domain.low(),
@@ -32,7 +46,7 @@ impl<'a, K: Kernel> Cover<'a, K> {
         };
         Self {
             kernel,
-            inputs: specification.inputs().map(input).collect(),
+            inputs: variables.map(input).collect(),
         }
     }
 

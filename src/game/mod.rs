@@ -9,6 +9,7 @@
 //! Journal of Computer and System Sciences 78(3), 2012; safety first, strictly. No BDD type is public here.
 
 mod arena;
+mod attack;
 mod clusters;
 mod core;
 mod cover;
@@ -28,6 +29,7 @@ mod structure;
 mod tests;
 mod workbench;
 
+pub use self::attack::{Attack, Ending, Play, reduced};
 pub use self::explore::{Explicit, Row};
 pub use self::findings::{EnvironmentFindings, examine_environment};
 pub use self::functions::{Aim, Assumed, Certificate, Controls, Mode, Pursuit, Stage};
@@ -35,7 +37,7 @@ pub use self::heuristics::{Heuristic, Heuristics};
 pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
 pub use self::solver::{
-    KernelChoice, Options, Solved, Statistics, order_of_variables, solve, solve_with,
+    KernelChoice, Options, Solved, Statistics, attack, order_of_variables, solve, solve_with,
 };
 pub use self::strategy::Preference;
 pub use crate::symbolic::{Diagram, DiagramNode, Edge, Limit, Limits, Order};

@@ -5,6 +5,7 @@
 //! input always gives the same machine.
 
 use super::arena::{Arena, first_order};
+use super::attack::{self, Attack};
 use super::core;
 use super::explore::{self, Explicit};
 use super::findings::{self, EnvironmentFindings};
@@ -277,6 +278,24 @@ fn examine_on<K: Kernel>(
     findings::examine(&arena, specification)
 }
 
+/// The counterstrategy of a specification and the play that shows it, or `None` if the machine wins.
+///
+/// Meant for the [reduced](super::reduced) specification of a minimal core: who cannot keep that cannot keep more.
+pub fn attack(specification: &Specification, limits: &Limits) -> Result<Option<Attack>, Limit> {
+    let options = Options {
+        limits: *limits,
+        ..Options::default()
+    };
+    let order = first_order(specification, options.heuristics);
+    if let Some(limits) = small(&order, &options) {
+        let found = attack::attack_on::<Biodivine>(specification, &limits);
+        if !matches!(found, Err(Limit::Memory)) {
+            return found;
+        }
+    }
+    attack::attack_on::<OxiDd>(specification, limits)
+}
+
 /// Solves a game on one kernel.
 fn play<K: Kernel>(
     specification: &Specification,
@@ -349,7 +368,13 @@ fn decide<K: Kernel>(
     let core = if options.without_core {
         None
     } else {
-        core::minimal_core(&formulas).ok()
+        match core::minimal_core(&formulas) {
+            // This was a try with little room; the other kernel has more.
+            Err(Limit::Memory) if limits.most_made != options.limits.most_made => {
+                return Err(Limit::Memory);
+            }
+            core => core.ok(),
+        }
     };
     Ok(Outcome::Unrealizable(Lost {
         core,

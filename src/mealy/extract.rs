@@ -70,7 +70,7 @@ pub(super) fn ports(specification: &Specification, ids: impl Iterator<Item = Var
     ids.map(port).collect()
 }
 
-fn transition(row: Row) -> Transition {
+pub(super) fn transition(row: Row) -> Transition {
     let cube = |conditions: Vec<(usize, i64, i64)>| {
         let tests = conditions.into_iter();
         Cube(

@@ -7,6 +7,7 @@
 
 pub mod certify;
 mod controller;
+pub mod counter;
 mod diagram;
 pub mod dot;
 pub mod extract;

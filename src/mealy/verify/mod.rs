@@ -10,8 +10,11 @@
 //! assumption again and again; that is a strongly connected part of the graph without the transitions that satisfy `j`, in
 //! which every assumption's justice occurs (`fair.rs`).
 
+mod counter;
 mod fair;
 mod residual;
+
+pub use counter::verify_counterstrategy;
 
 use super::{Cube, Machine, Transition};
 use crate::game::{Limit, Limits};
