@@ -90,13 +90,11 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
             console.remark("Watching; Ctrl-C ends it.\n")?;
         }
         lookout.also(&places_of(&checked, &standard));
-        match lookout.wait(interrupt::interrupted) {
-            Some(found) => changes = found,
-            None => {
-                interrupt::take();
-                return Ok(checked.code);
-            }
-        }
+        let Some(found) = lookout.wait(interrupt::interrupted) else {
+            interrupt::take();
+            return Ok(checked.code);
+        };
+        changes = found;
     }
 }
 

@@ -79,6 +79,9 @@ struct Word {
     folders: BTreeMap<PathBuf, RecursiveMode>,
 }
 
+/// There will be no more word.
+struct Silent;
+
 /// All that is watched.
 pub(super) struct Lookout {
     paths: Vec<String>,
@@ -117,8 +120,8 @@ impl Lookout {
     /// saw stays as it was.
     pub(super) fn also(&mut self, others: &[PathBuf]) {
         let (_, named) = files::places(&self.paths, &self.standard);
-        let named: BTreeSet<PathBuf> = named.into_iter().map(plain).collect();
-        let others: BTreeSet<PathBuf> = others.iter().cloned().map(plain).collect();
+        let named: BTreeSet<PathBuf> = named.iter().map(plain).collect();
+        let others: BTreeSet<PathBuf> = others.iter().map(plain).collect();
         let dropped = std::mem::replace(&mut self.others, others);
         self.seen
             .retain(|p, _| !dropped.contains(p) || self.others.contains(p) || named.contains(p));
@@ -134,7 +137,7 @@ impl Lookout {
     /// Looks at all files, and gives what has changed since the last look.
     pub(super) fn look(&mut self) -> Vec<Change> {
         let (folders, files) = files::places(&self.paths, &self.standard);
-        let mut files: BTreeSet<PathBuf> = files.into_iter().map(plain).collect();
+        let mut files: BTreeSet<PathBuf> = files.iter().map(plain).collect();
         files.extend(self.others.iter().cloned());
         if let Some(word) = &mut self.word {
             word.listen(&folders, &files);
@@ -178,30 +181,26 @@ impl Lookout {
                 }
                 looked = Instant::now();
             }
-            due = match &mut self.word {
-                Some(word) => match word.next() {
-                    Ok(due) => due,
-                    Err(()) => {
-                        self.word = None;
-                        false
-                    }
-                },
-                None => {
-                    std::thread::sleep(TICK);
-                    false
+            due = false;
+            if let Some(word) = &mut self.word {
+                match word.next() {
+                    Ok(found) => due = found,
+                    Err(Silent) => self.word = None,
                 }
-            };
+            } else {
+                std::thread::sleep(TICK);
+            }
         }
     }
 }
 
 impl Word {
     /// Whether something happens within a tick; if so, it is waited for the end of it.
-    fn next(&mut self) -> Result<bool, ()> {
+    fn next(&mut self) -> Result<bool, Silent> {
         match self.events.recv_timeout(TICK) {
             Ok(event) => self.note(event),
             Err(RecvTimeoutError::Timeout) => return Ok(false),
-            Err(RecvTimeoutError::Disconnected) => return Err(()),
+            Err(RecvTimeoutError::Disconnected) => return Err(Silent),
         }
         let start = Instant::now();
         while start.elapsed() < PATIENCE
@@ -283,8 +282,9 @@ impl Seen {
 }
 
 /// `./a.lw` and `a.lw` are one file.
-fn plain(path: PathBuf) -> PathBuf {
-    path.strip_prefix(".").map_or(path.clone(), Path::to_owned)
+fn plain(path: impl AsRef<Path>) -> PathBuf {
+    let path = path.as_ref();
+    path.strip_prefix(".").unwrap_or(path).to_owned()
 }
 
 /// The folder, or the closest one above it that is there.
