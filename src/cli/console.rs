@@ -37,9 +37,21 @@ impl Console {
 
     /// Prints a result. When nobody reads it any more (a closed pipe) that is no failure: the exit code stays the verdict's.
     pub fn result(&self, text: &str) -> anyhow::Result<()> {
+        self.part(text).map(|_| ())
+    }
+
+    /// Prints a part of a result that goes on. Gives whether somebody still reads it.
+    pub fn part(&self, text: &str) -> anyhow::Result<bool> {
         let mut out = AutoStream::new(io::stdout(), self.color);
-        unless_closed(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+        open(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
             .context("standard output cannot be written")
+    }
+
+    /// Prints a document in JSON that is one of many: in one line. Gives whether somebody still reads it.
+    pub fn line(&self, document: &impl Serialize) -> anyhow::Result<bool> {
+        let mut text = serde_json::to_string(document)?;
+        text.push('\n');
+        self.part(&text)
     }
 
     /// Prints a result in JSON, indented, with a line break at its end.
@@ -52,7 +64,8 @@ impl Console {
     /// Prints a remark.
     pub fn remark(&self, text: &str) -> anyhow::Result<()> {
         let mut err = AutoStream::new(io::stderr(), self.color);
-        unless_closed(err.write_all(text.as_bytes())).context("standard error cannot be written")
+        open(err.write_all(text.as_bytes())).context("standard error cannot be written")?;
+        Ok(())
     }
 
     /// The findings as text, `human` or `short`.
@@ -101,9 +114,10 @@ pub fn schema(command: &str) -> String {
     format!("linewright/{command}/1")
 }
 
-fn unless_closed(result: io::Result<()>) -> io::Result<()> {
+/// Whether what was written to is still open.
+fn open(result: io::Result<()>) -> io::Result<bool> {
     match result {
-        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        other => other,
+        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(false),
+        other => other.map(|()| true),
     }
 }

@@ -3,17 +3,22 @@
 use super::console::schema;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
-use crate::diagnostics::{codes, explanations};
+use crate::diagnostics::{Code, codes, explanations, sarif};
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write as _;
 
 /// The arguments of `explain`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n    linewright explain LW203")]
+#[command(after_help = "Examples:
+    linewright explain LW203
+    linewright explain --list")]
 pub struct Arguments {
     /// The code of a finding, such as LW203; without it, all codes are listed
     pub code: Option<String>,
+    /// List all codes, by what they are about
+    #[arg(long, conflicts_with = "code")]
+    pub list: bool,
 }
 
 #[derive(Serialize)]
@@ -26,6 +31,7 @@ struct Document {
 struct Entry {
     code: &'static str,
     title: &'static str,
+    group: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     page: Option<&'static str>,
 }
@@ -33,39 +39,55 @@ struct Entry {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let entries: Vec<Entry> = match &arguments.code {
-        None => codes::ALL.iter().map(|c| entry(*c, false)).collect(),
-        Some(id) => match codes::find(id.trim()) {
-            Some(code) => vec![entry(code, true)],
-            None => anyhow::bail!(
-                "`{id}` is no code of a finding: codes look like LW203; `linewright explain` lists them all"
-            ),
-        },
+    let one = match &arguments.code {
+        None => None,
+        Some(id) => Some(codes::find(id.trim()).ok_or_else(|| unknown(id))?),
     };
-    if options.format == Format::Json {
-        console.document(&Document {
+    let shown = one.as_ref().map_or(codes::ALL, std::slice::from_ref);
+    match options.format {
+        Format::Json => console.document(&Document {
             schema: schema("explain"),
-            codes: entries,
-        })?;
-        return Ok(ExitCode::Success);
-    }
-    let mut text = String::new();
-    for entry in &entries {
-        match entry.page {
-            Some(page) => text.push_str(page),
-            None => {
-                let _ = writeln!(text, "{}  {}", entry.code, entry.title);
-            }
+            codes: shown.iter().map(|c| entry(*c, one.is_some())).collect(),
+        })?,
+        // No findings, but the rules that findings of other commands point at.
+        Format::Sarif => console.document(&sarif::catalogue(shown))?,
+        Format::Human | Format::Short => {
+            let text = match one {
+                Some(code) => explanations::page(code).unwrap_or_default().to_owned(),
+                None => list(),
+            };
+            console.result(&text)?;
         }
     }
-    console.result(&text)?;
     Ok(ExitCode::Success)
 }
 
-fn entry(code: codes::Code, with_page: bool) -> Entry {
+fn unknown(id: &str) -> anyhow::Error {
+    anyhow::anyhow!(
+        "`{id}` is no code of a finding: codes look like LW203; `linewright explain --list` shows them all"
+    )
+}
+
+/// All codes with their titles, group by group.
+fn list() -> String {
+    let mut text = String::new();
+    for group in codes::GROUPS {
+        if !text.is_empty() {
+            text.push('\n');
+        }
+        let _ = writeln!(text, "{}  {}", group.pattern, group.title);
+        for code in group.codes() {
+            let _ = writeln!(text, "  {}  {}", code.id, code.title);
+        }
+    }
+    text
+}
+
+fn entry(code: Code, with_page: bool) -> Entry {
     Entry {
         code: code.id,
         title: code.title,
+        group: code.group().title,
         page: explanations::page(code).filter(|_| with_page),
     }
 }

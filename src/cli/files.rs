@@ -11,6 +11,7 @@ use crate::diagnostics::{Diagnostic, codes};
 use crate::interchange::{self, Format, Reading};
 use crate::source::{FileId, Span};
 use include_dir::{Dir, include_dir};
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -78,22 +79,32 @@ impl StandardLibrary {
 
     /// Reads what an `import` names: `std.handling.turn`, or a path relative to the importing file.
     fn import(&self, path: &str, importer: &str) -> Result<(String, String), String> {
-        if let Some(inner) = library_path(path) {
-            let text = self.read(&inner)?;
-            return Ok((format!("std/{inner}"), text));
-        }
-        let folder = Path::new(importer).parent().unwrap_or(Path::new(""));
-        let name = clean(&folder.join(path));
+        let name = imported(path, importer);
         // A file of the library imports its neighbours from the library.
-        if let Some(inner) = name
-            .strip_prefix("std/")
-            .filter(|_| importer.starts_with("std/"))
-        {
-            let text = self.read(inner)?;
-            return Ok((name.clone(), text));
-        }
-        read(Path::new(&name)).map(|text| (name, text))
+        let within = library_path(path).is_some() || importer.starts_with("std/");
+        let text = match name.strip_prefix("std/").filter(|_| within) {
+            Some(inner) => self.read(inner)?,
+            None => read(Path::new(&name))?,
+        };
+        Ok((name, text))
     }
+
+    /// The place on the disk that a name stands for, if it stands for any.
+    pub fn place(&self, name: &str) -> PathBuf {
+        match (&self.folder, name.strip_prefix("std/")) {
+            (Some(folder), Some(inner)) => folder.join(inner),
+            _ => PathBuf::from(name),
+        }
+    }
+}
+
+/// The name of the file that an `import` names.
+fn imported(path: &str, importer: &str) -> String {
+    if let Some(inner) = library_path(path) {
+        return format!("std/{inner}");
+    }
+    let folder = Path::new(importer).parent().unwrap_or(Path::new(""));
+    clean(&folder.join(path))
 }
 
 /// What was read: the library, the findings so far, and which names were asked for (the others were imported).
@@ -107,6 +118,8 @@ pub struct Loaded {
     pub roots: Vec<String>,
     /// Paths that could not be read at all.
     pub unreadable: Vec<String>,
+    /// The names of files that are imported and could not be read.
+    pub missing: Vec<String>,
     /// Other tools' specifications. Those that could be read are also in the library, as contracts.
     pub foreign: Vec<Foreign>,
 }
@@ -172,16 +185,11 @@ impl Loaded {
 pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
     let mut loaded = Loaded::default();
     let mut files: Vec<(String, String)> = Vec::new();
-    let default = [DEFAULT_FOLDER.to_owned()];
-    let paths = match paths {
-        [] if standard.folder.is_none() && Path::new(DEFAULT_FOLDER).is_dir() => &default[..],
-        [] => {
-            (files, loaded.findings) = standard.files();
-            &[]
-        }
-        given => given,
-    };
-    for path in paths {
+    let paths = given(paths, standard);
+    if paths.is_empty() {
+        (files, loaded.findings) = standard.files();
+    }
+    for path in &paths {
         for found in collect(path, standard) {
             match found {
                 Ok((name, text)) => {
@@ -200,8 +208,15 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
     let (foreign, own): (Vec<_>, Vec<_>) = files
         .into_iter()
         .partition(|(name, _)| Format::of_path(name).is_some());
-    let (library, findings) =
-        contract::load(&own, &|path, importer| standard.import(path, importer));
+    let missing = RefCell::new(Vec::new());
+    let (library, findings) = contract::load(&own, &|path, importer| {
+        let read = standard.import(path, importer);
+        if read.is_err() {
+            missing.borrow_mut().push(imported(path, importer));
+        }
+        read
+    });
+    loaded.missing = missing.into_inner();
     loaded.library = library;
     loaded.findings.extend(findings);
     for (name, text) in foreign {
@@ -210,6 +225,35 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
         }
     }
     loaded
+}
+
+/// The paths that a command was given, or the default folder; none at all for the whole bundled library.
+fn given(paths: &[String], standard: &StandardLibrary) -> Vec<String> {
+    if paths.is_empty() && standard.folder.is_none() && Path::new(DEFAULT_FOLDER).is_dir() {
+        return vec![DEFAULT_FOLDER.to_owned()];
+    }
+    paths.to_vec()
+}
+
+/// What a command that was given some paths looks at on the disk now: folders, and files in and beside them, whether they are
+/// there or not. What is imported comes on top.
+pub fn places(paths: &[String], standard: &StandardLibrary) -> (Vec<PathBuf>, Vec<PathBuf>) {
+    let (mut folders, mut files) = (Vec::new(), Vec::new());
+    let given = given(paths, standard);
+    folders.extend(standard.folder.clone().filter(|_| given.is_empty()));
+    for path in given {
+        let place = PathBuf::from(&path);
+        if place.is_dir() {
+            folders.push(place);
+        } else {
+            let inner = library_path(&path).filter(|_| !place.exists());
+            files.push(inner.map_or(place, |inner| standard.place(&format!("std/{inner}"))));
+        }
+    }
+    for folder in &folders {
+        files.extend(search(folder).unwrap_or_default());
+    }
+    (folders, files)
 }
 
 type Found = Result<(String, String), (String, String)>;
@@ -362,7 +406,8 @@ fn clean(path: &Path) -> String {
     shown(&parts)
 }
 
-fn shown(path: &Path) -> String {
+/// A path as findings name it: with slashes.
+pub fn shown(path: &Path) -> String {
     path.to_string_lossy()
         .replace(std::path::MAIN_SEPARATOR, "/")
 }

@@ -45,6 +45,11 @@ impl Drop for Watch {
     }
 }
 
+/// Whether Ctrl-C was pressed, for a command that it ends in the ordinary way: from now on it counts as not pressed.
+pub fn take() -> bool {
+    INTERRUPTED.swap(false, Ordering::SeqCst)
+}
+
 /// Whether Ctrl-C was pressed.
 pub fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::SeqCst)

@@ -54,9 +54,17 @@ impl<'a> Planned<'a> {
                 findings.extend(result.findings.clone());
                 continue;
             }
-            let (code, why) = match result.verdict {
-                Verdict::Unrealizable => (codes::UNREALIZABLE, "is unrealizable"),
-                Verdict::GaveUp => (codes::GAVE_UP, "has no verdict"),
+            let (code, why, help) = match result.verdict {
+                Verdict::Unrealizable => (
+                    codes::UNREALIZABLE,
+                    "is unrealizable",
+                    "repair the contract first",
+                ),
+                Verdict::GaveUp => (
+                    codes::GAVE_UP,
+                    "has no verdict",
+                    "see at the contract what would give it one",
+                ),
                 Verdict::Realizable | Verdict::Invalid => continue,
             };
             findings.push(
@@ -68,7 +76,8 @@ impl<'a> Planned<'a> {
                         component.name, self.machine.name, component.contract
                     ),
                 )
-                .with_label(job.span, "see the finding here"),
+                .with_label(job.span, "see the finding here")
+                .with_help(help),
             );
         }
         findings

@@ -217,11 +217,16 @@ fn simulate(
             Some(Ok(instance)) => {
                 controllers.insert(index, Box::new(instance));
             }
-            Some(Err(error)) => findings.push(Diagnostic::error(
-                codes::LIBRARY_CALL,
-                node.span,
-                format!("`{}` cannot be instantiated: {error}", node.name),
-            )),
+            Some(Err(error)) => findings.push(
+                Diagnostic::error(
+                    codes::LIBRARY_CALL,
+                    node.span,
+                    format!("`{}` cannot be instantiated: {error}", node.name),
+                )
+                .with_help(
+                    "build it anew with --rebuild; `linewright explain LW505` lists the codes",
+                ),
+            ),
             None => {}
         }
     }

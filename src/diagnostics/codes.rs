@@ -1,8 +1,7 @@
 //! Every diagnostic code, with its title.
 //!
-//! `LW0xx` source and syntax, `LW1xx` types and names, `LW2xx` game, `LW3xx` machine and composition, `LW4xx` line,
-//! `LW5xx` station. A code is never used again for something else. Each code has a page in
-//! `src/diagnostics/explanations/`, shown by `linewright explain`.
+//! The first digit says what a code is about: see [`GROUPS`]. A code is never used again for something else. Each code has a
+//! page in `src/diagnostics/explanations/`, shown by `linewright explain`.
 
 /// A diagnostic code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -16,6 +15,47 @@ pub struct Code {
 impl std::fmt::Display for Code {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.id)
+    }
+}
+
+impl Code {
+    /// The group it belongs to.
+    ///
+    /// # Panics
+    /// When there is no group for its first digit, which a test rules out for every code.
+    pub fn group(self) -> &'static Group {
+        let start = |g: &&Group| g.pattern[..3] == self.id[..3];
+        GROUPS.iter().find(start).expect("every code has a group")
+    }
+}
+
+/// The codes with the same first digit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Group {
+    /// `LW1xx`.
+    pub pattern: &'static str,
+    /// What its codes are about.
+    pub title: &'static str,
+}
+
+/// All groups in ascending order.
+pub const GROUPS: &[Group] = &[
+    Group::new("LW0xx", "source and syntax"),
+    Group::new("LW1xx", "types and names"),
+    Group::new("LW2xx", "game"),
+    Group::new("LW3xx", "machine and composition"),
+    Group::new("LW4xx", "line"),
+    Group::new("LW5xx", "station"),
+];
+
+impl Group {
+    const fn new(pattern: &'static str, title: &'static str) -> Self {
+        Self { pattern, title }
+    }
+
+    /// Its codes in ascending order.
+    pub fn codes(&'static self) -> impl Iterator<Item = Code> {
+        ALL.iter().copied().filter(move |c| c.group() == self)
     }
 }
 
@@ -98,4 +138,16 @@ codes! {
 /// The code of an id such as `LW101`, in either case.
 pub fn find(id: &str) -> Option<Code> {
     ALL.iter().copied().find(|c| c.id.eq_ignore_ascii_case(id))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_is_in_the_group_of_its_first_digit() {
+        let grouped: Vec<Code> = GROUPS.iter().flat_map(Group::codes).collect();
+        assert_eq!(grouped, ALL, "also: codes stand in ascending order");
+        assert!(GROUPS.iter().all(|g| g.codes().next().is_some()));
+    }
 }

@@ -1,10 +1,10 @@
 //! Findings as SARIF 2.1.0 (OASIS standard), which code hosts and editors read.
 //!
-//! One run; every code that occurs is a rule. Regions carry the columns in characters (`unicodeCodePoints`), as everything
+//! One run; every code that occurs is a rule, with its page as the help. There is no `helpUri`: the pages are in the program. Regions carry the columns in characters (`unicodeCodePoints`), as everything
 //! else in this program does. A finding's further places are `relatedLocations`, its next step stands behind the message.
 
 use super::json::Place;
-use super::{Diagnostic, Severity, render};
+use super::{Code, Diagnostic, Severity, explanations, render};
 use crate::source::{SourceMap, Span};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -12,17 +12,23 @@ use std::fmt::Write as _;
 /// The whole SARIF document, findings sorted by file and place.
 pub fn document(sources: &SourceMap, findings: &[Diagnostic]) -> Value {
     let findings = render::sorted(sources, findings);
-    let mut rules: Vec<super::Code> = findings.iter().map(|d| d.code).collect();
+    let mut rules: Vec<Code> = findings.iter().map(|d| d.code).collect();
     rules.sort_unstable();
     rules.dedup();
     let results: Vec<Value> = findings
         .iter()
         .map(|d| result(sources, d, &rules))
         .collect();
-    let rules: Vec<Value> = rules
-        .iter()
-        .map(|c| json!({"id": c.id, "shortDescription": {"text": c.title}}))
-        .collect();
+    run(&rules, &results)
+}
+
+/// A document of these codes without any finding.
+pub fn catalogue(codes: &[Code]) -> Value {
+    run(codes, &[])
+}
+
+fn run(rules: &[Code], results: &[Value]) -> Value {
+    let rules: Vec<Value> = rules.iter().copied().map(rule).collect();
     json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",
@@ -38,7 +44,17 @@ pub fn document(sources: &SourceMap, findings: &[Diagnostic]) -> Value {
     })
 }
 
-fn result(sources: &SourceMap, finding: &Diagnostic, rules: &[super::Code]) -> Value {
+fn rule(code: Code) -> Value {
+    let mut rule = json!({"id": code.id, "shortDescription": {"text": code.title}});
+    if let Some(page) = explanations::page(code) {
+        rule["fullDescription"] = json!({"text": explanations::summary(page)});
+        rule["help"] = json!({"text": explanations::plain(page), "markdown": page});
+    }
+    rule["properties"] = json!({"tags": [code.group().title]});
+    rule
+}
+
+fn result(sources: &SourceMap, finding: &Diagnostic, rules: &[Code]) -> Value {
     let level = match finding.severity {
         Severity::Error => "error",
         Severity::Warning => "warning",

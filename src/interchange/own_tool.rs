@@ -28,7 +28,7 @@ enum Topic {
 }
 
 /// A question whose answer tells what the file's own tool says.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Inquiry {
     topic: Topic,
     format: Format,

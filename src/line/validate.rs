@@ -28,8 +28,12 @@ struct Check<'a> {
 
 impl Check<'_> {
     fn refuse(&mut self, span: Span, message: String) {
-        self.findings
-            .push(Diagnostic::error(codes::LINE_UNKNOWN, span, message));
+        let finding = Diagnostic::error(codes::LINE_UNKNOWN, span, message);
+        self.findings.push(
+            finding.with_help(
+                "`linewright explain LW401` shows how what a line consists of is declared",
+            ),
+        );
     }
 
     fn require(&mut self, holds: bool, span: Span, message: impl FnOnce() -> String) {

@@ -34,6 +34,7 @@ impl Assembly<'_> {
         let sources = &self.loaded.library.sources;
         let mut document = Document {
             schema: schema("check"),
+            occasion: None,
             semantics: "strict",
             contracts: Vec::new(),
             machines: Vec::new(),

@@ -1,5 +1,6 @@
 //! The JSON document of `check`, which its other formats are made from, too.
 
+use super::watch::Occasion;
 use crate::cli::statistics::Statistics;
 use crate::diagnostics::json;
 use serde::Serialize;
@@ -8,6 +9,9 @@ use serde::Serialize;
 #[derive(Debug, Serialize)]
 pub(super) struct Document {
     pub(super) schema: String,
+    /// Why it was checked again, with `--watch`.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub(super) occasion: Option<Occasion>,
     pub(super) semantics: &'static str,
     pub(super) contracts: Vec<ContractEntry>,
     pub(super) machines: Vec<MachineEntry>,

@@ -4,20 +4,20 @@ mod assembly;
 mod document;
 mod table;
 mod view;
+mod watch;
 
 use super::console::Console;
 use super::controller::Wish;
 use super::exit::ExitCode;
-use super::files::{self, StandardLibrary};
+use super::files::{self, Loaded, StandardLibrary};
 use super::machines::Planned;
 use super::options::{Format, GlobalOptions};
 use super::output;
-use super::pipeline::{CheckedContract, Goal, Jobs, Verdict};
+use super::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
 use super::proof;
 use crate::contract::Contract;
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
 use crate::interchange::inquiries;
-use crate::source::SourceMap;
 use assembly::Assembly;
 use clap::Args;
 use document::Document;
@@ -31,6 +31,8 @@ use view::{FileView, view};
     linewright check --format short contracts/handling/turn.lw
     linewright check --stats --proof turn.proof.json contracts/handling/turn.lw
     linewright check examples/other-tools/arbiter.spc examples/other-tools/arbiter.slugsin
+
+    $ linewright check --watch contracts/
 
 A contract is realizable when a controller exists that keeps its guarantees for as long as the plant \
 keeps the assumptions (safety first, strictly). Each such controller is synthesized and verified, but \
@@ -54,12 +56,45 @@ pub struct Arguments {
                      can check; docs/proof.md says how. There must be exactly one contract"
     )]
     pub proof: Option<PathBuf>,
+    /// Check again whenever a file has changed, until Ctrl-C
+    #[arg(
+        long,
+        conflicts_with = "proof",
+        long_help = "Check again whenever one of the files has changed, or one that they import, until Ctrl-C; the exit code is \
+                     that of the last check. Contracts that have not changed are not solved again. With `--format json` each \
+                     check is one document in one line, which also says what has changed (`changes`, `unix_seconds`); SARIF \
+                     is refused"
+    )]
+    pub watch: bool,
+}
+
+/// What was found.
+struct Checked {
+    loaded: Loaded,
+    document: Document,
+    findings: Vec<Diagnostic>,
+    code: ExitCode,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let console = options.console();
+    if arguments.watch {
+        return watch::run(arguments, options);
+    }
     let settings = options.settings();
+    let checked = check(arguments, options, &settings, None)?;
+    write(options.console(), &checked, options)?;
+    Ok(checked.code)
+}
+
+/// Checks everything once.
+fn check(
+    arguments: &Arguments,
+    options: &GlobalOptions,
+    settings: &Settings,
+    memory: Option<&mut Memory>,
+) -> anyhow::Result<Checked> {
+    let console = options.console();
     let loaded = files::load(
         &arguments.paths,
         &StandardLibrary::new(options.library.clone()),
@@ -93,7 +128,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .filter(|m| view(&files, m.span.file).is_some_and(|f| f.is_sound(m.span)))
         .map(|m| Planned::new(m, &mut jobs))
         .collect();
-    let checked = jobs.run(&settings, &console.progress(jobs.len(), "checking"))?;
+    let progress = console.progress(jobs.len(), "checking");
+    let checked = jobs.run_with(memory, settings, &progress)?;
 
     let report = Assembly {
         loaded: &loaded,
@@ -126,14 +162,6 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         document.summary.findings += found.len();
         findings.extend(found);
     }
-    print(
-        console,
-        &loaded.library.sources,
-        &document,
-        &findings,
-        options,
-    )?;
-
     let verdicts = document
         .contracts
         .iter()
@@ -143,10 +171,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             _ => ExitCode::Success,
         })
         .fold(ExitCode::Success, ExitCode::and);
-    Ok(options
-        .exit_code(&findings)
-        .and(verdicts)
-        .and(loaded.exit_code()))
+    let code = options.exit_code(&findings).and(verdicts);
+    Ok(Checked {
+        code: code.and(loaded.exit_code()),
+        document,
+        findings,
+        loaded,
+    })
 }
 
 /// Writes the proof of the only contract; the findings say why there is none.
@@ -181,23 +212,24 @@ fn write_proof(
     })
 }
 
-fn print(
-    console: Console,
-    sources: &SourceMap,
-    document: &Document,
-    findings: &[Diagnostic],
-    options: &GlobalOptions,
-) -> anyhow::Result<()> {
+/// Prints what was found. Gives whether somebody still reads it.
+fn write(console: Console, checked: &Checked, options: &GlobalOptions) -> anyhow::Result<bool> {
+    let Checked {
+        loaded,
+        document,
+        findings,
+        ..
+    } = checked;
+    let sources = &loaded.library.sources;
+    let text = |table: String| console.render(sources, findings) + &table;
     match options.format {
-        Format::Json => console.document(document),
-        Format::Sarif => console.document(&sarif::document(sources, findings)),
-        Format::Short => {
-            let verdicts = table::short(document);
-            console.result(&(console.render(sources, findings) + &verdicts))
+        Format::Json if document.occasion.is_some() => console.line(document),
+        Format::Json => console.document(document).map(|()| true),
+        Format::Sarif => {
+            let document = sarif::document(sources, findings);
+            console.document(&document).map(|()| true)
         }
-        Format::Human => {
-            let table = table::human(document, options.verbose);
-            console.result(&(console.render(sources, findings) + &table))
-        }
+        Format::Short => console.part(&text(table::short(document))),
+        Format::Human => console.part(&text(table::human(document, options.verbose))),
     }
 }

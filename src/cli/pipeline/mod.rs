@@ -5,9 +5,11 @@
 //! is to be known of a contract, and that is then put into words.
 
 mod known;
+mod memory;
 mod task;
 
 pub use known::Reason;
+pub use memory::Memory;
 
 use super::cache::Cache;
 use super::controller::Wish;
@@ -124,7 +126,7 @@ pub struct Settings {
 }
 
 /// One specification to be solved, and where its findings point.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Job {
     /// What to solve.
     pub specification: Arc<Specification>,
@@ -264,27 +266,44 @@ impl Jobs {
         settings: &Settings,
         progress: &ProgressBar,
     ) -> Result<Vec<CheckedContract>, InternalError> {
+        self.run_with(None, settings, progress)
+    }
+
+    /// The same without the jobs that a run before has done, if it asked for the same of them; this run is remembered instead.
+    pub fn run_with(
+        &self,
+        memory: Option<&mut Memory>,
+        settings: &Settings,
+        progress: &ProgressBar,
+    ) -> Result<Vec<CheckedContract>, InternalError> {
         let _watch = Watch::new();
         let results = self
             .list
             .par_iter()
             .map(|job| {
-                let result = Task {
-                    job: job.clone(),
-                    examine: self.examine,
-                    rank: self.rank,
-                    wish: self.wish,
-                    settings: settings.clone(),
-                    solve: Arc::default(),
-                }
-                .in_time();
+                let result = match memory.as_ref().and_then(|m| m.find(job)) {
+                    Some(known) => Ok(known),
+                    None => Task {
+                        job: job.clone(),
+                        examine: self.examine,
+                        rank: self.rank,
+                        wish: self.wish,
+                        settings: settings.clone(),
+                        solve: Arc::default(),
+                    }
+                    .in_time(),
+                };
                 progress.set_message(job.specification.name.clone());
                 progress.inc(1);
                 result
             })
             .collect::<Vec<_>>();
         progress.finish_and_clear();
-        results.into_iter().collect()
+        let results: Vec<CheckedContract> = results.into_iter().collect::<Result<_, _>>()?;
+        if let Some(memory) = memory {
+            memory.keep(&self.list, &results);
+        }
+        Ok(results)
     }
 }
 

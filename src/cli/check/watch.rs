@@ -1,0 +1,120 @@
+//! `check --watch`: checks again whenever a file has changed, until Ctrl-C.
+//!
+//! Contracts that have not changed keep their results: those that stand where they stood from the check before, those that have
+//! moved within their file from the cache; where the user wants none, from one that lasts as long as the watch. Ctrl-C ends the watch
+//! in the ordinary way, with the exit code of the last check that was finished.
+
+mod lookout;
+
+use super::{Arguments, Checked, check, write};
+use crate::cli::cache::Cache;
+use crate::cli::exit::ExitCode;
+use crate::cli::files::StandardLibrary;
+use crate::cli::interrupt::{self, Watch};
+use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::pipeline::Memory;
+use crate::source::SourceMap;
+use anyhow::Context as _;
+use lookout::{Change, Lookout};
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+/// Why there was another check: a part of its JSON document.
+#[derive(Debug, Serialize)]
+pub(super) struct Occasion {
+    /// Empty for the first check.
+    changes: Vec<Change>,
+    /// When it began, in seconds since 1970 (UTC).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unix_seconds: Option<f64>,
+}
+
+impl Occasion {
+    fn now(changes: Vec<Change>, timing: bool) -> Self {
+        let now = || SystemTime::now().duration_since(UNIX_EPOCH).ok();
+        let unix_seconds = now().filter(|_| timing).map(|t| t.as_secs_f64());
+        Self {
+            changes,
+            unix_seconds,
+        }
+    }
+
+    /// `[08:15:00 UTC] turn.lw has changed, lamp.lw is new`; nothing for the first check.
+    fn line(&self) -> String {
+        if self.changes.is_empty() {
+            return String::new();
+        }
+        let changes: Vec<String> = self.changes.iter().map(Change::to_string).collect();
+        let clock = self.unix_seconds.map(|s| {
+            let of_day = s as u64 % 86_400;
+            let (hours, minutes) = (of_day / 3600, of_day / 60 % 60);
+            format!("[{hours:02}:{minutes:02}:{:02} UTC] ", of_day % 60)
+        });
+        format!("{}{}\n", clock.unwrap_or_default(), changes.join(", "))
+    }
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    if options.format == Format::Sarif {
+        anyhow::bail!(
+            "SARIF is one document for one check: leave --watch out, or take `--format json` with it"
+        );
+    }
+    let _watch = Watch::new();
+    let console = options.console();
+    let standard = StandardLibrary::new(options.library.clone());
+    let mut lookout = Lookout::new(&arguments.paths, standard.clone());
+    let mut memory = Memory::default();
+    let own = tempfile::tempdir().context("no temporary folder can be made")?;
+    let mut code = None;
+    let mut changes = lookout.look();
+    changes.clear();
+    loop {
+        let occasion = Occasion::now(changes, !options.no_timing);
+        let mut settings = options.settings();
+        settings
+            .cache
+            .get_or_insert_with(|| Cache::in_folder(own.path()));
+        let mut checked = check(arguments, options, &settings, Some(&mut memory))?;
+        if interrupt::take() {
+            return Ok(code.unwrap_or(ExitCode::GaveUp));
+        }
+        let line = occasion.line();
+        checked.document.occasion = Some(occasion);
+        if !console.part(&line_for(options.format, &line))? || !write(console, &checked, options)? {
+            return Ok(checked.code);
+        }
+        if code.replace(checked.code).is_none() && options.format != Format::Json {
+            console.remark("Watching; Ctrl-C ends it.\n")?;
+        }
+        lookout.also(&places_of(&checked, &standard));
+        let Some(found) = lookout.wait(interrupt::interrupted) else {
+            interrupt::take();
+            return Ok(checked.code);
+        };
+        changes = found;
+    }
+}
+
+/// The line of an occasion where it is not a part of the document: in human output, with some air around it.
+fn line_for(format: Format, line: &str) -> String {
+    match format {
+        Format::Human if !line.is_empty() => format!("\n\u{1b}[1m{line}\u{1b}[0m\n"),
+        Format::Human | Format::Short => line.to_owned(),
+        Format::Json | Format::Sarif => String::new(),
+    }
+}
+
+/// The files that a check has read, or would have read, beside those it was given.
+fn places_of(checked: &Checked, standard: &StandardLibrary) -> Vec<PathBuf> {
+    let loaded = &checked.loaded;
+    let sources: &SourceMap = &loaded.library.sources;
+    let read = sources.files().map(|(_, file)| &file.name);
+    let names = read.chain(&loaded.missing);
+    names.map(|name| standard.place(name)).collect()
+}
+
+/// How long it takes at most until a change is noticed where the system does not tell.
+pub(super) const SLOWEST: Duration = Duration::from_millis(200);

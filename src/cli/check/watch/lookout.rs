@@ -1,0 +1,375 @@
+//! Which files matter, and word that one of them has changed.
+//!
+//! Two sources, since neither is enough. The system says at once that something happened in a folder, but not always (network
+//! drives, folders that come and go), and also when nothing that matters did. The files themselves say what has changed: their
+//! contents are compared with those at the last look, which also comes around every second when the system is silent.
+
+use super::SLOWEST;
+use crate::cli::files::{self, StandardLibrary};
+use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::{Duration, Instant, SystemTime};
+
+/// How long it stays between two looks around while nothing happens.
+const TICK: Duration = Duration::from_millis(50);
+
+/// Files are looked at without a word from the system after so long.
+const REST: Duration = Duration::from_secs(1);
+
+/// A file that was just written may be written on: looks wait until so long nothing has happened.
+const QUIET: Duration = Duration::from_millis(40);
+
+/// They wait no longer than this.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+/// A file that was changed so shortly before it was read is read again, since its time of change may not tell two changes apart.
+const COARSE: Duration = Duration::from_secs(2);
+
+/// What happened to a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(in crate::cli::check) enum What {
+    /// Its text is another one.
+    Changed,
+    /// It was not there before.
+    New,
+    /// It is not there any more.
+    Gone,
+}
+
+/// A file that something happened to.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(in crate::cli::check) struct Change {
+    /// The file as findings name it.
+    pub(in crate::cli::check) file: String,
+    /// What happened.
+    pub(in crate::cli::check) what: What,
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self.what {
+            What::Changed => "has changed",
+            What::New => "is new",
+            What::Gone => "is gone",
+        };
+        write!(f, "{} {what}", self.file)
+    }
+}
+
+/// A file at the last look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Seen {
+    changed: Option<SystemTime>,
+    bytes: u64,
+    /// Whether time and size will tell that it has changed.
+    settled: bool,
+    text: u64,
+}
+
+/// The system's word of changes.
+struct Word {
+    watcher: RecommendedWatcher,
+    events: Receiver<notify::Result<Event>>,
+    folders: BTreeMap<PathBuf, RecursiveMode>,
+}
+
+/// There will be no more word.
+struct Silent;
+
+/// All that is watched.
+pub(super) struct Lookout {
+    paths: Vec<String>,
+    standard: StandardLibrary,
+    /// Files that matter beside those that the paths name: what is imported, there or not.
+    others: BTreeSet<PathBuf>,
+    /// Every file that matters and is there.
+    seen: BTreeMap<PathBuf, Seen>,
+    /// None where the system gives no word.
+    word: Option<Word>,
+}
+
+impl Lookout {
+    /// Watches what these paths of the command line name.
+    pub(super) fn new(paths: &[String], standard: StandardLibrary) -> Self {
+        let (sender, events) = channel();
+        let watcher = notify::recommended_watcher(move |event| {
+            // Fails when nobody waits any more.
+            let _ = sender.send(event);
+        });
+        let word = watcher.ok().map(|watcher| Word {
+            watcher,
+            events,
+            folders: BTreeMap::new(),
+        });
+        Self {
+            paths: paths.to_vec(),
+            standard,
+            others: BTreeSet::new(),
+            seen: BTreeMap::new(),
+            word,
+        }
+    }
+
+    /// Watches these files, too, from now on, and no others beside those that the paths name. They count as seen; what the last look
+    /// saw stays as it was.
+    pub(super) fn also(&mut self, others: &[PathBuf]) {
+        let (_, named) = files::places(&self.paths, &self.standard);
+        let named: BTreeSet<PathBuf> = named.iter().map(plain).collect();
+        let others: BTreeSet<PathBuf> = others.iter().map(plain).collect();
+        let dropped = std::mem::replace(&mut self.others, others);
+        self.seen
+            .retain(|p, _| !dropped.contains(p) || self.others.contains(p) || named.contains(p));
+        for path in &self.others {
+            if !self.seen.contains_key(path)
+                && let Some(seen) = Seen::of(path, None)
+            {
+                self.seen.insert(path.clone(), seen);
+            }
+        }
+    }
+
+    /// Looks at all files, and gives what has changed since the last look.
+    pub(super) fn look(&mut self) -> Vec<Change> {
+        let (folders, files) = files::places(&self.paths, &self.standard);
+        let mut files: BTreeSet<PathBuf> = files.iter().map(plain).collect();
+        files.extend(self.others.iter().cloned());
+        if let Some(word) = &mut self.word {
+            word.listen(&folders, &files);
+        }
+        let mut seen = BTreeMap::new();
+        let mut changes = Vec::new();
+        for path in files {
+            let before = self.seen.remove(&path);
+            let now = Seen::of(&path, before);
+            let what = match (&before, &now) {
+                (None, Some(_)) => Some(What::New),
+                (Some(_), None) => Some(What::Gone),
+                (Some(a), Some(b)) if a.text != b.text => Some(What::Changed),
+                _ => None,
+            };
+            changes.extend(what.map(|what| change(&path, what)));
+            if let Some(now) = now {
+                seen.insert(path, now);
+            }
+        }
+        // No path names these any more.
+        let gone = std::mem::replace(&mut self.seen, seen);
+        changes.extend(gone.keys().map(|path| change(path, What::Gone)));
+        changes
+    }
+
+    /// Waits for a change; `None` when it is to end.
+    pub(super) fn wait(&mut self, ended: impl Fn() -> bool) -> Option<Vec<Change>> {
+        let mut looked = Instant::now();
+        // The first look is for what came during the check.
+        let mut due = true;
+        loop {
+            if ended() {
+                return None;
+            }
+            let rest = if self.word.is_some() { REST } else { SLOWEST };
+            if due || looked.elapsed() >= rest {
+                let changes = self.look();
+                if !changes.is_empty() {
+                    return Some(changes);
+                }
+                looked = Instant::now();
+            }
+            due = false;
+            if let Some(word) = &mut self.word {
+                match word.next() {
+                    Ok(found) => due = found,
+                    Err(Silent) => self.word = None,
+                }
+            } else {
+                std::thread::sleep(TICK);
+            }
+        }
+    }
+}
+
+impl Word {
+    /// Whether something happens within a tick; if so, it is waited for the end of it.
+    fn next(&mut self) -> Result<bool, Silent> {
+        match self.events.recv_timeout(TICK) {
+            Ok(event) => self.note(event),
+            Err(RecvTimeoutError::Timeout) => return Ok(false),
+            Err(RecvTimeoutError::Disconnected) => return Err(Silent),
+        }
+        let start = Instant::now();
+        while start.elapsed() < PATIENCE
+            && let Ok(event) = self.events.recv_timeout(QUIET)
+        {
+            self.note(event);
+        }
+        Ok(true)
+    }
+
+    /// A folder that is removed is watched anew when it comes again.
+    fn note(&mut self, event: notify::Result<Event>) {
+        if let Ok(event) = event
+            && matches!(event.kind, EventKind::Remove(_) | EventKind::Modify(_))
+        {
+            let removed = matches!(event.kind, EventKind::Remove(_));
+            for path in event.paths {
+                self.folders.retain(|folder, _| {
+                    let here = std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
+                    here != path || (!removed && folder.is_dir())
+                });
+            }
+        }
+    }
+
+    /// Listens to these folders and all below them, and to the folders that these files are in.
+    fn listen(&mut self, folders: &[PathBuf], files: &BTreeSet<PathBuf>) {
+        let mut wanted = BTreeMap::new();
+        for file in files
+            .iter()
+            .filter(|f| !folders.iter().any(|d| f.starts_with(d)))
+        {
+            wanted.insert(standing(file.parent()), RecursiveMode::NonRecursive);
+        }
+        for folder in folders {
+            // Also where it comes from, since it may go and come again.
+            wanted
+                .entry(standing(folder.parent()))
+                .or_insert(RecursiveMode::NonRecursive);
+            wanted.insert(folder.clone(), RecursiveMode::Recursive);
+        }
+        if wanted.is_empty() {
+            wanted.insert(PathBuf::from("."), RecursiveMode::NonRecursive);
+        }
+        for folder in self.folders.keys().filter(|f| !wanted.contains_key(*f)) {
+            // Fails where it is gone already.
+            let _ = self.watcher.unwatch(folder);
+        }
+        self.folders.retain(|folder, _| wanted.contains_key(folder));
+        for (folder, mode) in wanted {
+            if !self.folders.contains_key(&folder) && self.watcher.watch(&folder, mode).is_ok() {
+                self.folders.insert(folder, mode);
+            }
+        }
+    }
+}
+
+impl Seen {
+    /// A file now, read only where that can tell something new; `None` where it cannot be read.
+    fn of(path: &Path, before: Option<Self>) -> Option<Self> {
+        let data = std::fs::metadata(path).ok().filter(|d| !d.is_dir())?;
+        let (changed, bytes) = (data.modified().ok(), data.len());
+        if let Some(before) = before
+            && before.settled
+            && (before.changed, before.bytes) == (changed, bytes)
+        {
+            return Some(before);
+        }
+        let mut hasher = DefaultHasher::new();
+        std::fs::read(path).ok()?.hash(&mut hasher);
+        let age = changed.and_then(|c| c.elapsed().ok());
+        Some(Self {
+            changed,
+            bytes,
+            settled: age.is_some_and(|age| age > COARSE),
+            text: hasher.finish(),
+        })
+    }
+}
+
+/// `./a.lw` and `a.lw` are one file.
+fn plain(path: impl AsRef<Path>) -> PathBuf {
+    let path = path.as_ref();
+    path.strip_prefix(".").unwrap_or(path).to_owned()
+}
+
+/// The folder, or the closest one above it that is there.
+fn standing(folder: Option<&Path>) -> PathBuf {
+    let mut folder = folder.unwrap_or(Path::new(""));
+    while !folder.as_os_str().is_empty() && !folder.is_dir() {
+        folder = folder.parent().unwrap_or(Path::new(""));
+    }
+    if folder.as_os_str().is_empty() {
+        PathBuf::from(".")
+    } else {
+        folder.to_owned()
+    }
+}
+
+fn change(path: &Path, what: What) -> Change {
+    Change {
+        file: files::shown(path),
+        what,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Looks again and says what was found, without the folder's own path.
+    fn found(lookout: &mut Lookout) -> Vec<(String, What)> {
+        let name = |c: Change| {
+            (
+                c.file.rsplit('/').next().unwrap_or_default().to_owned(),
+                c.what,
+            )
+        };
+        lookout.look().into_iter().map(name).collect()
+    }
+
+    #[test]
+    fn looks_tell_what_happened_to_files_in_a_folder_and_to_imports() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("in")).unwrap();
+        std::fs::write(at("in/a.lw"), "one").unwrap();
+        let paths = [at("in").to_string_lossy().into_owned()];
+        let mut lookout = Lookout::new(&paths, StandardLibrary::default());
+        assert_eq!(found(&mut lookout), [("a.lw".to_owned(), What::New)]);
+        assert_eq!(found(&mut lookout), []);
+
+        // The same text again is no change, nor is another kind of file.
+        std::fs::write(at("in/a.lw"), "one").unwrap();
+        std::fs::write(at("in/notes.txt"), "notes").unwrap();
+        assert_eq!(found(&mut lookout), []);
+        std::fs::write(at("in/a.lw"), "two").unwrap();
+        std::fs::write(at("in/b.lw"), "new").unwrap();
+        assert_eq!(
+            found(&mut lookout),
+            [
+                ("a.lw".to_owned(), What::Changed),
+                ("b.lw".to_owned(), What::New)
+            ]
+        );
+
+        // Imports, one of which is not there yet. What is there counts as checked.
+        std::fs::write(at("other.lw"), "other").unwrap();
+        lookout.also(&[at("other.lw"), at("missing.lw")]);
+        assert_eq!(found(&mut lookout), []);
+        std::fs::write(at("other.lw"), "changed").unwrap();
+        std::fs::write(at("missing.lw"), "here").unwrap();
+        std::fs::remove_file(at("in/b.lw")).unwrap();
+        let mut changes = found(&mut lookout);
+        changes.sort_by(|a, b| a.0.cmp(&b.0));
+        assert_eq!(
+            changes,
+            [
+                ("b.lw".to_owned(), What::Gone),
+                ("missing.lw".to_owned(), What::New),
+                ("other.lw".to_owned(), What::Changed)
+            ]
+        );
+
+        // A folder goes and comes again.
+        std::fs::remove_dir_all(at("in")).unwrap();
+        assert_eq!(found(&mut lookout), [("a.lw".to_owned(), What::Gone)]);
+        std::fs::create_dir(at("in")).unwrap();
+        std::fs::write(at("in/a.lw"), "three").unwrap();
+        assert_eq!(found(&mut lookout), [("a.lw".to_owned(), What::New)]);
+    }
+}
