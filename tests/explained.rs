@@ -41,7 +41,9 @@ fn repairs_of_random_specifications() {
         hopeless += u32::from(advice.contradictory);
         matter += u32::from(!advice.matters.is_empty());
     }
-    println!("{lost} lost, {hopeless} hopeless, {assumptions} with assumptions, {weakenings} with weakenings, {matter} where assumptions matter");
+    println!(
+        "{lost} lost, {hopeless} hopeless, {assumptions} with assumptions, {weakenings} with weakenings, {matter} where assumptions matter"
+    );
     assert!(lost > 200);
 }
 

@@ -41,7 +41,8 @@ pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
 pub use self::repair::{Advice, NewAssumption, Weakening};
 pub use self::solver::{
-    KernelChoice, Options, Solved, Statistics, advise, attack, order_of_variables, solve, solve_with,
+    KernelChoice, Options, Solved, Statistics, advise, attack, order_of_variables, solve,
+    solve_with,
 };
 pub use self::strategy::Preference;
 pub use crate::symbolic::{Diagram, DiagramNode, Edge, Limit, Limits, Order};

@@ -95,10 +95,7 @@ fn print(s: &Specification, expr: &Expr, like: Option<&Domain>) -> (String, Bind
             }
             B::Implies => {
                 let bool_like = Some(&Domain::Bool);
-                let (a, b) = (
-                    part(a, Binds::Or, bool_like),
-                    part(b, Binds::Or, bool_like),
-                );
+                let (a, b) = (part(a, Binds::Or, bool_like), part(b, Binds::Or, bool_like));
                 (format!("{a} -> {b}"), Binds::Implication)
             }
             B::Eq | B::Ne if truth(s, a) && truth(s, b) => {

@@ -75,9 +75,17 @@ fn benchmarks() {
             .expect("a counterstrategy");
         let attack_time = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        let advice = linewright::game::advise(&spec, &core, &found.play, &limits).expect("no limit");
+        let advice =
+            linewright::game::advise(&spec, &core, &found.play, &limits).expect("no limit");
         let advice_time = clock.elapsed().as_secs_f64();
-        println!("   {advice_time:.3} matters {} contradictory {} assumptions {} weakenings {} {:?}", advice.matters.len(), advice.contradictory, advice.assumptions.len(), advice.weakenings.len(), crate::mended::holds(&spec, &core, &advice));
+        println!(
+            "   {advice_time:.3} matters {} contradictory {} assumptions {} weakenings {} {:?}",
+            advice.matters.len(),
+            advice.contradictory,
+            advice.assumptions.len(),
+            advice.weakenings.len(),
+            crate::mended::holds(&spec, &core, &advice)
+        );
         let machine = machine(&small, &found);
         let clock = Instant::now();
         let verdict = verify_counterstrategy(&small, &machine, &limits);

@@ -124,15 +124,16 @@ fn declared(specification: &Specification) -> Vec<Request> {
         if found.iter().any(|r| r.output == output) {
             continue;
         }
-        let request = specification.inputs().find_map(|input| {
-            match &specification.variable(input).domain {
-                Domain::Enum { labels, .. } => {
-                    let label = labels.iter().position(|l| l == stem)?;
-                    Some(Expr::now(input).equals(Expr::Const(label as i64)))
-                }
-                _ => None,
-            }
-        });
+        let request =
+            specification
+                .inputs()
+                .find_map(|input| match &specification.variable(input).domain {
+                    Domain::Enum { labels, .. } => {
+                        let label = labels.iter().position(|l| l == stem)?;
+                        Some(Expr::now(input).equals(Expr::Const(label as i64)))
+                    }
+                    _ => None,
+                });
         if let Some(request) = request {
             found.push(Request {
                 request,
@@ -169,19 +170,18 @@ fn held(specification: &Specification, expr: &Expr) -> Option<(Expr, VarId)> {
         }
     }
     let asked = after.conjuncts();
-    // What is held is what was up, among whatever else is promised of the next step.
-    let kept: Vec<Expr> = request
-        .into_iter()
-        .filter(|r| {
-            let mut of_inputs = true;
-            r.for_each_var(&mut |v, t| {
-                of_inputs &=
-                    t == Time::Now && specification.variable(v).owner == Owner::Environment;
-            });
-            let next = r.substitute(&mut |v, _| Expr::next(v));
-            of_inputs && asked.contains(&&next)
-        })
-        .collect();
-    let request = kept.into_iter().reduce(Expr::and)?;
+    // All of it is held. If only a part were, that part would be something that stays while another thing is asked for.
+    let kept = |r: &Expr| {
+        let mut of_inputs = true;
+        r.for_each_var(&mut |v, t| {
+            of_inputs &= t == Time::Now && specification.variable(v).owner == Owner::Environment;
+        });
+        let next = r.substitute(&mut |v, _| Expr::next(v));
+        of_inputs && asked.contains(&&next)
+    };
+    if !request.iter().all(kept) {
+        return None;
+    }
+    let request = request.into_iter().reduce(Expr::and)?;
     Some((request, done?))
 }

@@ -85,7 +85,10 @@ impl<'a, K: Kernel> Look<'a, K> {
             // Only answers that are right whatever the environment gives.
             Timing::Moore => m.and(&arena.for_all_inputs(&target)?, &target)?,
         };
-        let moves = m.and(&m.and(&arena.environment_moves()?, &arena.system_moves()?)?, &stays)?;
+        let moves = m.and(
+            &m.and(&arena.environment_moves()?, &arena.system_moves()?)?,
+            &stays,
+        )?;
         let mut first = m.and(&arena.sys_initial, region)?;
         if arena.timing == Timing::Moore {
             let right = m.implies_forall(&arena.env_initial, &first, &arena.inputs_now)?;
@@ -192,7 +195,10 @@ impl<'a, K: Kernel> Look<'a, K> {
                 restricted.insert(bit);
             }
         }
-        let (a, g) = (&self.specification.assumptions, &self.specification.guarantees);
+        let (a, g) = (
+            &self.specification.assumptions,
+            &self.specification.guarantees,
+        );
         for formula in a.all().chain(g.all()) {
             formula
                 .expr
@@ -304,7 +310,10 @@ impl<'a, K: Kernel> Look<'a, K> {
     /// Whether a machine that never changes an output wins, where there is something to be done again and again.
     fn idle(&self) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
-        let (a, g) = (&self.specification.assumptions, &self.specification.guarantees);
+        let (a, g) = (
+            &self.specification.assumptions,
+            &self.specification.guarantees,
+        );
         let busy = !a.justice.is_empty() || !g.justice.is_empty();
         if !busy || self.outputs().next().is_none() {
             return Ok(false);

@@ -91,7 +91,11 @@ pub(super) fn advise_on<K: Kernel>(
         specification,
         core.iter()
             .map(|g| g.formula(&specification.guarantees))
-            .chain(matters.iter().map(|a| a.formula(&specification.assumptions))),
+            .chain(
+                matters
+                    .iter()
+                    .map(|a| a.formula(&specification.assumptions)),
+            ),
         play,
     );
     let assumptions = if contradictory {

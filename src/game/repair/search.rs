@@ -82,7 +82,8 @@ pub fn assumptions<K: Kernel>(
             if family.kind != Kind::Safety {
                 let mut mine = Vec::new();
                 family.wanted.for_each_var(&mut |v, _| mine.push(v));
-                word.expr.for_each_var(&mut |v, _| same |= mine.contains(&v));
+                word.expr
+                    .for_each_var(&mut |v, _| same |= mine.contains(&v));
             }
             same
         };
@@ -110,14 +111,17 @@ pub fn assumptions<K: Kernel>(
         steps(a).cmp(&steps(b)).then(by_share).then(m.cmp(n))
     });
     let mut chosen: Vec<(usize, NewAssumption)> = Vec::new();
+    let mut meanings: Vec<(Kind, K::Function)> = Vec::new();
     for (tried, (number, candidate)) in found.into_iter().enumerate() {
         if chosen.len() >= MOST_SUGGESTIONS || tried >= MOST_WHOLE {
             break;
         }
-        // One of a family is enough, and one that forbids nothing cannot help.
-        let known = chosen.iter().any(|(n, _)| *n == number);
+        // One of a family is enough, and two may be the same in other words.
+        let meaning = (candidate.kind, trials.encode(&candidate.formula)?);
+        let known = meanings.contains(&meaning) || chosen.iter().any(|(n, _)| *n == number);
         if !known && trials.mends(candidate.kind, &candidate.formula)? {
             chosen.push((number, candidate));
+            meanings.push(meaning);
         }
     }
     Ok(chosen.into_iter().map(|(_, a)| a).collect())
@@ -202,8 +206,7 @@ fn weaken<'w>(
             for at in from..conditions.len() {
                 let contrary = |c: &&usize| {
                     let other = &conditions[**c].expr;
-                    *other == conditions[at].expr
-                        || *other == negation(conditions[at].expr.clone())
+                    *other == conditions[at].expr || *other == negation(conditions[at].expr.clone())
                 };
                 if chosen.iter().find(contrary).is_some() {
                     continue;

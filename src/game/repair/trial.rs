@@ -32,7 +32,8 @@ impl<'a, K: Kernel> Trials<'a, K> {
         let arena = formulas.arena(&Selection::All, SPLIT)?;
         let m = formulas.kernel();
         let environment = findings::examine(formulas, &arena, specification)?;
-        let moves = m.and(&arena.states, &arena.environment_moves()?)?;
+        let free = formulas.arena(&Selection::Only(&[]), SPLIT)?;
+        let moves = m.and(&free.states, &free.environment_moves()?)?;
         let mut all = m.constant(true);
         for (v, _) in specification.variables.iter().enumerate() {
             let id = crate::gr1::VarId(v as u32);
@@ -61,7 +62,9 @@ impl<'a, K: Kernel> Trials<'a, K> {
     }
 
     pub fn encode(&self, expr: &Expr) -> Result<K::Function, Limit> {
-        self.formulas.encoding().formula(self.formulas.kernel(), expr)
+        self.formulas
+            .encoding()
+            .formula(self.formulas.kernel(), expr)
     }
 
     /// Whether the core can be kept with one more assumption.
@@ -84,7 +87,10 @@ impl<'a, K: Kernel> Trials<'a, K> {
             return Ok(false);
         }
         self.games += 1;
-        wins(&self.weakened(guarantee, unless)?, &Selection::Only(self.core))
+        wins(
+            &self.weakened(guarantee, unless)?,
+            &Selection::Only(self.core),
+        )
     }
 
     /// The same for all guarantees.
@@ -119,7 +125,10 @@ impl<'a, K: Kernel> Trials<'a, K> {
         let before = &self.environment;
         let worse = |now: bool, before: bool| now && !before;
         Ok(!worse(found.cannot_start, before.cannot_start)
-            && !worse(found.stuck_at_start.is_some(), before.stuck_at_start.is_some())
+            && !worse(
+                found.stuck_at_start.is_some(),
+                before.stuck_at_start.is_some(),
+            )
             && !worse(found.dead_end.is_some(), before.dead_end.is_some())
             && !worse(found.forced.is_some(), before.forced.is_some()))
     }

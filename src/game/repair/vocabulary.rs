@@ -65,6 +65,12 @@ pub fn words<'f>(
             }
         }
     }
+    // What monitors keep in mind is not the user's own.
+    atoms.retain(|atom| {
+        variables(atom)
+            .iter()
+            .all(|v| !specification.variable(*v).internal)
+    });
     atoms.truncate(MOST);
     let mut words = Vec::new();
     for atom in atoms {
