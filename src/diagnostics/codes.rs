@@ -48,6 +48,8 @@ codes! {
     NUMBER_RANGE = "LW110", "a number is too large";
     UNUSED = "LW111", "a declaration is never used";
     TOO_LARGE = "LW112", "a formula becomes too large";
+    NAMES_ALIKE = "LW113", "two names look like one thing";
+    COMPARISON_DECIDED = "LW114", "a comparison is always true, or never";
 
     NOT_GR1 = "LW201", "a formula is outside GR(1)";
     NOT_CONTROLLED = "LW202", "a formula constrains what its side does not control";
@@ -59,6 +61,7 @@ codes! {
     DOMAIN_LEFT = "LW208", "a next value can leave its domain";
     NEXT_OUTPUT_ASSUMED = "LW209", "an assumption speaks of the machine's next values";
     PAST = "LW210", "an operator over other steps is out of place";
+    NEXT_BOTH_SIDES = "LW211", "next stands on both sides of an equation";
 
     INPUT_UNBOUND = "LW301", "an input of a component is bound to nothing";
     SAME_STEP_LOOP = "LW302", "components wait for each other in the same step";
