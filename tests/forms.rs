@@ -6,6 +6,7 @@ use linewright::contract::load;
 use linewright::diagnostics::{Diagnostic, codes};
 use linewright::syntax::ast::{ContractItem, Item};
 use linewright::syntax::parse;
+use std::fmt::Write as _;
 use std::path::Path;
 
 fn findings(text: &str) -> Vec<Diagnostic> {
@@ -48,7 +49,7 @@ fn what_is_suggested_is_accepted() {
                 let names: Vec<&str> = names.iter().map(|n| n.text.as_str()).collect();
                 let domain = &text[domain.span.start as usize..domain.span.end as usize];
                 let word = format!("{ownership:?}").to_lowercase();
-                declarations += &format!("    {word} {}: {domain}\n", names.join(", "));
+                let _ = writeln!(declarations, "    {word} {}: {domain}", names.join(", "));
             }
         }
         for item in &contract.items {

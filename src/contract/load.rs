@@ -62,6 +62,17 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
         let mut found = unused(&files, index, &sources, &findings);
         findings.append(&mut found);
     }
+    // What is odd about a comparison that is wrong in itself only follows from that.
+    let wrong: Vec<Span> = findings
+        .iter()
+        .filter(|f| f.severity == Severity::Error)
+        .filter_map(|f| f.span)
+        .collect();
+    findings.retain(|f| {
+        let odd = [codes::COMPARISON_DECIDED, codes::NEXT_BOTH_SIDES].contains(&f.code);
+        let holds = |span: Span| wrong.iter().any(|w| span.holds(*w));
+        !(odd && f.span.is_some_and(holds))
+    });
     library.sources = sources;
     let unsound = files.iter().filter(|f| !f.syntax.is_empty());
     library.unsound = unsound.map(|f| f.id).collect();

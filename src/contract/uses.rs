@@ -221,7 +221,7 @@ pub(super) fn machine<'a>(
             MachineItem::Parameter(t) => add(&t.name, typed_end(t), "parameter"),
             MachineItem::Const(c) => add(&c.name, c.value.span, "constant"),
             MachineItem::Type(t) if !used.has_label_of(&t.domain) => {
-                add(&t.name, t.domain.span, "type")
+                add(&t.name, t.domain.span, "type");
             }
             _ => {}
         }

@@ -34,10 +34,8 @@ pub(super) fn controls(
     let (bad, time) = match kind {
         Kind::Safety if looks_back => (next, Time::Next),
         Kind::Justice => return true,
-        _ if looks_back => match now.is_empty() {
-            true => (next, Time::Next),
-            false => (now, Time::Now),
-        },
+        _ if looks_back && now.is_empty() => (next, Time::Next),
+        _ if looks_back => (now, Time::Now),
         Kind::Initial | Kind::Invariant => (now, Time::Now),
         Kind::Safety => (next, Time::Next),
     };

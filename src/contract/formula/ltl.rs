@@ -374,10 +374,11 @@ pub(super) fn disj(a: Expr, b: Expr) -> Expr {
 }
 
 pub(super) fn implies(a: Expr, b: Expr) -> Expr {
-    match (&a.kind, a.clone()) {
-        (ExprKind::Bool(true), _) => b,
-        (ExprKind::Not(inner), _) => binary(BinaryOp::Or, (**inner).clone(), b),
-        (_, a) => binary(BinaryOp::Implies, a, b),
+    let span = a.span;
+    match a.kind {
+        ExprKind::Bool(true) => b,
+        ExprKind::Not(inner) => binary(BinaryOp::Or, *inner, b),
+        kind => binary(BinaryOp::Implies, Expr { kind, span }, b),
     }
 }
 

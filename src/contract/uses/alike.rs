@@ -104,7 +104,6 @@ pub(super) fn find(
             };
             let (first_idle, second_idle) = (idle(first.name), idle(second.name));
             findings.extend(match (first_idle, second_idle) {
-                (true, true) => None,
                 (true, false) if uses(second) => Some(unused(first.name, second.name)),
                 (false, true) if uses(first) => Some(unused(second.name, first.name)),
                 (false, false) if uses(first) && uses(second) && !together() => {

@@ -194,7 +194,9 @@ impl<'a> Mentions<'a> {
                 } => {
                     self.name(&machine.text);
                     self.arguments(arguments);
-                    items.iter().for_each(|i| self.station_item(i));
+                    for item in items {
+                        self.station_item(item);
+                    }
                 }
                 LineItem::Route { when, .. } => self.exprs(when),
                 LineItem::Requirement { bound, .. } => self.expr(bound),

@@ -5,6 +5,7 @@ use super::*;
 use crate::source::FileId;
 use crate::syntax::ast::{ContractItem, Item, PastOp, Pattern, Quantifier, UntilOp};
 use Strength::{Assumed, Less, More, Same};
+use std::fmt::Write as _;
 
 fn formula(text: &str) -> Expr {
     let text = format!("contract A {{ guarantee {text} }}");
@@ -276,7 +277,7 @@ fn shapes_have_these_forms() {
     {
         let original = formula(text);
         let Some(form) = of(&original, guarantee, &input, Some("settled")) else {
-            report += &format!("{text}: no form\n");
+            let _ = writeln!(report, "{text}: no form");
             continue;
         };
         let found: Vec<String> = form
@@ -288,7 +289,7 @@ fn shapes_have_these_forms() {
             })
             .collect();
         if form.strength != strength || !rules.is_empty() && found != rules {
-            report += &format!("{text}: {:?} {found:#?}\n", form.strength);
+            let _ = writeln!(report, "{text}: {:?} {found:#?}", form.strength);
         }
         // It is read as what it is.
         for (_, rule) in &form.rules {
@@ -300,7 +301,7 @@ fn shapes_have_these_forms() {
             );
         }
         if let Some(run) = counterexample(&original, &form) {
-            report += &format!("{text} is not {found:#?} on {run:?}\n");
+            let _ = writeln!(report, "{text} is not {found:#?} on {run:?}");
         }
     }
     assert!(report.is_empty(), "{report}");
