@@ -12,6 +12,8 @@ mod formulas;
 mod game;
 #[path = "oracle/random.rs"]
 mod random;
+#[path = "oracle/shape.rs"]
+mod shape;
 #[path = "oracle/switches.rs"]
 mod switches;
 #[path = "oracle/ways.rs"]
@@ -20,8 +22,9 @@ mod ways;
 use check::accepts;
 use game::{Board, Subset};
 use linewright::game::{GuaranteeRef, Limits, Outcome, examine_environment, solve};
-use linewright::gr1::{Specification, Timing};
+use linewright::gr1::{Domain, Expr, Formula, Specification, Timing, VarId};
 use linewright::mealy::{Machine, extract::extract, verify::verify};
+use linewright::source::Span;
 use random::{Random, mutate, specification};
 
 const SPECIFICATIONS: u64 = 5_000;
@@ -107,8 +110,8 @@ fn verdicts_machines_mutants_and_cores() {
 #[test]
 fn findings_about_the_environment() {
     let limits = Limits::default();
-    let (mut stuck, mut forced, mut separated) = (0, 0, 0);
-    for seed in 0..400 {
+    let (mut stuck, mut forced, mut separated, mut hopeless) = (0, 0, 0, 0);
+    for seed in 0..1_000 {
         let spec = specification(&mut Random::new(1_000_000 + seed));
         let board = Board::new(&spec);
         let found = examine_environment(&spec, &limits).expect("no limit");
@@ -129,10 +132,83 @@ fn findings_about_the_environment() {
             expected.forced,
             "seed {seed}\n{spec:#?}"
         );
+        assert_eq!(
+            found.unsatisfiable, expected.unsatisfiable,
+            "seed {seed}\n{spec:#?}"
+        );
+        let counted = |[from, all]: [f64; 2]| [from as u32, all as u32];
+        assert_eq!(
+            counted(found.forced_states),
+            expected.forced_states,
+            "seed {seed}\n{spec:#?}"
+        );
+        assert_eq!(
+            counted(found.forced_recklessly_states),
+            expected.forced_recklessly_states,
+            "seed {seed}\n{spec:#?}"
+        );
+        hopeless += u32::from(expected.unsatisfiable);
         stuck += u32::from(expected.dead_end);
         forced += u32::from(expected.forced && !expected.dead_end);
         separated += u32::from(found.well_separated());
     }
-    println!("dead ends {stuck}, forced otherwise {forced}, well-separated {separated}");
-    assert!(stuck >= 20 && forced >= 20 && separated >= 20);
+    println!(
+        "dead ends {stuck}, forced otherwise {forced}, well-separated {separated}, unsatisfiable {hopeless}"
+    );
+    assert!(stuck >= 20 && forced >= 20 && separated >= 20 && hopeless >= 20);
+}
+
+/// Where a realizable specification asks for less than it seems to.
+#[test]
+fn shapes_of_realizable_specifications() {
+    let limits = Limits::default();
+    let mut seen = [0; 8];
+    let mut checked = 0;
+    for seed in 0..2_500 {
+        let mut random = Random::new(2_000_000 + seed);
+        let mut spec = specification(&mut random);
+        let is_bool = |v: VarId| spec.variable(v).domain == Domain::Bool;
+        let first = spec
+            .inputs()
+            .next()
+            .filter(|v| v.index() == 0 && is_bool(*v));
+        let done = spec.outputs().find(|v| is_bool(*v));
+        if let (Some(request), Some(done), true) = (first, done, seed % 2 == 0) {
+            let expr = Expr::now(request)
+                .and(Expr::now(done).not())
+                .implies(Expr::next(request));
+            let held = Formula {
+                name: "held".to_owned(),
+                requirement: None,
+                expr,
+                span: Span::default(),
+                text: String::new(),
+            };
+            spec.assumptions.safety.insert(0, held);
+        }
+        let Outcome::Realizable(won) = solve(&spec, &limits) else {
+            continue;
+        };
+        checked += 1;
+        let found = won.shape(&spec, &limits).expect("no limit");
+        let told = Board::new(&spec).agrees(&found);
+        assert_eq!(told, Ok(()), "seed {seed}: {found:#?}\n{spec:#?}");
+        let open = found.requests.iter().any(|r| r.enforceable);
+        let chance = found.requests.iter().any(|r| !r.enforceable);
+        for (count, is) in seen.iter_mut().zip([
+            !found.unbreakable.is_empty(),
+            !found.unreachable.is_empty(),
+            !found.unconstrained.is_empty(),
+            !found.constant.is_empty(),
+            !found.unframed.is_empty(),
+            found.idle,
+            open,
+            chance,
+        ]) {
+            *count += u32::from(is);
+        }
+    }
+    println!("{checked} realizable ones; of LW212 to LW216, LW219, LW218, LW217: {seen:?}");
+    assert!(checked >= 500);
+    assert!(seen.iter().all(|n| *n >= 5), "{seen:?}");
 }

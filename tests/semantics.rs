@@ -471,6 +471,7 @@ fn form_of(e: &Expr) -> String {
         ExprKind::Record(_) => "record",
         ExprKind::Past(op, ..) => op.word(),
         ExprKind::Since(..) => "since",
+        ExprKind::Until(op, ..) => op.word(),
         ExprKind::Pattern(_) => "pattern",
     };
     join(op, operands)

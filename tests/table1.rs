@@ -75,6 +75,13 @@ fn every_reading_has_its_verdict() {
                 let error = error.map(|f| f["code"].clone());
                 let wanted = (!realizable).then(|| Value::from("LW203"));
                 assert_eq!(error, wanted, "{name}");
+                // `next` around the equation is told of, wherever it stands as printed; so is a guarantee about sensors alone.
+                let others = findings.iter().filter(|f| f["code"] != "LW203");
+                let others: Vec<&Value> = others.map(|f| &f["code"]).collect();
+                let printed = text.contains("○(angle = angle + step)");
+                let wanted = [(printed, "LW211"), (name.contains("sensed"), "LW202")];
+                let wanted = wanted.iter().filter(|(there, _)| *there).map(|(_, c)| *c);
+                assert_eq!(others, wanted.collect::<Vec<_>>(), "{name}");
             }
             Expected::Refused(wanted) => {
                 assert_eq!(contract["verdict"], "invalid", "{name}");
@@ -85,6 +92,7 @@ fn every_reading_has_its_verdict() {
                 let line = findings[0]["span"]["line"].as_u64().expect("a line") as usize;
                 let pointed = text.lines().nth(line - 1).expect("a line");
                 assert!(pointed.contains("desired ∧"), "{name}: {pointed}");
+                assert_eq!(findings[0]["help"], "did you mean `desired_angle`?");
             }
         }
         verdicts.push(format!("{name}: {expected:?}"));

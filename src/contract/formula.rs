@@ -2,17 +2,22 @@
 //!
 //! Conjunctions are pulled apart, also under `always` (`G (p & G F q)` is `G p & G F q`), `forall` over temporal formulas is
 //! written out, repeated operators are dropped. Patterns and responses (`always (p -> eventually q)`) become monitors and formulas
-//! about them. What is then not an initial condition, `always P` or `always eventually P` is refused, pointing at the smallest formula
-//! that cannot be taken.
+//! about them. What is then not an initial condition, `always P` or `always eventually P` is refused ([`refusal`]), pointing at the
+//! smallest formula that cannot be taken, and saying the same in GR(1) where that can be done ([`ltl`], [`forms`]).
+
+mod control;
+mod forms;
+mod ltl;
+mod refusal;
 
 use super::elaborate::Elaborator;
 use super::patterns;
 use super::value::Value;
-use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::monitors::{Kind, Obligation, Origin};
-use crate::gr1::{Expr, Owner, Side, Time, VarId, Variable};
+use crate::gr1::{Side, Time, Variable};
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{self, BinaryOp, ExprKind, Quantifier};
+use refusal::Around;
 
 /// What a formula's parts are called in reports.
 pub(super) struct Label<'t> {
@@ -31,6 +36,41 @@ enum Place {
     Justice,
 }
 
+/// Where a formula stands.
+#[derive(Clone)]
+struct At<'a> {
+    place: Place,
+    /// The values of the quantifiers around it, for its text.
+    instance: String,
+    /// These quantifiers.
+    around: Vec<Around<'a>>,
+}
+
+impl At<'_> {
+    fn under(&self, place: Place) -> Self {
+        Self {
+            place,
+            ..self.clone()
+        }
+    }
+}
+
+/// A formula as a rule: with the operators that it stands under.
+fn whole(formula: &ast::Expr, place: Place) -> ast::Expr {
+    let under = |kind: fn(Box<ast::Expr>) -> ExprKind, inner: ast::Expr| ast::Expr {
+        span: inner.span,
+        kind: kind(Box::new(inner)),
+    };
+    match place {
+        Place::Top => formula.clone(),
+        Place::Always => under(ExprKind::Always, formula.clone()),
+        Place::Justice => under(
+            ExprKind::Always,
+            under(ExprKind::Eventually, formula.clone()),
+        ),
+    }
+}
+
 /// Adds the parts of a formula to a side.
 pub(super) fn classify<'a>(
     e: &mut Elaborator<'a>,
@@ -44,7 +84,12 @@ pub(super) fn classify<'a>(
         span: formula.span,
         text: label.text(formula.span),
     };
-    visit(e, formula, Place::Top, "", label, side);
+    let at = At {
+        place: Place::Top,
+        instance: String::new(),
+        around: Vec::new(),
+    };
+    visit(e, formula, &at, label, side);
 }
 
 impl Label<'_> {
@@ -78,51 +123,52 @@ fn one_line(text: &str) -> String {
 fn visit<'a>(
     e: &mut Elaborator<'a>,
     formula: &'a ast::Expr,
-    place: Place,
-    instance: &str,
+    at: &At<'a>,
     label: &Label<'_>,
     side: &mut Side,
 ) {
+    let place = at.place;
     if !temporal(formula) {
-        leaf(e, formula, place, instance, label, side);
+        leaf(e, formula, at, label, side);
         return;
     }
     match (&formula.kind, place) {
         (ExprKind::Binary(BinaryOp::And, a, b), Place::Top | Place::Always) => {
-            visit(e, a, place, instance, label, side);
-            visit(e, b, place, instance, label, side);
+            visit(e, a, at, label, side);
+            visit(e, b, at, label, side);
         }
         (ExprKind::Always(inner), Place::Top | Place::Always) => {
-            visit(e, inner, Place::Always, instance, label, side);
+            visit(e, inner, &at.under(Place::Always), label, side);
         }
         (ExprKind::Pattern(pattern), Place::Top) => {
-            let origin = origin(formula, instance, label);
+            let origin = origin(formula, at, label);
             let obligations = patterns::lower(e, pattern, &origin);
-            promise(e, obligations, &origin, label, side);
+            promise(e, obligations, (formula, place), &origin, label, side);
         }
         (ExprKind::Eventually(inner), Place::Top) if !temporal(inner) => {
-            let origin = origin(formula, instance, label);
+            let origin = origin(formula, at, label);
             let obligations = patterns::promised(e, None, inner, &origin);
-            promise(e, obligations, &origin, label, side);
+            promise(e, obligations, (formula, place), &origin, label, side);
         }
         (ExprKind::Binary(BinaryOp::Implies, p, q), Place::Always)
             if !temporal(p)
                 && matches!(&q.kind, ExprKind::Eventually(inner) if !temporal(inner)) =>
         {
             if let ExprKind::Eventually(q) = &q.kind {
-                let origin = origin(formula, instance, label);
+                let origin = origin(formula, at, label);
                 let obligations = patterns::promised(e, Some(p), q, &origin);
-                promise(e, obligations, &origin, label, side);
+                promise(e, obligations, (formula, place), &origin, label, side);
             }
         }
-        (ExprKind::Eventually(inner), Place::Always | Place::Justice) => {
-            visit(e, inner, Place::Justice, instance, label, side);
+        (ExprKind::Eventually(inner), Place::Always | Place::Justice) if !matches!(&inner.kind, ExprKind::Always(x) if !matches!(x.kind, ExprKind::Eventually(_))) =>
+        {
+            visit(e, inner, &at.under(Place::Justice), label, side);
         }
         // `G F G F p` is `G F p`.
         (ExprKind::Always(inner), Place::Justice)
             if matches!(inner.kind, ExprKind::Eventually(_)) =>
         {
-            visit(e, inner, Place::Justice, instance, label, side);
+            visit(e, inner, at, label, side);
         }
         (
             ExprKind::Quantifier(Quantifier::Forall, name, domain, body),
@@ -136,22 +182,29 @@ fn visit<'a>(
                     Value::Scalar(super::value::Term::Int(i), _) => i.to_string(),
                     _ => String::new(),
                 };
-                let instance = format!("{instance} [{} = {shown}]", name.text);
-                e.with_bound(&name.text, value, |e| {
-                    visit(e, body, place, &instance, label, side);
-                });
+                let mut at = at.clone();
+                at.instance = format!("{} [{} = {shown}]", at.instance, name.text);
+                at.around.push((name, domain));
+                e.with_bound(&name.text, value, |e| visit(e, body, &at, label, side));
             }
         }
-        _ => e.findings.push(refusal(formula, place)),
+        _ => {
+            let finding = refusal::refusal(e, formula, place, &at.around, label);
+            e.findings.push(finding);
+        }
     }
 }
 
-/// Whether `always`, `eventually` or a pattern occurs.
+/// Whether `always`, `eventually`, `until` or a pattern occurs.
 fn temporal(e: &ast::Expr) -> bool {
+    is_temporal(e) || e.children().into_iter().any(temporal)
+}
+
+fn is_temporal(e: &ast::Expr) -> bool {
     matches!(
         e.kind,
-        ExprKind::Always(_) | ExprKind::Eventually(_) | ExprKind::Pattern(_)
-    ) || e.children().into_iter().any(temporal)
+        ExprKind::Always(_) | ExprKind::Eventually(_) | ExprKind::Pattern(_) | ExprKind::Until(..)
+    )
 }
 
 /// Whether `next` is written in it, of whatever.
@@ -166,80 +219,23 @@ fn speaks_of_next(e: &ast::Expr) -> bool {
     false
 }
 
-/// The smallest formula that is in the way, and what to write instead.
-fn refusal(formula: &ast::Expr, place: Place) -> Diagnostic {
-    let (span, message, help) = match (&formula.kind, place) {
-        (ExprKind::Eventually(inner), Place::Top) if matches!(inner.kind, ExprKind::Always(_)) => (
-            formula.span,
-            "`eventually always` (persistence) is outside GR(1)",
-            "let the machine say when it settles: an output that stays true once set, with `always (settled -> P)` and `always eventually settled`",
-        ),
-        (ExprKind::Always(_), Place::Justice) => (
-            formula.span,
-            "`eventually always` (persistence) is outside GR(1)",
-            "let the machine say when it settles: an output that stays true once set, with `always (settled -> P)` and `always eventually settled`",
-        ),
-        (ExprKind::Binary(BinaryOp::Implies, _, b), _) if temporal(b) => (
-            smallest(b),
-            "an implication of temporal formulas is outside GR(1) as it stands",
-            "a response stands alone: `always (P -> eventually Q)`, or `Q responds to P after R`",
-        ),
-        (ExprKind::Pattern(_), _) => (
-            formula.span,
-            "this pattern stands within a larger formula, which is outside GR(1)",
-            "a pattern is an assumption or guarantee by itself; give each one its own, or use `once`, `since` and `previous` within formulas",
-        ),
-        (ExprKind::Binary(BinaryOp::Or, ..), _) => (
-            smallest(formula),
-            "a disjunction of temporal formulas is outside GR(1)",
-            "decide the case with an internal variable that is fixed at the start",
-        ),
-        (ExprKind::Not(inner), _) => (
-            smallest(inner),
-            "a negated temporal formula is outside GR(1) as it stands",
-            "push the negation inwards: `not eventually P` is `always not P`",
-        ),
-        (ExprKind::Next(inner), _) => (
-            smallest(inner),
-            "`next` of a temporal formula is outside GR(1)",
-            "write `next` in front of variables only",
-        ),
-        _ => (
-            smallest(formula),
-            "this temporal operator stands where GR(1) has none",
-            "an assumption or guarantee is an initial condition, `always P`, or `always eventually P`",
-        ),
-    };
-    Diagnostic::error(codes::NOT_GR1, span, message).with_help(help)
-}
-
-/// The span of the outermost temporal operator within.
-fn smallest(e: &ast::Expr) -> Span {
-    let within = |children: &[&ast::Expr]| {
-        children
-            .iter()
-            .find(|c| temporal(c))
-            .map_or(e.span, |c| smallest(c))
-    };
-    match &e.kind {
-        ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => within(&[a, b]),
-        ExprKind::Next(a)
-        | ExprKind::Not(a)
-        | ExprKind::Neg(a)
-        | ExprKind::Quantifier(_, _, _, a) => within(&[a]),
-        ExprKind::If(a, b, c) | ExprKind::Within(a, b, c) => within(&[a, b, c]),
-        _ => e.span,
+/// The outermost temporal operator within.
+fn smallest(e: &ast::Expr) -> &ast::Expr {
+    if is_temporal(e) {
+        return e;
     }
+    let mut children = e.children().into_iter();
+    children.find(|c| temporal(c)).map_or(e, smallest)
 }
 
 fn leaf<'a>(
     e: &mut Elaborator<'a>,
     formula: &'a ast::Expr,
-    place: Place,
-    instance: &str,
+    at: &At<'a>,
     label: &Label<'_>,
     side: &mut Side,
 ) {
+    let place = at.place;
     let Some(term) = e.boolean(formula, Time::Now) else {
         return;
     };
@@ -249,12 +245,8 @@ fn leaf<'a>(
     // `always (next true -> P)` holds in every step that another one follows: a transition, and no invariant.
     let primed = expr.mentions_next() || place == Place::Always && speaks_of_next(formula);
     if place == Place::Top && primed {
-        e.error_with(
-            codes::NOT_GR1,
-            formula.span,
-            "`next` without `always` is outside GR(1)",
-            "write `always (...)`, or describe step 0 without `next`",
-        );
+        let finding = refusal::without_always(e, formula, &at.around, label);
+        e.findings.push(finding);
         return;
     }
     let (kind, temporal) = match place {
@@ -264,20 +256,27 @@ fn leaf<'a>(
         Place::Justice => (Kind::Justice, "always eventually "),
     };
     let origin = Origin {
-        text: format!("{temporal}{}{instance}", label.text(formula.span)),
-        ..origin(formula, "", label)
+        text: format!("{temporal}{}{}", label.text(formula.span), at.instance),
+        ..origin(formula, at, label)
     };
     let obligation = Obligation { kind, expr };
-    promise(e, Some(vec![obligation]), &origin, label, side);
+    promise(
+        e,
+        Some(vec![obligation]),
+        (formula, place),
+        &origin,
+        label,
+        side,
+    );
 }
 
 /// The name, place and text of a formula.
-fn origin(formula: &ast::Expr, instance: &str, label: &Label<'_>) -> Origin {
+fn origin(formula: &ast::Expr, at: &At<'_>, label: &Label<'_>) -> Origin {
     Origin {
         name: label.name.clone(),
         requirement: label.requirement.clone(),
         span: formula.span,
-        text: format!("{}{instance}", label.text(formula.span)),
+        text: format!("{}{}", label.text(formula.span), at.instance),
     }
 }
 
@@ -285,6 +284,7 @@ fn origin(formula: &ast::Expr, instance: &str, label: &Label<'_>) -> Origin {
 fn promise(
     e: &mut Elaborator<'_>,
     obligations: Option<Vec<Obligation>>,
+    (formula, place): (&ast::Expr, Place),
     origin: &Origin,
     label: &Label<'_>,
     side: &mut Side,
@@ -299,108 +299,12 @@ fn promise(
         let looks_back = parts.len() > 1;
         for part in parts {
             // What was taken apart is told of as one.
-            if !controls(e, origin.span, &part, looks_back, label) {
+            if !control::controls(e, (formula, place), &part, looks_back, label) {
                 return;
             }
             part.add_to(side, origin);
         }
     }
-}
-
-/// Whether the formula constrains what its side controls; reports it otherwise.
-fn controls(
-    e: &mut Elaborator<'_>,
-    span: Span,
-    obligation: &Obligation,
-    looks_back: bool,
-    label: &Label<'_>,
-) -> bool {
-    let Obligation { kind, expr } = obligation;
-    let kind = *kind;
-    let (mut outputs_now, mut outputs_next) = (None, None);
-    expr.for_each_var(&mut |v, time| {
-        if let Some(variable) = label.variables.get(v.index())
-            && variable.owner == Owner::System
-        {
-            if time == Time::Next {
-                outputs_next.get_or_insert(variable.name.clone());
-            } else {
-                outputs_now.get_or_insert(variable.name.clone());
-            }
-        }
-    });
-    if label.guarantee {
-        if !speaks_of_outputs(e, expr, label)
-            && kind != Kind::Justice
-            && !matches!(expr, Expr::Const(_))
-        {
-            e.findings.push(
-                Diagnostic::warning(
-                    codes::NOT_CONTROLLED,
-                    span,
-                    "this guarantee speaks of inputs only, which the machine does not control",
-                )
-                .with_help("if the plant promises it, write `assume`"),
-            );
-        }
-        return true;
-    }
-    let bad = match kind {
-        _ if looks_back && kind != Kind::Justice => outputs_now.filter(|_| kind != Kind::Safety).or(outputs_next).map(|v| {
-            let help = format!("the plant gives its inputs before it sees `{v}` of the same step; speak of `previous {v}`");
-            (v, help)
-        }),
-        Kind::Initial => outputs_now.map(|v| {
-            (v, "an initial assumption speaks of inputs only; say how the machine starts with `guarantee`".to_owned())
-        }),
-        Kind::Safety => outputs_next.map(|v| {
-            let help = format!("the plant chooses its next inputs without seeing `next {v}`; speak of `{v}` in the step before");
-            (v, help)
-        }),
-        Kind::Invariant => outputs_now.map(|v| {
-            let help = format!("say what the plant does after it has seen `{v}`: `always ({v} ... -> next input ...)`");
-            (v, help)
-        }),
-        Kind::Justice => None,
-    };
-    match bad {
-        None => true,
-        Some((variable, help)) => {
-            e.findings.push(
-                Diagnostic::error(
-                    codes::NOT_CONTROLLED,
-                    span,
-                    format!("this assumption constrains `{variable}`, which the machine chooses"),
-                )
-                .with_help(help),
-            );
-            false
-        }
-    }
-}
-
-/// Whether an output occurs, be it in what a monitor follows.
-fn speaks_of_outputs(e: &Elaborator<'_>, expr: &Expr, label: &Label<'_>) -> bool {
-    let mut found = false;
-    let mut seen: Vec<VarId> = Vec::new();
-    let mut open = Vec::new();
-    let visit = |expr: &Expr, open: &mut Vec<VarId>, found: &mut bool| {
-        expr.for_each_var(&mut |v, _| match label.variables.get(v.index()) {
-            Some(variable) => *found |= variable.owner == Owner::System,
-            None => open.push(v),
-        });
-    };
-    visit(expr, &mut open, &mut found);
-    while let Some(v) = open.pop() {
-        let monitor = e.monitors.as_ref().and_then(|m| m.get(v));
-        if let Some(monitor) = monitor
-            && !seen.contains(&v)
-        {
-            seen.push(v);
-            visit(&monitor.update, &mut open, &mut found);
-        }
-    }
-    found
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::elaborate::Elaborator;
 use super::formula::{Label, classify};
 use super::scope::{self, Decl, Scope, double};
-use super::shape::{measured, way};
+use super::shape::measured;
 use super::value::{Term, Type, Value};
 use super::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes};
@@ -12,7 +12,7 @@ use crate::gr1::{Domain, Owner, Side, Specification, Timing, VarId, Variable};
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{self, ContractItem, Ownership};
 use crate::taxonomy;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// An argument: its value, and where it stands.
@@ -273,11 +273,6 @@ pub(super) fn instantiate(
         classify(&mut e, expr, &label, &mut sides[side]);
     }
     let broken = e.refused();
-    if !broken {
-        // A formula that was refused mentions names too.
-        unused(&mut e, &variables, &sides);
-        unused_defines(&mut e, contract);
-    }
     findings.append(&mut e.findings);
     if broken {
         return None;
@@ -305,80 +300,6 @@ pub(super) fn instantiate(
         }),
         span: contract.header.name.span,
     })
-}
-
-/// Defines and counters that neither a formula nor another one of them mentions.
-fn unused_defines(e: &mut Elaborator<'_>, contract: &ast::Contract) {
-    let mut mentioned: BTreeSet<&str> = BTreeSet::new();
-    for item in &contract.items {
-        let bodies = match item {
-            ContractItem::Formula { expr, .. } => vec![expr],
-            ContractItem::Define(define) => vec![&define.value],
-            ContractItem::Counter(counter) => std::iter::once(&counter.counts)
-                .chain(&counter.resets)
-                .collect(),
-            _ => continue,
-        };
-        for body in bodies {
-            body.for_each_path(&mut |names| {
-                mentioned.insert(&names[0].text);
-            });
-        }
-    }
-    for item in &contract.items {
-        let (name, what) = match item {
-            ContractItem::Define(define) => (&define.name, "definition"),
-            ContractItem::Counter(counter) => (&counter.name, "counter"),
-            _ => continue,
-        };
-        if !mentioned.contains(name.text.as_str()) {
-            e.findings.push(
-                Diagnostic::warning(
-                    codes::UNUSED,
-                    name.span,
-                    format!("nothing uses the {what} `{}`", name.text),
-                )
-                .with_help("use it, or drop it"),
-            );
-        }
-    }
-}
-
-/// Variables that no formula mentions; an array counts as mentioned when one of its elements is.
-fn unused(e: &mut Elaborator<'_>, variables: &[Variable], sides: &[Side; 2]) {
-    let base = |v: &Variable| way(&v.name).0.to_owned();
-    let mut mentioned: BTreeSet<String> = BTreeSet::new();
-    let monitors = e.monitors.iter().flat_map(Monitors::made);
-    let monitors = monitors.map(|m| &m.update);
-    for expr in sides
-        .iter()
-        .flat_map(Side::all)
-        .map(|f| &f.expr)
-        .chain(monitors)
-    {
-        expr.for_each_var(&mut |v, _| {
-            mentioned.extend(variables.get(v.index()).map(base));
-        });
-    }
-    let mut told: BTreeSet<String> = BTreeSet::new();
-    for variable in variables {
-        let name = base(variable);
-        if mentioned.contains(&name) || !told.insert(name.clone()) {
-            continue;
-        }
-        let help = match variable.owner {
-            Owner::Environment => "drop it, or say what the machine does with it",
-            Owner::System => "say with a guarantee what value it has, or drop it",
-        };
-        e.findings.push(
-            Diagnostic::warning(
-                codes::UNUSED,
-                variable.span,
-                format!("no formula mentions `{name}`"),
-            )
-            .with_help(help),
-        );
-    }
 }
 
 /// Brings the contract's own types, constants, variables and defines into sight.

@@ -2,6 +2,7 @@
 
 use super::instantiate::{Arguments, instantiate, taxonomy_codes};
 use super::scope::Scope;
+use super::uses::{self, Doubt};
 use super::{Library, Loader, lines, machines};
 use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::source::{FileId, SourceMap, Span};
@@ -13,8 +14,10 @@ struct File {
     tree: ast::File,
     /// Indices of the files that it imports.
     imports: Vec<usize>,
-    /// Whether its text follows the grammar.
-    sound: bool,
+    /// Where its text does not follow the grammar.
+    syntax: Vec<Span>,
+    /// Whether it was asked for, and not only imported.
+    asked: bool,
 }
 
 struct Reader<'l> {
@@ -55,8 +58,24 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
         findings.append(&mut own);
         resolve(&files[index], &scope, &sources, &mut library, &mut findings);
     }
+    for index in 0..files.len() {
+        let mut found = unused(&files, index, &sources, &findings);
+        findings.append(&mut found);
+    }
+    // What is odd about a comparison that is wrong in itself only follows from that.
+    let wrong: Vec<Span> = findings
+        .iter()
+        .filter(|f| f.severity == Severity::Error)
+        .filter_map(|f| f.span)
+        .collect();
+    findings.retain(|f| {
+        let odd = [codes::COMPARISON_DECIDED, codes::NEXT_BOTH_SIDES].contains(&f.code);
+        let holds = |span: Span| wrong.iter().any(|w| span.holds(*w));
+        !(odd && f.span.is_some_and(holds))
+    });
     library.sources = sources;
-    library.unsound = files.iter().filter(|f| !f.sound).map(|f| f.id).collect();
+    let unsound = files.iter().filter(|f| !f.syntax.is_empty());
+    library.unsound = unsound.map(|f| f.id).collect();
     // A file that several others import, or a contract that several machines use, says everything once.
     let mut seen = BTreeSet::new();
     let mut unique: Vec<Diagnostic> = findings
@@ -75,7 +94,9 @@ impl Reader<'_> {
         }
         let id = self.sources.add(name, text);
         let (tree, mut found) = syntax::parse(id, text);
-        let sound = found.iter().all(|f| f.severity != Severity::Error);
+        let errors = found.iter().filter(|f| f.severity == Severity::Error);
+        let whole = Span::new(id, 0, text.len());
+        let syntax = errors.map(|f| f.span.unwrap_or(whole)).collect();
         self.findings.append(&mut found);
         let index = self.files.len();
         self.by_name.insert(name.to_owned(), index);
@@ -91,7 +112,8 @@ impl Reader<'_> {
             id,
             tree,
             imports: Vec::new(),
-            sound,
+            syntax,
+            asked: path.is_empty(),
         });
         path.push(index);
         for import in wanted {
@@ -163,6 +185,78 @@ impl Reader<'_> {
             }
         }
     }
+}
+
+/// What a file declares and nothing uses.
+fn unused(
+    files: &[File],
+    index: usize,
+    sources: &SourceMap,
+    findings: &[Diagnostic],
+) -> Vec<Diagnostic> {
+    let file = &files[index];
+    let words = |code| {
+        let of_code = findings.iter().filter(move |f| f.code == code);
+        let spans = of_code.filter_map(|f| f.span);
+        spans.map(|span| (sources.text(span), span)).collect()
+    };
+    let errors = findings.iter().filter(|f| f.severity == Severity::Error);
+    let mut doubt = Doubt {
+        syntax: file.syntax.clone(),
+        unknown: words(codes::NAME_UNKNOWN),
+        double: words(codes::NAME_DOUBLE),
+        errors: errors.filter_map(|f| f.span).collect(),
+    };
+    let end = sources.file(file.id).text.len();
+    let starts: Vec<usize> = file.tree.items.iter().map(start).collect();
+    let everything = files.iter().flat_map(|f| &f.tree.items);
+    let contracts: Vec<&ast::Contract> = everything
+        .filter_map(|i| match i {
+            ast::Item::Contract(c) => Some(c),
+            _ => None,
+        })
+        .collect();
+    let mut found = Vec::new();
+    for (i, item) in file.tree.items.iter().enumerate() {
+        // What is wrong behind an item, and belongs to none, may have been a part of it.
+        let next = starts.get(i + 1).copied().unwrap_or(end);
+        let extent = Span::new(file.id, starts[i].min(next), next);
+        found.extend(match item {
+            ast::Item::Contract(c) => uses::contract(c, extent, sources, &doubt),
+            ast::Item::Machine(m) => uses::machine(m, &contracts, extent, &doubt),
+            _ => Vec::new(),
+        });
+    }
+    let importers: Vec<usize> = (0..files.len())
+        .filter(|other| *other != index && closure(files, *other).contains(&index))
+        .collect();
+    // A mistake in the syntax of a file that imports this one may hide a use as well.
+    let hidden = importers.iter().any(|i| !files[*i].syntax.is_empty());
+    if file.asked && !hidden {
+        let trees: Vec<&ast::File> = importers.iter().map(|i| &files[*i].tree).collect();
+        let whole = Span::new(file.id, 0, end);
+        for (_, span) in &mut doubt.unknown {
+            // A name that an importing file misses may be meant for here.
+            let importer = importers.iter().any(|i| files[*i].id == span.file);
+            *span = if importer { whole } else { *span };
+        }
+        found.extend(uses::file(&file.tree, &trees, whole, &doubt));
+    }
+    found
+}
+
+/// Where an item begins, as far as it has a name.
+fn start(item: &ast::Item) -> usize {
+    let span = match item {
+        ast::Item::Import(i) => i.span,
+        ast::Item::Type(t) => t.name.span,
+        ast::Item::Const(c) => c.name.span,
+        ast::Item::Define(d) => d.name.span,
+        ast::Item::Contract(c) => c.header.name.span,
+        ast::Item::Machine(m) => m.header.name.span,
+        ast::Item::Line(l) => l.name.span,
+    };
+    span.start as usize
 }
 
 /// A file and everything that it imports, imports first.

@@ -15,6 +15,7 @@ mod routes;
 mod scope;
 mod shape;
 mod units;
+mod uses;
 mod value;
 
 pub use load::load;

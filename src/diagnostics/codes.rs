@@ -88,6 +88,8 @@ codes! {
     NUMBER_RANGE = "LW110", "a number is too large";
     UNUSED = "LW111", "a declaration is never used";
     TOO_LARGE = "LW112", "a formula becomes too large";
+    NAMES_ALIKE = "LW113", "two names look like one thing";
+    COMPARISON_DECIDED = "LW114", "a comparison is always true, or never";
 
     NOT_GR1 = "LW201", "a formula is outside GR(1)";
     NOT_CONTROLLED = "LW202", "a formula constrains what its side does not control";
@@ -99,6 +101,7 @@ codes! {
     DOMAIN_LEFT = "LW208", "a next value can leave its domain";
     NEXT_OUTPUT_ASSUMED = "LW209", "an assumption speaks of the machine's next values";
     PAST = "LW210", "an operator over other steps is out of place";
+    NEXT_BOTH_SIDES = "LW211", "next stands on both sides of an equation";
     UNBREAKABLE = "LW212", "nothing could break a guarantee";
     NEVER_ASKED = "LW213", "the condition of a guarantee never holds";
     UNCONSTRAINED = "LW214", "no guarantee restricts an output";

@@ -14,7 +14,7 @@ pub mod sarif;
 
 use crate::source::Span;
 pub use codes::Code;
-pub use nearest::{distance, nearest};
+pub use nearest::{distance, nearest, related};
 
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

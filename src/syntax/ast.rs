@@ -236,6 +236,7 @@ impl Expr {
             ExprKind::Index(a, b)
             | ExprKind::Binary(_, a, b)
             | ExprKind::Since(a, b)
+            | ExprKind::Until(_, a, b)
             | ExprKind::Past(_, a, Some(b)) => vec![a, b],
             ExprKind::Next(a)
             | ExprKind::Always(a)
@@ -312,6 +313,8 @@ pub enum ExprKind {
     Past(PastOp, Box<Expr>, Option<Box<Expr>>),
     /// `a since b`
     Since(Box<Expr>, Box<Expr>),
+    /// `a until b`, `a unless b`, `a release b`: outside GR(1), whatever stands in it.
+    Until(UntilOp, Box<Expr>, Box<Expr>),
     /// `s responds to p`, `never p after q`
     Pattern(Pattern),
 }
@@ -334,6 +337,28 @@ impl PastOp {
             Self::Previous => "previous",
             Self::Once => "once",
             Self::Historically => "historically",
+        }
+    }
+}
+
+/// An operator of linear temporal logic that joins two formulas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UntilOp {
+    /// `p until q`: p up to a q, which comes.
+    Strong,
+    /// `p unless q`, `p W q`: the same, or p for ever.
+    Weak,
+    /// `p release q`, `p R q`: q up to and including the first p, or for ever.
+    Release,
+}
+
+impl UntilOp {
+    /// The operator's word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Strong => "until",
+            Self::Weak => "unless",
+            Self::Release => "release",
         }
     }
 }

@@ -46,7 +46,7 @@ const PREFIXES: &[&str] = &[
 const INFIX: &[&str] = &[
     "and", "or", "xor", "implies", "iff", "mod", "in", "then", "else", "of", "not", "next", "G",
     "F", "X", "O", "GF", "since", "precedes", "responds", "to", "within", "before", "between",
-    "after", "until",
+    "after", "until", "unless", "release", "U", "W", "R",
 ];
 
 /// Words that no expression can hold.
@@ -66,7 +66,7 @@ pub(super) const ITEMS: &[&str] = &[
     "const",
 ];
 
-const UNITS: &[&str] = &[
+pub(super) const UNITS: &[&str] = &[
     "mm", "m", "kWh", "kW", "kg", "min", "cm", "ms", "deg", "rad", "W", "J", "Wh", "s", "h", "d",
     "g",
 ];

@@ -199,8 +199,10 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
             .collect::<Vec<_>>()
             .join(", ")
     );
-    let help = match nearest(&word, words.iter().copied()) {
-        Some(near) if near != word => format!("did you mean `{near}`? {list}"),
+    let near = nearest(&word, words.iter().copied());
+    let help = match near.ok_or_else(|| unit_meant(&word)) {
+        Ok(near) if near != word => format!("did you mean `{near}`? {list}"),
+        Err(Some(unit)) => format!("did you mean the unit `{unit}`? {list}"),
         _ if word.starts_with(|c: char| c.is_alphanumeric() || c == '_') => list,
         _ => format!("{list}; is something missing before this?"),
     };
@@ -366,11 +368,33 @@ fn finding_of(
             "put brackets around it: `{word}` reaches as far to the right as it can, and may not follow an operator that binds tighter"
         ));
     }
+    if expected.contains("a unit")
+        && let Some(near) = unit_meant(&word)
+    {
+        return finding.with_help(format!("did you mean the unit `{near}`?"));
+    }
     if expected.is_empty() {
         finding.with_help("`linewright explain LW002` shows what a declaration looks like")
     } else {
         finding.with_help(format!("expected {expected}"))
     }
+}
+
+/// The unit that a word that is none may stand for.
+fn unit_meant(word: &str) -> Option<&'static str> {
+    Some(match word.to_lowercase().as_str() {
+        "sec" | "secs" | "second" | "seconds" => "s",
+        "minute" | "minutes" | "mins" => "min",
+        "hour" | "hours" | "hr" => "h",
+        "millimeter" | "millimeters" | "millimetre" | "millimetres" => "mm",
+        "meter" | "meters" | "metre" | "metres" => "m",
+        "degree" | "degrees" => "deg",
+        "watt" | "watts" => "W",
+        "kilowatt" | "kilowatts" => "kW",
+        "gram" | "grams" => "g",
+        "kilogram" | "kilograms" | "kilo" => "kg",
+        _ => return nearest(word, mend::UNITS.iter().copied()),
+    })
 }
 
 /// Words that take all that follows.
@@ -495,6 +519,8 @@ fn expectations(rules: &[Rule]) -> String {
             | Rule::xor_op
             | Rule::and_op
             | Rule::since_op
+            | Rule::until_op
+            | Rule::until_word
             | Rule::pattern_op
             | Rule::field
             | Rule::compare_op

@@ -309,7 +309,10 @@ fn expr(e: &mut Expr) {
     match &mut e.kind {
         ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) => {}
         ExprKind::Path(list) => names(list),
-        ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) | ExprKind::Since(a, b) => {
+        ExprKind::Index(a, b)
+        | ExprKind::Binary(_, a, b)
+        | ExprKind::Since(a, b)
+        | ExprKind::Until(_, a, b) => {
             exprs([&mut **a, &mut **b]);
         }
         ExprKind::Next(a)

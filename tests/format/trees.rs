@@ -153,6 +153,10 @@ impl<'n> Choices<'n> {
                 ExprKind::Past(op, body, self.option(Self::boxed))
             }
             _ if self.maybe() => ExprKind::Since(self.boxed(), self.boxed()),
+            _ if self.maybe() => {
+                let op = [UntilOp::Strong, UntilOp::Weak, UntilOp::Release][self.pick(3)];
+                ExprKind::Until(op, self.boxed(), self.boxed())
+            }
             _ => ExprKind::Pattern(self.pattern()),
         }
     }

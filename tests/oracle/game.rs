@@ -9,14 +9,14 @@ use linewright::gr1::{
 pub type Set = u128;
 
 /// One formula, over every pair of valuations: for each current one the set of next ones for which it holds.
-type Relation = Vec<Set>;
+pub type Relation = Vec<Set>;
 
 /// The formulas of a side by kind.
-struct Relations {
-    initial: Vec<Relation>,
-    invariants: Vec<Relation>,
-    safety: Vec<Relation>,
-    justice: Vec<Relation>,
+pub struct Relations {
+    pub initial: Vec<Relation>,
+    pub invariants: Vec<Relation>,
+    pub safety: Vec<Relation>,
+    pub justice: Vec<Relation>,
 }
 
 /// Everything there is to know about a small specification.
@@ -24,11 +24,11 @@ pub struct Board<'a> {
     pub specification: &'a Specification,
     pub valuations: Vec<Vec<i64>>,
     /// The number of each valuation's inputs, and of its outputs.
-    parts: Vec<(usize, usize)>,
+    pub parts: Vec<(usize, usize)>,
     inputs: usize,
     outputs: usize,
-    assumed: Relations,
-    guaranteed: Relations,
+    pub assumed: Relations,
+    pub guaranteed: Relations,
 }
 
 /// Which guarantees count.
@@ -44,6 +44,11 @@ pub struct Environment {
     pub stuck_at_start: bool,
     pub dead_end: bool,
     pub forced: bool,
+    /// From how many of the valuations that can occur, and how many can; then for a machine without guarantees.
+    pub forced_states: [u32; 2],
+    pub forced_recklessly_states: [u32; 2],
+    /// No play keeps all assumptions.
+    pub unsatisfiable: bool,
 }
 
 /// The rules that hold for a play, put together.
@@ -145,7 +150,7 @@ impl<'a> Board<'a> {
     }
 
     /// The valuations for which formulas without next values hold.
-    fn satisfying(&self, relations: &[Relation]) -> Set {
+    pub fn satisfying(&self, relations: &[Relation]) -> Set {
         let all = self.all();
         let here = |r: &Relation| {
             let rows = r.iter().enumerate();
@@ -215,14 +220,14 @@ impl<'a> Board<'a> {
         }
     }
 
-    fn groups(&self) -> Groups {
+    pub fn groups(&self) -> Groups {
         Groups {
             inputs: (0..self.inputs).map(|x| self.with_inputs(x)).collect(),
             outputs: (0..self.outputs).map(|y| self.with_outputs(y)).collect(),
         }
     }
 
-    fn winning(&self, rules: &Rules) -> Set {
+    pub fn winning(&self, rules: &Rules) -> Set {
         let groups = self.groups();
         let count = self.valuations.len();
         let predecessor = |target: &dyn Fn(usize) -> Set| -> Set {
@@ -265,8 +270,12 @@ impl<'a> Board<'a> {
     }
 
     pub fn realizable(&self, subset: &Subset<'_>) -> bool {
-        let rules = self.rules(subset);
-        let good = self.winning(&rules) & rules.sys_start;
+        self.wins(&self.rules(subset))
+    }
+
+    /// Whether the machine wins under these rules.
+    pub fn wins(&self, rules: &Rules) -> bool {
+        let good = self.winning(rules) & rules.sys_start;
         let groups = self.groups();
         let starts = |x: &&Set| **x & rules.env_start != 0;
         match self.specification.timing {
@@ -281,9 +290,8 @@ impl<'a> Board<'a> {
         }
     }
 
-    pub fn environment(&self) -> Environment {
-        let mut rules = self.rules(&Subset::All);
-        let start = rules.env_start & rules.sys_start;
+    /// The valuations that occur when both sides keep their safety; a Moore machine's answers are right for all legal inputs.
+    pub fn occurring(&self, rules: &Rules, start: Set) -> Set {
         let groups = self.groups();
         let mut reachable = start;
         loop {
@@ -308,28 +316,73 @@ impl<'a> Board<'a> {
                 more |= legal & good;
             }
             if more == reachable {
-                break;
+                return reachable;
             }
             reachable = more;
         }
+    }
+
+    pub fn environment(&self) -> Environment {
+        let mut rules = self.rules(&Subset::All);
+        let start = rules.env_start & rules.sys_start;
+        let reachable = self.occurring(&rules, start);
         let stuck = (0..self.valuations.len())
             .filter(|s| rules.env_step[*s] == 0)
             .fold(0, |set: Set, s| set | 1 << s);
         rules.goals = vec![vec![0; self.valuations.len()]];
         let started = rules.env_start != 0;
+        let forced = self.winning(&rules) & reachable;
+        let mut reckless = self.rules(&Subset::Only(&[]));
+        let first = reckless.env_start & reckless.sys_start;
+        let anywhere = self.occurring(&reckless, first);
+        // Both sides as one: a set of valuations from which all assumptions are met again and again.
+        let lasting = self.lasting(&reckless.env_step, &reckless.assumptions, self.all());
+        reckless.goals = vec![vec![0; self.valuations.len()]];
+        let recklessly = self.winning(&reckless) & anywhere;
+        let count = |set: Set| if started { set.count_ones() } else { 0 };
         Environment {
+            forced_states: [count(forced), count(reachable)],
+            forced_recklessly_states: [count(recklessly), count(anywhere)],
+            unsatisfiable: started && lasting & first == 0,
             cannot_start: !started,
             stuck_at_start: started && stuck & start != 0,
             dead_end: started && stuck & reachable != 0,
-            forced: started && self.winning(&rules) & reachable != 0,
+            forced: started && forced != 0,
+        }
+    }
+
+    /// The valuations of `within` from which some path of these steps stays there for ever and meets all of `justice` again
+    /// and again.
+    pub fn lasting(&self, steps: &Relation, justice: &[Relation], within: Set) -> Set {
+        let count = self.valuations.len();
+        let mut z = within;
+        loop {
+            let mut smaller = z;
+            for goal in justice {
+                let mut y = 0;
+                loop {
+                    let larger = (0..count)
+                        .filter(|s| z >> s & 1 == 1 && steps[*s] & ((goal[*s] & z) | y) != 0)
+                        .fold(0, |set: Set, s| set | 1 << s);
+                    if larger == y {
+                        break;
+                    }
+                    y = larger;
+                }
+                smaller &= y;
+            }
+            if smaller == z {
+                return z;
+            }
+            z = smaller;
         }
     }
 }
 
 /// The valuations with the same inputs, and with the same outputs.
-struct Groups {
-    inputs: Vec<Set>,
-    outputs: Vec<Set>,
+pub struct Groups {
+    pub inputs: Vec<Set>,
+    pub outputs: Vec<Set>,
 }
 
 /// An evaluator of its own.

@@ -11,6 +11,7 @@ mod past;
 mod predicates;
 mod quantifiers;
 mod records;
+mod suspects;
 mod units;
 
 use super::shape::{Entry, Shape};
@@ -22,6 +23,7 @@ use crate::gr1::monitors::{Monitors, Origin};
 use crate::gr1::{BinaryOp, Domain, Expr, Time, UnaryOp, VarId};
 use crate::source::Span;
 use crate::syntax::ast::{self, ExprKind};
+use crate::syntax::format;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Quantifiers and arrays expand to at most so many instances.
@@ -412,18 +414,11 @@ impl<'a> Elaborator<'a> {
                 }
                 self.value(inner, expected, Time::Next)
             }
-            ExprKind::Always(_) | ExprKind::Eventually(_) => {
-                let word = if matches!(e.kind, ExprKind::Always(_)) {
-                    "always"
-                } else {
-                    "eventually"
-                };
-                self.error_with(
-                    codes::NOT_GR1,
-                    e.span,
-                    format!("`{word}` stands within a larger formula, which is outside GR(1)"),
-                    "an assumption or guarantee is an initial condition, `always P`, or `always eventually P`",
-                );
+            ExprKind::Always(_)
+            | ExprKind::Eventually(_)
+            | ExprKind::Until(..)
+            | ExprKind::Pattern(_) => {
+                self.promise_as_condition(e);
                 None
             }
             ExprKind::Not(inner) => {
@@ -478,8 +473,8 @@ impl<'a> Elaborator<'a> {
                 }
                 Some(Value::Array(values))
             }
-            ExprKind::Member(x, members) => {
-                let (x, ty) = self.any_scalar(x, None, time)?;
+            ExprKind::Member(of, members) => {
+                let (x, ty) = self.any_scalar(of, None, time)?;
                 self.spend(e.span, x.size().saturating_mul(members.len()))?;
                 let mut terms = Vec::new();
                 for m in members {
@@ -495,7 +490,9 @@ impl<'a> Elaborator<'a> {
                     } else {
                         (x.clone(), m_term)
                     };
-                    terms.push(Term::binary(BinaryOp::Eq, x, m_term));
+                    let equal = Term::binary(BinaryOp::Eq, x, m_term);
+                    self.compared(m.span, "=", &equal, of, m);
+                    terms.push(equal);
                 }
                 Some(Value::Scalar(
                     Term::fold(BinaryOp::Or, terms, 0),
@@ -504,15 +501,6 @@ impl<'a> Elaborator<'a> {
             }
             ExprKind::Past(op, body, bound) => self.past(e.span, *op, body, bound.as_deref(), time),
             ExprKind::Since(p, q) => self.since(e.span, p, q, time),
-            ExprKind::Pattern(_) => {
-                self.error_with(
-                    codes::NOT_GR1,
-                    e.span,
-                    "this pattern stands within a larger formula or a definition, which is outside GR(1)",
-                    "a pattern is an assumption or guarantee by itself; give each one its own, or use `once`, `since` and `previous` within formulas",
-                );
-                None
-            }
             ExprKind::Within(x, low, high) => {
                 let x = self.number(x, time)?;
                 let low = self.number(low, time)?;
@@ -530,6 +518,30 @@ impl<'a> Elaborator<'a> {
                 ))
             }
         }
+    }
+
+    /// Reports a promise about the whole run where the condition of one step is wanted.
+    fn promise_as_condition(&mut self, e: &ast::Expr) {
+        let word = match &e.kind {
+            ExprKind::Always(_) => "`always`",
+            ExprKind::Eventually(_) => "`eventually`",
+            ExprKind::Until(op, ..) => &format!("`{}`", op.word()),
+            _ => "this pattern",
+        };
+        let (message, help) = match self.defining.last() {
+            Some(name) => (
+                format!("{word} stands in the definition `{name}`, which is the condition of one step"),
+                format!(
+                    "write `{}` in the assumption or guarantee itself",
+                    format::expression(e)
+                ),
+            ),
+            None => (
+                format!("{word} stands within a larger formula, which is outside GR(1)"),
+                "give it an assumption or guarantee of its own, or look back with `once`, `since` and `previous`".to_owned(),
+            ),
+        };
+        self.error_with(codes::NOT_GR1, e.span, message, help);
     }
 
     /// A scalar of whatever type.

@@ -181,7 +181,13 @@ impl<'a> Elaborator<'a> {
         }
         match candidates.as_slice() {
             [] => None,
-            [one] => Some(of(one)),
+            [one] => match expected {
+                Some(Type::Enum(labels)) => {
+                    self.foreign_label(name, labels, one);
+                    Some(None)
+                }
+                _ => Some(of(one)),
+            },
             _ => {
                 self.error_with(
                     codes::NAME_UNKNOWN,
@@ -194,10 +200,50 @@ impl<'a> Elaborator<'a> {
         }
     }
 
+    /// A label where one of another type is wanted.
+    fn foreign_label(&mut self, name: &ast::Name, wanted: &[String], other: &[String]) {
+        let named = self.types.iter().find(|(_, t)| match t {
+            Type::Enum(labels) => labels == other,
+            _ => false,
+        });
+        let owner = match named {
+            Some((ty, _)) => format!("`{ty}`"),
+            None => format!("{{{}}}", other.join(", ")),
+        };
+        let help = match nearest(&name.text, wanted.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("the labels that fit here are {}", wanted.join(", ")),
+        };
+        self.error_with(
+            codes::TYPE_MISMATCH,
+            name.span,
+            format!(
+                "`{}` is a label of {owner}, which is not the type here",
+                name.text
+            ),
+            help,
+        );
+    }
+
     pub(super) fn unknown(&mut self, span: Span, name: &str, expected: Option<&Type>) {
         // Definitions within definitions may come by the same place a million times, and what is near it takes long to find.
         let mut latest = self.findings.iter().rev().take(64);
         if latest.any(|f| f.code == codes::NAME_UNKNOWN && f.span == Some(span)) {
+            return;
+        }
+        // A label of the type that is wanted goes before all else.
+        if let Some(Type::Enum(labels)) = expected {
+            let near = nearest(name, labels.iter().map(String::as_str));
+            let help = match near {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("the labels that fit here are {}", labels.join(", ")),
+            };
+            self.error_with(
+                codes::NAME_UNKNOWN,
+                span,
+                format!("`{name}` is not declared"),
+                help,
+            );
             return;
         }
         let mut known: Vec<&str> = self

@@ -22,7 +22,11 @@ impl<'a> Elaborator<'a> {
         match op {
             A::And | A::Or | A::Implies | A::Iff | A::Xor => {
                 // Both sides are looked at even when one is wrong: all findings at once.
-                let (a, b) = (self.boolean(a, time), self.boolean(b, time));
+                let (x, y) = (self.boolean(a, time), self.boolean(b, time));
+                let (x, y) = (x?, y?);
+                if op == A::Iff {
+                    self.equated(span, op.sign(), (a, &x), (b, &y), time);
+                }
                 let op = match op {
                     A::And => BinaryOp::And,
                     A::Or => BinaryOp::Or,
@@ -30,11 +34,19 @@ impl<'a> Elaborator<'a> {
                     A::Iff => BinaryOp::Eq,
                     _ => BinaryOp::Ne,
                 };
-                boolean(op, a?, b?)
+                boolean(op, x, y)
             }
             A::Eq | A::Ne => {
                 let (left, right) = self.two_sides(a, b, time)?;
                 let equal = self.equal(span, left, right)?;
+                if let Term::Binary(BinaryOp::Eq, x, y) = &equal {
+                    let sign = op.sign();
+                    if op == A::Eq {
+                        self.equated(span, sign, (a, x), (b, y), time);
+                    }
+                    let term = Term::Binary(compared(op), x.clone(), y.clone());
+                    self.compared(span, sign, &term, a, b);
+                }
                 let term = if op == A::Eq {
                     equal
                 } else {
@@ -46,15 +58,11 @@ impl<'a> Elaborator<'a> {
                 Some(Value::Scalar(term, Type::Bool))
             }
             A::Lt | A::Le | A::Gt | A::Ge => {
-                let (a, b) = (self.number(a, time), self.number(b, time));
-                let (a, b, _) = self.aligned(span, a?, b?)?;
-                let op = match op {
-                    A::Lt => BinaryOp::Lt,
-                    A::Le => BinaryOp::Le,
-                    A::Gt => BinaryOp::Gt,
-                    _ => BinaryOp::Ge,
-                };
-                boolean(op, a, b)
+                let (x, y) = (self.number(a, time), self.number(b, time));
+                let (x, y, _) = self.aligned(span, x?, y?)?;
+                let term = Term::binary(compared(op), x, y);
+                self.compared(span, op.sign(), &term, a, b);
+                Some(Value::Scalar(term, Type::Bool))
             }
             A::Add | A::Sub | A::Mul | A::Div | A::Mod => {
                 let (a, b_value) = (self.number(a, time), self.number(b, time));
@@ -422,5 +430,16 @@ impl<'a> Elaborator<'a> {
         };
         let (condition, left, right) = (condition?, left?, right?);
         self.choose(&condition, (left, a.span), (right, b.span))
+    }
+}
+
+fn compared(op: ast::BinaryOp) -> BinaryOp {
+    match op {
+        ast::BinaryOp::Eq => BinaryOp::Eq,
+        ast::BinaryOp::Ne => BinaryOp::Ne,
+        ast::BinaryOp::Lt => BinaryOp::Lt,
+        ast::BinaryOp::Le => BinaryOp::Le,
+        ast::BinaryOp::Gt => BinaryOp::Gt,
+        _ => BinaryOp::Ge,
     }
 }

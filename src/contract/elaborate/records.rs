@@ -84,7 +84,10 @@ impl<'a> Elaborator<'a> {
                     codes::NAME_UNKNOWN,
                     name.span,
                     format!("the record has no member `{}`", name.text),
-                    format!("its members are {}", known.join(", ")),
+                    match nearest(&name.text, known.iter().copied()) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None => format!("its members are {}", known.join(", ")),
+                    },
                 );
                 complete = false;
             }

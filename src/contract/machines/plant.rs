@@ -2,7 +2,7 @@
 
 use super::Parts;
 use super::properties::{PropertyType, assigned, assigned_array};
-use crate::contract::elaborate::Elaborator;
+use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::instantiate::taxonomy_codes;
 use crate::contract::machine::{Operation, PlantInput, PlantSource};
 use crate::contract::shape::measured;
@@ -110,12 +110,21 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
             {
                 Some(i) => indices.push(i),
                 None if is_action(parts.machine, &action.text) => e.tainted = true,
-                None => e.error_with(
-                    codes::NAME_UNKNOWN,
-                    action.span,
-                    format!("this machine has no action `{}`", action.text),
-                    "name actions of this machine, in the order in which they run",
-                ),
+                None => {
+                    let actions = parts.components.iter().filter(|(c, _)| !c.coordinator);
+                    let known = actions.map(|(c, _)| c.name.text.as_str());
+                    let help = match nearest(&action.text, known) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None => "name actions of this machine, in the order in which they run"
+                            .to_owned(),
+                    };
+                    e.error_with(
+                        codes::NAME_UNKNOWN,
+                        action.span,
+                        format!("this machine has no action `{}`", action.text),
+                        help,
+                    );
+                }
             }
         }
         if sequence.is_empty() {

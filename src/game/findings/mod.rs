@@ -15,7 +15,7 @@ use super::fixpoint::winning_states;
 use super::repair::lasting;
 use super::set_up::SPLIT;
 use super::{AssumptionRef, GuaranteeKind};
-use crate::gr1::{Specification, Time, VarId};
+use crate::gr1::{Specification, Time, Timing, VarId};
 use crate::symbolic::{BitSet, Kernel, Limit, Limits};
 use serde::{Deserialize, Serialize};
 
@@ -155,7 +155,12 @@ pub fn reachable<K: Kernel>(
 ) -> Result<K::Function, Limit> {
     let m = &arena.kernel;
     let now = BitSet::new(arena.inputs_now.iter().chain(arena.outputs_now.iter()));
-    let moves = m.and(moves, &m.prime(&arena.states)?)?;
+    let legal = m.prime(&arena.states)?;
+    let mut moves = m.and(moves, &legal)?;
+    if arena.timing == Timing::Moore {
+        // Only answers that are right whatever is given.
+        moves = m.and(&moves, &arena.for_all_inputs(&legal)?)?;
+    }
     let mut reachable = from.clone();
     let mut fresh = from.clone();
     while !m.is_false(&fresh) {

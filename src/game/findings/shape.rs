@@ -188,13 +188,7 @@ impl<'a, K: Kernel> Look<'a, K> {
     }
 
     fn unconstrained(&self) -> Result<Vec<VarId>, Limit> {
-        let mut restricted = BitSet::default();
         let mut mentioned = vec![false; self.specification.variables.len()];
-        for (_, formula) in self.guarantees() {
-            for bit in self.m.support(&self.encode(&formula.expr)?) {
-                restricted.insert(bit);
-            }
-        }
         let (a, g) = (
             &self.specification.assumptions,
             &self.specification.guarantees,
@@ -204,14 +198,35 @@ impl<'a, K: Kernel> Look<'a, K> {
                 .expr
                 .for_each_var(&mut |v, _| mentioned[v.index()] = true);
         }
-        let encoding = &self.arena.encoding;
-        let free = |v: &VarId| {
-            let mut bits = encoding
-                .bits(*v, Time::Now)
-                .chain(encoding.bits(*v, Time::Next));
-            mentioned[v.index()] && !bits.any(|bit| restricted.contains(bit))
-        };
-        Ok(self.outputs().filter(free).collect())
+        let mut found = Vec::new();
+        for v in self.outputs().filter(|v| mentioned[v.index()]) {
+            let mut restricted = false;
+            for (_, formula) in self.guarantees() {
+                let function = self.encode(&formula.expr)?;
+                restricted |= self.matters(&function, v, Time::Now)?
+                    || self.matters(&function, v, Time::Next)?;
+            }
+            if !restricted {
+                found.push(v);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether some values of a variable make a difference to a formula.
+    fn matters(&self, function: &K::Function, v: VarId, time: Time) -> Result<bool, Limit> {
+        let (m, encoding) = (self.m, &self.arena.encoding);
+        let bits = encoding.bit_set([v], time);
+        let mut domains = m.constant(true);
+        for w in 0..self.specification.variables.len() {
+            for t in [Time::Now, Time::Next] {
+                let within = encoding.in_domain(m, VarId(w as u32), t)?;
+                domains = m.and(&domains, &within)?;
+            }
+        }
+        let holds = m.and_exists(&domains, function, &bits)?;
+        let fails = m.exists(&m.and_not(&domains, function)?, &bits)?;
+        Ok(!m.is_false(&m.and(&holds, &fails)?))
     }
 
     fn constant(&self) -> Result<Vec<(VarId, i64)>, Limit> {

@@ -1,9 +1,10 @@
 //! Past operators and specification patterns.
 
-use super::super::ast::{Expr, ExprKind, PastOp, PatternKind, Scope};
+use super::super::ast::{BinaryOp, Expr, ExprKind, PastOp, PatternKind, Scope, UntilOp};
 use super::super::parser::Rule;
 use super::expression::{Placed, make};
 use super::{Builder, Children};
+use crate::source::Span;
 use pest::iterators::Pair;
 
 impl Builder {
@@ -11,7 +12,14 @@ impl Builder {
     pub(super) fn patterned(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let span = self.span(&pair);
         let mut c = Children::of(pair);
-        let first = self.expr(c.next());
+        let first = c.next();
+        let place = self.span(&first);
+        let first = self.expr(first);
+        if let Some(op) = c.take(Rule::until_word) {
+            let op = until_op(op.as_str());
+            let second = self.expr(c.next());
+            return until((first, place), op, second, span);
+        }
         let Some(op) = c.take(Rule::pattern_op) else {
             return first;
         };
@@ -84,7 +92,9 @@ impl Builder {
             return self.expr(first);
         }
         let mut operands = vec![self.placed(first)];
-        while c.take(Rule::since_op).is_some() {
+        let mut ops = Vec::new();
+        while let Some(op) = c.pairs.next() {
+            ops.push((op.as_rule() == Rule::until_op).then(|| until_op(op.as_str())));
             operands.push(self.placed(c.next()));
         }
         self.limit(&mut operands);
@@ -92,9 +102,13 @@ impl Builder {
         let first = operands
             .next()
             .unwrap_or_else(|| unreachable!("a chain has an operand"));
-        let since = operands.fold(first, |a, b| {
+        let since = operands.zip(ops).fold(first, |a, (b, op)| {
             let place = a.place.to(b.place);
-            let kind = ExprKind::Since(Box::new(a.expr), Box::new(b.expr));
+            let (left, right) = (Box::new(a.expr), Box::new(b.expr));
+            let kind = match op {
+                Some(op) => ExprKind::Until(op, left, right),
+                None => ExprKind::Since(left, right),
+            };
             Placed {
                 expr: make(kind, place),
                 place,
@@ -114,5 +128,39 @@ impl Builder {
         let body = self.boxed(&mut c);
         let bound = self.bound(&mut c);
         make(ExprKind::Past(op, body, bound), span)
+    }
+}
+
+fn until_op(word: &str) -> UntilOp {
+    match word.trim() {
+        "W" | "unless" => UntilOp::Weak,
+        "R" | "release" => UntilOp::Release,
+        _ => UntilOp::Strong,
+    }
+}
+
+/// `p -> a until b` is `p -> (a until b)`, as everywhere else, though the word stands loosest in the grammar. `place` is where the
+/// left side stands with its brackets: what stands in brackets stays together.
+fn until((left, place): (Expr, Span), op: UntilOp, right: Expr, whole: Span) -> Expr {
+    match left.kind {
+        ExprKind::Binary(BinaryOp::Implies, a, b) if left.span == place => {
+            let place = Span {
+                start: b.span.start,
+                ..place
+            };
+            let whole_b = Span {
+                end: whole.end,
+                ..place
+            };
+            let inner = until((*b, place), op, right, whole_b);
+            make(
+                ExprKind::Binary(BinaryOp::Implies, a, Box::new(inner)),
+                whole,
+            )
+        }
+        kind => {
+            let left = make(kind, left.span);
+            make(ExprKind::Until(op, Box::new(left), Box::new(right)), whole)
+        }
     }
 }

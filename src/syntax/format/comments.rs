@@ -124,6 +124,12 @@ pub(super) fn newlines(text: &str) -> usize {
 const SPELLINGS: &[&str] = &[
     "always",
     "eventually",
+    "until",
+    "unless",
+    "release",
+    "U",
+    "W",
+    "R",
     "next",
     "not",
     "and",

@@ -146,7 +146,7 @@ impl Printer<'_> {
                 self.argument_of_word(a, if within { Behind::Within } else { behind });
                 self.bound(bound.as_deref());
             }
-            ExprKind::Binary(..) | ExprKind::Since(..) => {
+            ExprKind::Binary(..) | ExprKind::Since(..) | ExprKind::Until(..) => {
                 unreachable!("a chain is printed as one; please report this")
             }
             ExprKind::If(..) => self.ladder(e, behind),

@@ -13,7 +13,7 @@ mod machine;
 mod parts;
 mod printer;
 
-use super::ast::{File, Item};
+use super::ast::{Expr, File, Item};
 use super::parser::parse;
 use crate::source::FileId;
 use printer::Printer;
@@ -54,6 +54,18 @@ pub fn format(file: &File, text: &str) -> String {
         formatted.insert(0, '\u{feff}');
     }
     formatted
+}
+
+/// An expression in one line, as it would stand in a file.
+pub fn expression(e: &Expr) -> String {
+    let file = File::default();
+    let mut printer = Printer::new(&file, "");
+    printer.begin(false);
+    printer.expression(e);
+    printer.end();
+    let words = printer.finish();
+    let words: Vec<&str> = words.split_whitespace().collect();
+    words.join(" ").replace("( ", "(").replace(" )", ")")
 }
 
 /// So often a text is formatted again until that changes nothing.

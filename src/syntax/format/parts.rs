@@ -156,6 +156,9 @@ pub(super) fn parts(e: &Expr) -> Parts<'_> {
             let signs = vec!["since"; operands.len() - 1];
             return Parts::Chain(operands, signs, binds::SINCE, binds::NEGATION);
         }
+        ExprKind::Until(op, a, b) => {
+            return Parts::Chain(vec![a, b], vec![op.word()], binds::PATTERN, binds::NEGATION);
+        }
         kind => return Parts::Single(single(kind)),
     };
     match op {

@@ -1,0 +1,361 @@
+//! GR(1) forms of formulas that are not written in one.
+//!
+//! A clause of [`ltl`](super::ltl) has a form if it is
+//!
+//! | clause | form |
+//! |---|---|
+//! | conditions, `always a` and `p unless q`, one of them | `always` of what each says of the past |
+//! | the same with `eventually b` or `always eventually c` among them | `always eventually` of it |
+//! | `always (a or eventually b)` | a response |
+//! | `always (a or (p unless q))` | a pattern with the scope `after ... until ...` |
+//!
+//! `eventually always d` has none: no condition of the past tells when it has come to stay. A machine can promise more, namely to say
+//! when; of a plant less can be asked, `always eventually d`.
+
+use super::ltl::{
+    Ltl, arrow, at_first, conj, disj, ever, historically, implies, make, name, not, once, previous,
+    read, so_far, truth,
+};
+use super::{speaks_of_next, temporal};
+use crate::syntax::ast::{BinaryOp, Expr, ExprKind, PatternKind, Scope};
+use crate::syntax::format;
+
+/// What to write instead of a formula.
+#[derive(Debug, Clone)]
+pub(super) struct Form {
+    /// A variable of the machine that it needs.
+    pub variable: Option<String>,
+    /// Assumptions (`false`) and guarantees (`true`).
+    pub rules: Vec<(bool, Expr)>,
+    /// How it compares.
+    pub strength: Strength,
+}
+
+/// How a form compares with what it stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Strength {
+    /// It holds of the same runs.
+    Same,
+    /// It promises more: whoever keeps it keeps the formula.
+    More,
+    /// It asks for less.
+    Less,
+    /// What stood before an implication is now assumed.
+    Assumed,
+}
+
+impl Form {
+    /// In words, behind "write".
+    pub fn text(&self) -> String {
+        let variable = self
+            .variable
+            .iter()
+            .map(|v| format!("`internal {v}: bool`"));
+        let rules = self.rules.iter().map(|(guarantee, e)| {
+            let word = if *guarantee { "guarantee" } else { "assume" };
+            format!("`{word} {}`", format::expression(e))
+        });
+        let items: Vec<String> = variable.chain(rules).collect();
+        let list = match items.as_slice() {
+            [most @ .., last] if !most.is_empty() => format!("{} and {last}", most.join(", ")),
+            other => other.concat(),
+        };
+        let remark = match (self.strength, &self.variable) {
+            (Strength::Same, _) => "which says the same",
+            (Strength::More, Some(_)) => "so that the machine says itself when that is",
+            (Strength::More, None) => "which promises a little more",
+            (Strength::Less, _) => "which asks less of the plant, and is often enough",
+            (Strength::Assumed, _) => "where what stands before the arrow is the plant's promise",
+        };
+        format!("{list}, {remark}")
+    }
+}
+
+/// The form of a formula as an assumption or guarantee. `input` says whether a formula speaks of inputs only; `fresh` is the name of a
+/// variable that nobody has, where one may be declared.
+pub(super) fn of(
+    e: &Expr,
+    guarantee: bool,
+    input: &dyn Fn(&Expr) -> bool,
+    fresh: Option<&str>,
+) -> Option<Form> {
+    let (body, under) = match &e.kind {
+        ExprKind::Always(inner) => (&**inner, true),
+        _ => (e, false),
+    };
+    if let ExprKind::Binary(BinaryOp::Implies, a, b) = &body.kind
+        && guarantee
+        && temporal(a)
+        && input(a)
+        // Under `always` the premise has to be the same from every step on.
+        && (!under || matches!(&a.kind, ExprKind::Always(x) if matches!(x.kind, ExprKind::Eventually(_))))
+        && let b = if under { globally((**b).clone()) } else { (**b).clone() }
+        && let (Some(a), Some(b)) = (of(a, false, input, None), of(&b, true, input, fresh))
+        && (a.strength, b.strength) == (Strength::Same, Strength::Same)
+    {
+        return Some(Form {
+            variable: None,
+            rules: [a.rules, b.rules].concat(),
+            strength: Strength::Assumed,
+        });
+    }
+    let mut form = Form {
+        variable: None,
+        rules: Vec::new(),
+        strength: Strength::Same,
+    };
+    let clauses = match read(e, true)? {
+        Ltl::And(clauses) => clauses,
+        one => vec![one],
+    };
+    for clause in &clauses {
+        form.clause(clause, guarantee, fresh)?;
+    }
+    Some(form)
+}
+
+impl Form {
+    fn clause(&mut self, clause: &Ltl, guarantee: bool, fresh: Option<&str>) -> Option<()> {
+        if let Ltl::Or(parts) = clause {
+            return self.one_of(parts, guarantee, fresh);
+        }
+        if let Some(d) = persists(clause) {
+            let d = self.settles(d, guarantee, fresh)?;
+            self.rules.push((guarantee, again_and_again(d)));
+            return Some(());
+        }
+        if let Some((trigger, q, r)) = chain(clause) {
+            // Every q is answered, not only those behind a trigger; of a plant only the first half is asked.
+            let begins = make(ExprKind::Eventually(Box::new(q.clone())));
+            self.rules
+                .push((guarantee, globally(arrow(trigger, begins))));
+            if guarantee {
+                let ends = make(ExprKind::Eventually(Box::new(r)));
+                self.rules.push((guarantee, globally(arrow(q, ends))));
+                self.strength = Strength::More;
+            } else {
+                self.strength = Strength::Less;
+            }
+            return Some(());
+        }
+        self.rules.push((guarantee, exactly(clause)?));
+        Some(())
+    }
+
+    fn one_of(&mut self, parts: &[Ltl], guarantee: bool, fresh: Option<&str>) -> Option<()> {
+        if let [Ltl::State(p), Ltl::Eventually(b)] | [Ltl::Eventually(b), Ltl::State(p)] = parts
+            && let Ltl::State(b) = &**b
+        {
+            let later = make(ExprKind::Eventually(Box::new(plain(b)?)));
+            let rule = globally(arrow(at_first(&not(p))?, later));
+            self.rules.push((guarantee, rule));
+            return Some(());
+        }
+        let open = parts.iter().filter(|p| !matches!(p, Ltl::State(_))).count();
+        let live = parts.iter().any(|p| looks_back(p).is_none());
+        let mut kept: Option<Expr> = None;
+        let mut conditions: Vec<Expr> = Vec::new();
+        for part in parts {
+            let piece = match part {
+                Ltl::State(p) => {
+                    conditions.push(once(&at_first(&not(p))?)?);
+                    continue;
+                }
+                // What else there is, is settled by the first step.
+                Ltl::Always(a) if !live && open == 1 => match &**a {
+                    Ltl::State(a) => a.clone(),
+                    _ => return None,
+                },
+                _ if !live => looks_back(part)?,
+                _ => match persists(part) {
+                    Some(d) => self.settles(d, guarantee, fresh)?,
+                    None => again(part)?,
+                },
+            };
+            kept = Some(match kept {
+                Some(kept) => disj(kept, piece),
+                None => piece,
+            });
+        }
+        let kept = conditions
+            .into_iter()
+            .fold(kept?, |kept, c| implies(c, kept));
+        let rule = if live {
+            again_and_again(kept)
+        } else {
+            globally(kept)
+        };
+        self.rules.push((guarantee, rule));
+        Some(())
+    }
+
+    /// What stands for `eventually always d` in a goal.
+    fn settles(&mut self, d: &Expr, guarantee: bool, fresh: Option<&str>) -> Option<Expr> {
+        if !guarantee {
+            self.strength = Strength::Less;
+            return Some(d.clone());
+        }
+        if self.variable.is_some() {
+            return None;
+        }
+        let settled = name(fresh?);
+        self.variable = fresh.map(str::to_owned);
+        self.strength = Strength::More;
+        let stays = make(ExprKind::Next(Box::new(settled.clone())));
+        self.rules
+            .push((true, globally(implies(settled.clone(), stays))));
+        self.rules
+            .push((true, globally(implies(settled.clone(), d.clone()))));
+        Some(settled)
+    }
+}
+
+/// A clause that is a form by itself.
+fn exactly(clause: &Ltl) -> Option<Expr> {
+    Some(match clause {
+        Ltl::State(p) if speaks_of_next(p) => globally(arrow(not(&previous(&truth())?), p.clone())),
+        Ltl::State(p) => p.clone(),
+        Ltl::Unless(p, q) => globally(disj(p.clone(), once(q)?)),
+        Ltl::Always(x) => match &**x {
+            Ltl::State(a) => globally(a.clone()),
+            Ltl::Eventually(c) => match &**c {
+                Ltl::State(c) => again_and_again(c.clone()),
+                _ => return None,
+            },
+            Ltl::Or(parts) => match parts.as_slice() {
+                [Ltl::State(a), Ltl::Eventually(c)] => match &**c {
+                    Ltl::State(c) => {
+                        let later = make(ExprKind::Eventually(Box::new(plain(c)?)));
+                        globally(arrow(plain(&not(a))?, later))
+                    }
+                    _ => return None,
+                },
+                [Ltl::State(a), Ltl::Unless(p, q)] => {
+                    let scope = Scope::AfterUntil(Box::new(plain(&not(a))?), Box::new(plain(q)?));
+                    let kind = PatternKind::Universality(Box::new(plain(p)?));
+                    make(ExprKind::Pattern(kind.in_scope(None, scope)))
+                }
+                _ => return None,
+            },
+            _ => return None,
+        },
+        Ltl::Eventually(x) => match &**x {
+            Ltl::State(b) => make(ExprKind::Eventually(Box::new(plain(b)?))),
+            Ltl::And(parts) => match parts.as_slice() {
+                [Ltl::State(q), Ltl::Eventually(r)] => match &**r {
+                    Ltl::State(r) => {
+                        let both = conj(plain(r)?, once(q)?);
+                        make(ExprKind::Eventually(Box::new(both)))
+                    }
+                    _ => return None,
+                },
+                _ => return None,
+            },
+            _ => return None,
+        },
+        Ltl::Next(x) => match &**x {
+            Ltl::Always(a) => match &**a {
+                Ltl::State(a) => globally(implies(previous(&truth())?, a.clone())),
+                _ => return None,
+            },
+            Ltl::Eventually(b) => match &**b {
+                Ltl::State(b) => {
+                    let later = conj(plain(b)?, previous(&truth())?);
+                    make(ExprKind::Eventually(Box::new(later)))
+                }
+                _ => return None,
+            },
+            _ => return None,
+        },
+        Ltl::And(_) | Ltl::Or(_) => return None,
+    })
+}
+
+/// What a promise about all steps says of those up to now: false from some step on, if it is broken.
+fn looks_back(part: &Ltl) -> Option<Expr> {
+    match part {
+        Ltl::State(p) => once(&at_first(p)?),
+        Ltl::Always(a) => match &**a {
+            Ltl::State(a) => so_far(a),
+            _ => None,
+        },
+        Ltl::Unless(p, q) => historically(&disj(p.clone(), once(q)?)),
+        _ => None,
+    }
+}
+
+/// What holds again and again just if the part holds; `None` for `eventually always`.
+fn again(part: &Ltl) -> Option<Expr> {
+    match part {
+        Ltl::Eventually(b) => match &**b {
+            Ltl::State(b) => ever(b),
+            _ => None,
+        },
+        Ltl::Always(x) => match &**x {
+            Ltl::Eventually(c) => match &**c {
+                Ltl::State(c) => Some(c.clone()),
+                _ => None,
+            },
+            Ltl::Or(parts) => match parts.as_slice() {
+                [Ltl::State(a), Ltl::Eventually(c)] => match &**c {
+                    Ltl::State(c) => {
+                        let waits = Box::new(not(&plain(c)?));
+                        let asked = conj(not(&plain(a)?), (*waits).clone());
+                        Some(not(&make(ExprKind::Since(waits, Box::new(asked)))))
+                    }
+                    _ => None,
+                },
+                _ => None,
+            },
+            _ => looks_back(part),
+        },
+        _ => looks_back(part),
+    }
+}
+
+/// `d` of `eventually always d`.
+fn persists(part: &Ltl) -> Option<&Expr> {
+    match part {
+        Ltl::Eventually(x) => match &**x {
+            Ltl::Always(d) => match &**d {
+                Ltl::State(d) => Some(d),
+                _ => None,
+            },
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// `p`, `q` and `r` of `always (p -> eventually (q and eventually r))`.
+fn chain(part: &Ltl) -> Option<(Expr, Expr, Expr)> {
+    let Ltl::Always(x) = part else { return None };
+    let Ltl::Or(parts) = &**x else { return None };
+    let [Ltl::State(a), Ltl::Eventually(later)] = parts.as_slice() else {
+        return None;
+    };
+    let Ltl::And(both) = &**later else {
+        return None;
+    };
+    let [Ltl::State(q), Ltl::Eventually(r)] = both.as_slice() else {
+        return None;
+    };
+    let Ltl::State(r) = &**r else { return None };
+    Some((not(&plain(a)?), plain(q)?, plain(r)?))
+}
+
+/// A condition of one step: what monitors watch.
+fn plain(e: &Expr) -> Option<Expr> {
+    (!speaks_of_next(e)).then(|| e.clone())
+}
+
+fn globally(e: Expr) -> Expr {
+    make(ExprKind::Always(Box::new(e)))
+}
+
+fn again_and_again(e: Expr) -> Expr {
+    globally(make(ExprKind::Eventually(Box::new(e))))
+}
+
+#[cfg(test)]
+mod tests;
