@@ -1,7 +1,8 @@
-//! Table I of the paper, as printed and in each of its readings: `tests/cases/table1`.
+//! Table I of the paper, as printed and in each of its readings, and sketches of the authors' public demo: `tests/cases/table1`.
 //!
 //! The first line of a file says what it is an example of: `// expect: NAME VERDICT`, the verdict on its contract of that
-//! name, or `// expect: LWxxx`, the finding for which it is refused. The contract's controller is extracted and verified
+//! name, or `// expect: LWxxx`, the finding for which it is refused. `// finds: LWxxx LWxxx` lists the codes of all findings, of any
+//! severity, in ascending order, and `// says: TEXT` is a note of one of them. The contract's controller is extracted and verified
 //! where there is one.
 
 mod support;
@@ -30,6 +31,20 @@ fn expected(text: &str) -> Option<Expected> {
         }
         _ => None,
     }
+}
+
+/// The codes that a file says are found in it, and nothing else.
+fn found(text: &str) -> Option<Vec<String>> {
+    let codes = text.lines().find_map(|l| l.strip_prefix("// finds: "))?;
+    Some(codes.split_whitespace().map(str::to_owned).collect())
+}
+
+/// The codes of findings, in ascending order.
+fn codes(findings: &[Value]) -> Vec<String> {
+    let code = |f: &Value| f["code"].as_str().expect("a code").to_owned();
+    let mut codes: Vec<String> = findings.iter().map(code).collect();
+    codes.sort();
+    codes
 }
 
 /// The cases, in alphabetic order.
@@ -63,6 +78,12 @@ fn every_reading_has_its_verdict() {
             panic!("{name} declares one contract: {document:#}");
         };
         let findings = contract["findings"].as_array().expect("a list");
+        assert_eq!(Some(codes(findings)), found(&text), "{name}: {findings:#?}");
+        for said in text.lines().filter_map(|l| l.strip_prefix("// says: ")) {
+            let mut notes = findings.iter().filter_map(|f| f["notes"].as_array());
+            let says = notes.any(|notes| notes.contains(&Value::from(said)));
+            assert!(says, "{name}: {said}: {findings:#?}");
+        }
         match &expected {
             Expected::Verdict { name: own, verdict } => {
                 assert_eq!(contract["name"], own.as_str(), "{name}");
@@ -97,8 +118,24 @@ fn every_reading_has_its_verdict() {
         }
         verdicts.push(format!("{name}: {expected:?}"));
     }
-    // None may get lost: each contract of the table, in the readings that can be told apart.
-    assert_eq!(verdicts.len(), 5, "{verdicts:#?}");
+    // None may get lost: each contract of the table, in the readings that can be told apart, and the sketches.
+    assert_eq!(verdicts.len(), 8, "{verdicts:#?}");
+}
+
+#[test]
+fn with_its_prime_the_demo_is_unrealizable() {
+    let file = support::root().join("tests/cases/table1/demo_move_prime.lw");
+    let text = std::fs::read_to_string(file).expect("a text");
+    let primed = text.replace("→ x = x)", "→ ○(x) = x)");
+    assert_ne!(primed, text);
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("primed.lw");
+    std::fs::write(&file, primed).expect("a file");
+    let (code, document) = check(&file);
+    let contract = &document["contracts"][0];
+    assert_eq!(contract["verdict"], "unrealizable");
+    let findings = contract["findings"].as_array().expect("a list");
+    assert_eq!((code, codes(findings)), (1, vec!["LW203".to_owned()]));
 }
 
 #[test]
@@ -132,7 +169,7 @@ fn every_realizable_reading_has_a_verified_controller() {
             Outcome::GaveUp(limit) => panic!("{file}: {limit}"),
         }
     }
-    assert_eq!(verified, 2);
+    assert_eq!(verified, 5);
 }
 
 #[test]
@@ -158,4 +195,10 @@ fn expectations_are_read() {
     ] {
         assert_eq!(expected(wrong), None, "{wrong}");
     }
+    let two = "// expect: Turn realizable\n// finds: LW205 LW206\n";
+    assert_eq!(
+        found(two),
+        Some(vec!["LW205".to_owned(), "LW206".to_owned()])
+    );
+    assert_eq!(found("// expect: LW101\n"), None);
 }
