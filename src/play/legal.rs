@@ -37,6 +37,9 @@ pub(super) struct TooMany;
 /// Values of variables.
 pub(super) type Values = Vec<(VarId, i64)>;
 
+/// Looks at a move; may break off.
+type Visit<'v> = dyn FnMut(&[(VarId, i64)]) -> ControlFlow<()> + 'v;
+
 impl<'a> Moves<'a> {
     /// The moves of `side` after a step, or in step 0, where these values of the step are known already.
     pub fn new(
@@ -120,7 +123,7 @@ impl<'a> Moves<'a> {
     {
         let mut found = None;
         let mut search = Search::new(self, false);
-        let _ = search.from(self.left(rules, fixed), &self.rest(fixed), &mut |values| {
+        let _ = search.from(left_by(rules, fixed), &self.rest(fixed), &mut |values| {
             found = Some([fixed, values].concat());
             ControlFlow::Break(())
         })?;
@@ -128,31 +131,12 @@ impl<'a> Moves<'a> {
     }
 
     /// All legal moves, as values of the variables that matter. `visit` may break off.
-    pub fn each(
-        &self,
-        visit: &mut dyn FnMut(&[(VarId, i64)]) -> ControlFlow<()>,
-    ) -> Result<(), TooMany> {
+    pub fn each(&self, visit: &mut Visit<'_>) -> Result<(), TooMany> {
         let open = self.open.iter().copied();
         let matter: Values = open.filter(|(v, _)| self.matters(*v)).collect();
         let mut search = Search::new(self, true);
-        let left = self.left(self.rules.iter(), &[]);
+        let left = left_by(self.rules.iter(), &[]);
         search.from(left, &matter, visit).map(|_| ())
-    }
-
-    fn left<'r>(
-        &self,
-        rules: impl Iterator<Item = &'r Rule<'a>>,
-        fixed: &[(VarId, i64)],
-    ) -> Vec<Expr>
-    where
-        'a: 'r,
-    {
-        let fix = |left: &Expr| {
-            fixed.iter().fold(left.clone(), |left, (v, value)| {
-                put(&left, *v, *value).unwrap_or(left)
-            })
-        };
-        rules.map(|r| fix(&r.left)).collect()
     }
 
     fn rest(&self, fixed: &[(VarId, i64)]) -> Values {
@@ -163,6 +147,20 @@ impl<'a> Moves<'a> {
             .filter(|(v, _)| !fixed(*v))
             .collect()
     }
+}
+
+/// What rules say once these values are known.
+fn left_by<'a: 'r, 'r>(
+    rules: impl Iterator<Item = &'r Rule<'a>>,
+    fixed: &[(VarId, i64)],
+) -> Vec<Expr> {
+    let fix = |left: &Expr| {
+        let fixed = fixed.iter();
+        fixed.fold(left.clone(), |left, (v, value)| {
+            put(&left, *v, *value).unwrap_or(left)
+        })
+    };
+    rules.map(|r| fix(&r.left)).collect()
 }
 
 /// A search in depth.
@@ -188,7 +186,7 @@ impl<'a> Search<'a> {
         &mut self,
         mut left: Vec<Expr>,
         open: &[(VarId, i64)],
-        visit: &mut dyn FnMut(&[(VarId, i64)]) -> ControlFlow<()>,
+        visit: &mut Visit<'_>,
     ) -> Result<ControlFlow<()>, TooMany> {
         let domain = |v: VarId| Interval::of(&self.specification.variable(v).domain);
         let bounds = |e: &Expr| interval(e, &domain).unwrap_or(Interval::BOOL);

@@ -51,30 +51,26 @@ impl Opponent {
 
     /// What it gives in the step to come, where it begins; nothing where the person has no way on.
     pub(super) fn given(&self, place: &Place) -> Option<Vec<i64>> {
-        match (self, place) {
-            (Self::Controller(Controller::Functions(functions)), Place::Functions(state)) => {
-                Some(functions.moore_output(state))
-            }
-            _ => {
-                let first = self.machine()?.transitions(state_of(place)).first()?;
-                Some(first.output.clone())
-            }
+        if let (Self::Controller(Controller::Functions(functions)), Place::Functions(state)) =
+            (self, place)
+        {
+            return Some(functions.moore_output(state));
         }
+        let first = self.machine()?.transitions(state_of(place)).first()?;
+        Some(first.output.clone())
     }
 
     /// What it gives in a step in which the person gives these values, and where it is then. None where they break a rule.
     pub(super) fn answer(&self, place: &Place, moved: &[i64]) -> Option<(Vec<i64>, Place)> {
-        match (self, place) {
-            (Self::Controller(Controller::Functions(functions)), Place::Functions(state)) => {
-                let mut state = state.clone();
-                let values = functions.step(&mut state, moved).ok()?;
-                Some((values, Place::Functions(state)))
-            }
-            _ => {
-                let taken = self.machine()?.step(state_of(place), moved)?;
-                Some((taken.output.clone(), Place::Machine(Some(taken.to))))
-            }
+        if let (Self::Controller(Controller::Functions(functions)), Place::Functions(state)) =
+            (self, place)
+        {
+            let mut state = state.clone();
+            let values = functions.step(&mut state, moved).ok()?;
+            return Some((values, Place::Functions(state)));
         }
+        let taken = self.machine()?.step(state_of(place), moved)?;
+        Some((taken.output.clone(), Place::Machine(Some(taken.to))))
     }
 
     fn machine(&self) -> Option<&Machine> {

@@ -203,7 +203,7 @@ impl<'a> Session<'a> {
 
     fn step(&mut self, fixed: &[(VarId, i64)]) -> Result<Reply, String> {
         if let Some(over) = self.over() {
-            return Err(format!("{}`undo` takes a step back", over));
+            return Err(format!("{over}`undo` takes a step back"));
         }
         let found = self.legal().find(fixed);
         match found {

@@ -305,9 +305,12 @@ fn values_of(session: &Session<'_>, v: VarId) -> String {
             _ => ranges.push((value, value)),
         }
     }
-    let texts = ranges.iter().map(|(low, high)| match low == high {
-        true => domain.show(*low),
-        false => format!("{low}..{high}"),
+    let texts = ranges.iter().map(|(low, high)| {
+        if low == high {
+            domain.show(*low)
+        } else {
+            format!("{low}..{high}")
+        }
     });
     texts.collect::<Vec<_>>().join(", ")
 }

@@ -94,13 +94,12 @@ fn variable(
         None => {
             let all = specification.variables.iter();
             let names = all.filter(|v| own(v)).map(|v| v.name.as_str());
-            Err(match nearest(name, names.clone()) {
-                Some(meant) => format!("there is no `{name}`: did you mean `{meant}`?"),
-                None => {
-                    let names: Vec<&str> = names.collect();
-                    format!("there is no `{name}`: there are {}", names.join(", "))
-                }
-            })
+            let names: Vec<&str> = names.collect();
+            let instead = match nearest(name, names.iter().copied()) {
+                Some(meant) => format!("did you mean `{meant}`?"),
+                None => format!("there are {}", names.join(", ")),
+            };
+            Err(format!("there is no `{name}`: {instead}"))
         }
     }
 }
