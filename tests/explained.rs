@@ -5,17 +5,47 @@
 mod bench;
 #[path = "explained/legal.rs"]
 mod legal;
+#[path = "explained/mended.rs"]
+mod mended;
 #[expect(dead_code, reason = "the oracle's tests use more of it")]
 #[path = "oracle/random.rs"]
 mod random;
 mod support;
 
 use legal::legal;
-use linewright::game::{Limits, Outcome, attack, reduced, solve};
+use linewright::game::{Limits, Outcome, advise, attack, reduced, solve};
 use linewright::gr1::Timing;
 use linewright::mealy::counter::machine;
 use linewright::mealy::verify::verify_counterstrategy;
 use random::{Random, specification};
+
+#[test]
+fn repairs_of_random_specifications() {
+    let limits = Limits::default();
+    let (mut lost, mut assumptions, mut weakenings, mut hopeless, mut matter) = (0, 0, 0, 0, 0);
+    for seed in 0..500 {
+        let spec = specification(&mut Random::new(seed));
+        let Outcome::Unrealizable(found) = solve(&spec, &limits) else {
+            continue;
+        };
+        lost += 1;
+        let core = found.core.expect("no limit");
+        let small = reduced(&spec, &core);
+        let attack = attack(&small, &limits).expect("no limit");
+        let play = attack.expect("it is lost").play;
+        let advice = advise(&spec, &core, &play, &limits).expect("no limit");
+        let told = mended::holds(&spec, &core, &advice);
+        assert_eq!(told, Ok(()), "seed {seed}: {advice:#?}\n{spec:#?}");
+        assumptions += u32::from(!advice.assumptions.is_empty());
+        weakenings += u32::from(!advice.weakenings.is_empty());
+        hopeless += u32::from(advice.contradictory);
+        matter += u32::from(!advice.matters.is_empty());
+    }
+    println!(
+        "{lost} lost, {hopeless} hopeless, {assumptions} with assumptions, {weakenings} with weakenings, {matter} where assumptions matter"
+    );
+    assert!(lost > 200);
+}
 
 #[test]
 fn counterstrategies_of_random_specifications() {

@@ -9,9 +9,11 @@
 //! that the findings of a contract that has moved within its file point at the right place.
 
 use super::controller::Wish;
+use super::pipeline::Explained;
 use super::statistics::Statistics;
 use crate::game::{
     Diagram, DiagramNode, Edge, EnvironmentFindings, GuaranteeRef, Heuristic, KernelChoice, Order,
+    Shape,
 };
 use crate::gr1::{Expr, Formula, Specification, Variable};
 use crate::mealy::{Machine, functions::Functions};
@@ -52,6 +54,10 @@ pub struct Entry {
     pub examined: bool,
     /// What is odd about it. `None` also when it was too large.
     pub environment: Option<EnvironmentFindings>,
+    /// Where it asks for less than it seems to. `None` also when it was too large.
+    pub shape: Option<Shape>,
+    /// For an unrealizable contract, why.
+    pub lost: Option<Box<Explained>>,
     /// Whether a controller was asked for.
     pub extracted: bool,
     /// The verified controller; `None` also when it was too large to be written down.

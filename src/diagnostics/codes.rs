@@ -99,6 +99,14 @@ codes! {
     DOMAIN_LEFT = "LW208", "a next value can leave its domain";
     NEXT_OUTPUT_ASSUMED = "LW209", "an assumption speaks of the machine's next values";
     PAST = "LW210", "an operator over other steps is out of place";
+    UNBREAKABLE = "LW212", "nothing could break a guarantee";
+    NEVER_ASKED = "LW213", "the condition of a guarantee never holds";
+    UNCONSTRAINED = "LW214", "no guarantee restricts an output";
+    CONSTANT = "LW215", "an output keeps one value for ever";
+    UNFRAMED = "LW216", "an output is free where nothing says that it stays";
+    BY_CHANCE = "LW217", "a request is completed by chance only";
+    REQUEST_OPEN = "LW218", "nothing asks that a request is completed";
+    IDLE = "LW219", "a machine that never does anything keeps the contract";
 
     INPUT_UNBOUND = "LW301", "an input of a component is bound to nothing";
     SAME_STEP_LOOP = "LW302", "components wait for each other in the same step";

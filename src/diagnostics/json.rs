@@ -19,6 +19,9 @@ pub struct Finding {
     /// Further places.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub labels: Vec<Label>,
+    /// What else there is to say, each a text that may have several lines.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// The next step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
@@ -79,6 +82,7 @@ pub fn findings(sources: &SourceMap, findings: &[Diagnostic]) -> Vec<Finding> {
                     text: text.clone(),
                 })
                 .collect(),
+            notes: d.notes.clone(),
             help: d.help.clone(),
         })
         .collect()

@@ -51,6 +51,8 @@ pub struct Diagnostic {
     pub span: Option<Span>,
     /// Further places that matter, each with a few words.
     pub labels: Vec<(Span, String)>,
+    /// What else there is to say, each as a text of its own that may have several lines.
+    pub notes: Vec<String>,
     /// The next step.
     pub help: Option<String>,
 }
@@ -78,6 +80,7 @@ impl Diagnostic {
             message,
             span,
             labels: Vec::new(),
+            notes: Vec::new(),
             help: None,
         }
     }
@@ -86,6 +89,13 @@ impl Diagnostic {
     #[must_use]
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
+        self
+    }
+
+    /// Adds something to say.
+    #[must_use]
+    pub fn with_note(mut self, note: impl Into<String>) -> Self {
+        self.notes.push(note.into());
         self
     }
 

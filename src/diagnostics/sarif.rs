@@ -60,10 +60,13 @@ fn result(sources: &SourceMap, finding: &Diagnostic, rules: &[Code]) -> Value {
         Severity::Warning => "warning",
         Severity::Note => "note",
     };
-    let text = match &finding.help {
-        Some(help) => format!("{}\nhelp: {help}", finding.message),
-        None => finding.message.clone(),
-    };
+    let mut text = finding.message.clone();
+    for note in &finding.notes {
+        let _ = write!(text, "\nnote: {note}");
+    }
+    if let Some(help) = &finding.help {
+        let _ = write!(text, "\nhelp: {help}");
+    }
     let mut result = json!({
         "ruleId": finding.code.id,
         "ruleIndex": rules.binary_search(&finding.code).unwrap_or(0),

@@ -7,12 +7,12 @@ use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
 use super::relation::Relation;
 use super::structure;
-use super::{GuaranteeKind, GuaranteeRef};
+use super::{AssumptionRef, GuaranteeKind, GuaranteeRef};
 use crate::gr1::{Expr, Formula, Owner, Side, Specification, Time, Timing, VarId};
 use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
 
 /// The formulas of one side.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Encoded<K: Kernel> {
     initial: Vec<K::Function>,
     invariants: Vec<K::Function>,
@@ -24,7 +24,7 @@ struct Encoded<K: Kernel> {
 }
 
 /// All formulas of a specification, encoded.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Formulas<K: Kernel> {
     kernel: K,
     heuristics: Heuristics,
@@ -36,20 +36,29 @@ pub struct Formulas<K: Kernel> {
     outputs: Vec<VarId>,
 }
 
-/// Which guarantees are in the game. Domains and assumptions always are.
-#[derive(Debug)]
+/// Which formulas are in the game. Domains always are.
+#[derive(Debug, Clone, Copy)]
 pub enum Selection<'a> {
     /// All of them.
     All,
-    /// Only these.
+    /// All assumptions, and only these guarantees.
     Only(&'a [GuaranteeRef]),
+    /// Only these guarantees, and only these assumptions.
+    Both(&'a [GuaranteeRef], &'a [AssumptionRef]),
 }
 
 impl Selection<'_> {
-    fn contains(&self, kind: GuaranteeKind, index: usize) -> bool {
+    fn guarantees(&self, kind: GuaranteeKind, index: usize) -> bool {
         match self {
             Self::All => true,
-            Self::Only(refs) => refs.contains(&GuaranteeRef { kind, index }),
+            Self::Only(refs) | Self::Both(refs, _) => refs.contains(&GuaranteeRef { kind, index }),
+        }
+    }
+
+    fn assumes(&self, kind: GuaranteeKind, index: usize) -> bool {
+        match self {
+            Self::All | Self::Only(_) => true,
+            Self::Both(_, refs) => refs.contains(&GuaranteeRef { kind, index }),
         }
     }
 }
@@ -63,6 +72,23 @@ pub fn first_order(specification: &Specification, heuristics: Heuristics) -> Ord
         structure::order(specification, &encoding, pairs)
     } else {
         Order::natural(pairs)
+    }
+}
+
+impl<K: Kernel> Encoded<K> {
+    /// All formulas, in order.
+    fn all(&self) -> Vec<GuaranteeRef> {
+        use GuaranteeKind::{Initial, Invariant, Justice, Safety};
+        let lists = [
+            (Initial, self.initial.len()),
+            (Invariant, self.invariants.len()),
+            (Safety, self.safety.len()),
+            (Justice, self.justice.len()),
+        ];
+        let refs = lists
+            .into_iter()
+            .flat_map(|(kind, length)| (0..length).map(move |index| GuaranteeRef { kind, index }));
+        refs.collect()
     }
 }
 
@@ -141,17 +167,57 @@ impl<K: Kernel> Formulas<K> {
 
     /// The guarantees of the specification, in order.
     pub fn guarantees(&self) -> Vec<GuaranteeRef> {
-        use GuaranteeKind::{Initial, Invariant, Justice, Safety};
-        let lists = [
-            (Initial, self.system.initial.len()),
-            (Invariant, self.system.invariants.len()),
-            (Safety, self.system.safety.len()),
-            (Justice, self.system.justice.len()),
-        ];
-        let refs = lists
-            .into_iter()
-            .flat_map(|(kind, length)| (0..length).map(move |index| GuaranteeRef { kind, index }));
-        refs.collect()
+        self.system.all()
+    }
+
+    /// Its assumptions, in order.
+    pub fn assumptions(&self) -> Vec<AssumptionRef> {
+        self.environment.all()
+    }
+
+    /// The same with one more assumption.
+    #[must_use]
+    pub fn assuming(&self, kind: GuaranteeKind, function: K::Function) -> Self {
+        let mut more = self.clone();
+        let side = &mut more.environment;
+        match kind {
+            GuaranteeKind::Initial => side.initial.push(function),
+            GuaranteeKind::Invariant => side.invariants.push(function),
+            GuaranteeKind::Safety => side.safety.push(vec![function]),
+            GuaranteeKind::Justice => side.justice.push(function),
+        }
+        more
+    }
+
+    /// The same with a guarantee that asks for less: for `function`, too.
+    pub fn weakened(&self, guarantee: GuaranteeRef, function: &K::Function) -> Result<Self, Limit> {
+        let mut less = self.clone();
+        let (m, side, index) = (&self.kernel, &mut less.system, guarantee.index);
+        let one = match guarantee.kind {
+            GuaranteeKind::Initial => &mut side.initial[index],
+            GuaranteeKind::Invariant => &mut side.invariants[index],
+            GuaranteeKind::Justice => &mut side.justice[index],
+            GuaranteeKind::Safety => {
+                let whole = m.all(&side.safety[index])?;
+                side.safety[index] = vec![m.or(&whole, function)?];
+                return Ok(less);
+            }
+        };
+        *one = m.or(one, function)?;
+        Ok(less)
+    }
+
+    /// The same formulas with other limits.
+    pub fn with_limits(&self, limits: &Limits) -> Self {
+        Self {
+            kernel: self.kernel.with_limits(limits),
+            ..self.clone()
+        }
+    }
+
+    /// The bits of the variables.
+    pub fn encoding(&self) -> &Encoding {
+        &self.encoding
     }
 
     /// The guarantees that a single answer keeps or breaks: those of step 0 (over next bits, as if it were the step to come), or
@@ -203,7 +269,13 @@ impl<K: Kernel> Formulas<K> {
         let m = &self.kernel;
         let chosen = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
             let list = list.iter().enumerate();
-            list.filter(|(i, _)| selection.contains(kind, *i))
+            list.filter(|(i, _)| selection.guarantees(kind, *i))
+                .map(|(_, f)| f.clone())
+                .collect()
+        };
+        let assumed = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
+            let list = list.iter().enumerate();
+            list.filter(|(i, _)| selection.assumes(kind, *i))
                 .map(|(_, f)| f.clone())
                 .collect()
         };
@@ -217,18 +289,22 @@ impl<K: Kernel> Formulas<K> {
         let env = &self.environment;
         let sys = &self.system;
 
-        let legal_inputs = m.and(&env.domains, &m.all(&env.invariants)?)?;
+        let invariants = assumed(GuaranteeKind::Invariant, &env.invariants);
+        let legal_inputs = m.and(&env.domains, &m.all(&invariants)?)?;
         let invariants = chosen(GuaranteeKind::Invariant, &sys.invariants);
         let legal_outputs = m.and(&sys.domains, &m.all(&invariants)?)?;
         let states = m.and(&legal_inputs, &legal_outputs)?;
         let initial = chosen(GuaranteeKind::Initial, &sys.initial);
-        let env_initial = m.and(&legal_inputs, &m.all(&env.initial)?)?;
+        let env_first = assumed(GuaranteeKind::Initial, &env.initial);
+        let env_initial = m.and(&legal_inputs, &m.all(&env_first)?)?;
         let sys_initial = m.and(&legal_outputs, &m.all(&initial)?)?;
 
-        let mut env_parts = env.safety.concat();
+        let env_safety = env.safety.iter().enumerate();
+        let env_safety = env_safety.filter(|(i, _)| selection.assumes(GuaranteeKind::Safety, *i));
+        let mut env_parts: Vec<K::Function> = env_safety.flat_map(|(_, f)| f.clone()).collect();
         env_parts.push(m.prime(&legal_inputs)?);
         let safety = sys.safety.iter().enumerate();
-        let safety = safety.filter(|(i, _)| selection.contains(GuaranteeKind::Safety, *i));
+        let safety = safety.filter(|(i, _)| selection.guarantees(GuaranteeKind::Safety, *i));
         let mut sys_parts: Vec<K::Function> = safety.flat_map(|(_, f)| f.clone()).collect();
 
         let bits = |vars: &[VarId], time| self.encoding.bit_set(vars.iter().copied(), time);
@@ -251,7 +327,7 @@ impl<K: Kernel> Formulas<K> {
             sys_initial,
             environment,
             system,
-            assumptions: or_true(env.justice.clone()),
+            assumptions: or_true(assumed(GuaranteeKind::Justice, &env.justice)),
             goals: or_true(chosen(GuaranteeKind::Justice, &sys.justice)),
             inputs_now: bits(&self.inputs, Time::Now),
             inputs_next,

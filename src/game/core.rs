@@ -1,31 +1,63 @@
-//! A minimal core: guarantees that clash, none of which can be left out.
+//! A minimal core: guarantees that clash, none of which can be left out, and the assumptions that matter for it.
 //!
-//! `QuickXplain` (Junker, AAAI 2004): halves are tried first, so a core of `k` among `n` guarantees costs about `k · log2(n / k)`
-//! games instead of `n`. It is sound here because leaving out a guarantee never makes a specification unrealizable.
+//! `QuickXplain` (Junker, AAAI 2004): halves are tried first, so that a core of `k` among `n` guarantees costs at most
+//! `2k · log2(n / k) + 2k` games, where leaving out one guarantee after the other costs `n` and delta debugging (Zeller and
+//! Hildebrandt, TSE 28, 2002) up to `n² + 3n`. It is sound here because leaving out a guarantee never makes a specification
+//! unrealizable.
+//!
+//! With an assumption less, a specification that is unrealizable stays so. What an assumption contributes is that the
+//! *other* guarantees do not clash already: the assumptions that matter are a minimal set under which the core is still
+//! minimal. The same search finds them; a game of it is up to `k` games, one for each guarantee that is left out.
 
-use super::GuaranteeRef;
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};
 use super::set_up::SPLIT;
+use super::{AssumptionRef, GuaranteeRef};
 use crate::symbolic::{Kernel, Limit};
 
 /// A minimal unrealizable set of guarantees of an unrealizable specification.
 pub fn minimal_core<K: Kernel>(formulas: &Formulas<K>) -> Result<Vec<GuaranteeRef>, Limit> {
-    let all = formulas.guarantees();
-    let mut core = clash(formulas, &[], false, &all)?;
+    let mut holds = |kept: &[GuaranteeRef]| unrealizable(formulas, Selection::Only(kept));
+    let mut core = quick_xplain(&mut holds, &[], false, &formulas.guarantees())?;
     core.sort_unstable();
     Ok(core)
 }
 
-/// The smallest part of `candidates` that clashes together with `kept`. `grown` says that `kept` has changed since it was
-/// last found harmless.
-fn clash<K: Kernel>(
+/// A minimal set of assumptions under which a minimal core is one: without any other of its guarantees it could be kept.
+pub fn assumptions_that_matter<K: Kernel>(
     formulas: &Formulas<K>,
+    core: &[GuaranteeRef],
+) -> Result<Vec<AssumptionRef>, Limit> {
+    let mut others: Vec<Vec<GuaranteeRef>> = (0..core.len())
+        .map(|i| [&core[..i], &core[i + 1..]].concat())
+        .collect();
+    let mut minimal = |assumed: &[AssumptionRef]| {
+        for i in 0..others.len() {
+            if unrealizable(formulas, Selection::Both(&others[i], assumed))? {
+                // What failed is most likely to fail again.
+                others[..=i].rotate_right(1);
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    };
+    if minimal(&[])? {
+        return Ok(Vec::new());
+    }
+    let mut matters = quick_xplain(&mut minimal, &[], false, &formulas.assumptions())?;
+    matters.sort_unstable();
+    Ok(matters)
+}
+
+/// The smallest part of `candidates` that makes `holds` true together with `kept`, for a property that more formulas never
+/// make false. `grown` says that `kept` has changed since it was last found not to be enough.
+pub fn quick_xplain(
+    holds: &mut impl FnMut(&[GuaranteeRef]) -> Result<bool, Limit>,
     kept: &[GuaranteeRef],
     grown: bool,
     candidates: &[GuaranteeRef],
 ) -> Result<Vec<GuaranteeRef>, Limit> {
-    if grown && unrealizable(formulas, kept)? {
+    if grown && holds(kept)? {
         return Ok(Vec::new());
     }
     if candidates.is_empty() {
@@ -36,17 +68,17 @@ fn clash<K: Kernel>(
     }
     let (left, right) = candidates.split_at(candidates.len() / 2);
     let with_left = [kept, left].concat();
-    let mut needed = clash(formulas, &with_left, !left.is_empty(), right)?;
+    let mut needed = quick_xplain(holds, &with_left, !left.is_empty(), right)?;
     let with_needed = [kept, &needed].concat();
-    let more = clash(formulas, &with_needed, !needed.is_empty(), left)?;
+    let more = quick_xplain(holds, &with_needed, !needed.is_empty(), left)?;
     needed.extend(more);
     Ok(needed)
 }
 
 fn unrealizable<K: Kernel>(
     formulas: &Formulas<K>,
-    guarantees: &[GuaranteeRef],
+    selection: Selection<'_>,
 ) -> Result<bool, Limit> {
-    let arena = formulas.arena(&Selection::Only(guarantees), SPLIT)?;
+    let arena = formulas.arena(&selection, SPLIT)?;
     Ok(winning_region(&arena, None, &Iterations::default())?.is_none())
 }

@@ -21,6 +21,7 @@ mod heuristics;
 mod progress;
 mod ranking;
 mod relation;
+mod repair;
 mod set_up;
 mod solver;
 mod strategy;
@@ -31,13 +32,17 @@ mod workbench;
 
 pub use self::attack::{Attack, Ending, Play, reduced};
 pub use self::explore::{Explicit, Row};
+pub use self::findings::requests::Request;
+pub use self::findings::shape::{Shape, Unframed};
 pub use self::findings::{EnvironmentFindings, examine_environment};
 pub use self::functions::{Aim, Assumed, Certificate, Controls, Mode, Pursuit, Stage};
 pub use self::heuristics::{Heuristic, Heuristics};
 pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
+pub use self::repair::{Advice, NewAssumption, Weakening};
 pub use self::solver::{
-    KernelChoice, Options, Solved, Statistics, attack, order_of_variables, solve, solve_with,
+    KernelChoice, Options, Solved, Statistics, advise, attack, order_of_variables, solve,
+    solve_with,
 };
 pub use self::strategy::Preference;
 pub use crate::symbolic::{Diagram, DiagramNode, Edge, Limit, Limits, Order};
@@ -87,6 +92,9 @@ pub struct GuaranteeRef {
     /// Its place in that list.
     pub index: usize,
 }
+
+/// Points at one assumption of a specification.
+pub type AssumptionRef = GuaranteeRef;
 
 /// The lists of [`Side`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -149,6 +157,11 @@ impl Won {
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit> {
         self.game.examine_environment(specification, limits)
+    }
+
+    /// Where it asks for less than it seems to; see [`Shape`].
+    pub fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit> {
+        self.game.shape(specification, limits)
     }
 
     /// Why it is won, for whoever wants to check it.

@@ -4,19 +4,21 @@
 //! than [`SMALL_MADE`], or has more than [`SMALL_PAIRS`] pairs of bits, is played on `OxiDD`'s. The choice depends on the specification only, so that the same
 //! input always gives the same machine.
 
-use super::arena::{Arena, first_order};
+use super::arena::{Arena, Formulas, first_order};
 use super::attack::{self, Attack};
 use super::core;
 use super::explore::{self, Explicit};
+use super::findings::shape::{self, Shape};
 use super::findings::{self, EnvironmentFindings};
 use super::fixpoint::winning_region;
 use super::functions::{self, Controls};
 use super::heuristics::Heuristics;
 use super::progress::{Phase, Progress};
 use super::ranking::{self, Ranking};
+use super::repair::{self, Advice};
 use super::set_up;
 use super::strategy::{self, Preference};
-use super::{Lost, Outcome, Won};
+use super::{GuaranteeRef, Lost, Outcome, Play, Won};
 use crate::gr1::{Specification, Time, VarId};
 use crate::symbolic::{Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
 use std::fmt::Debug;
@@ -132,6 +134,9 @@ pub trait Game: Debug + Send + Sync {
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit>;
 
+    /// See [`Won::shape`].
+    fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit>;
+
     /// See [`Won::ranking`].
     fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit>;
 
@@ -142,6 +147,8 @@ pub trait Game: Debug + Send + Sync {
 /// A game that was won on one kernel.
 #[derive(Debug)]
 struct WonGame<K: Kernel> {
+    /// One by one; not kept of a large game.
+    formulas: Option<Formulas<K>>,
     arena: Arena<K>,
     /// The states from which the machine wins.
     region: K::Function,
@@ -168,7 +175,18 @@ impl<K: Kernel> Game for WonGame<K> {
         specification: &Specification,
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit> {
-        findings::examine(&self.arena.with_limits(limits), specification)
+        match &self.formulas {
+            Some(formulas) => findings::examine(
+                &formulas.with_limits(limits),
+                &self.arena.with_limits(limits),
+                specification,
+            ),
+            None => examine(specification, limits),
+        }
+    }
+
+    fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit> {
+        shape::shape(&self.arena.with_limits(limits), specification, &self.region)
     }
 
     fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit> {
@@ -274,8 +292,9 @@ fn examine_on<K: Kernel>(
     heuristics: Heuristics,
 ) -> Result<EnvironmentFindings, Limit> {
     let progress = Progress::default();
-    let (_, arena) = set_up::set_up::<K>(specification, order, heuristics, limits, &progress)?;
-    findings::examine(&arena, specification)
+    let (formulas, arena) =
+        set_up::set_up::<K>(specification, order, heuristics, limits, &progress)?;
+    findings::examine(&formulas, &arena, specification)
 }
 
 /// The counterstrategy of a specification and the play that shows it, or `None` if the machine wins.
@@ -294,6 +313,31 @@ pub fn attack(specification: &Specification, limits: &Limits) -> Result<Option<A
         }
     }
     attack::attack_on::<OxiDd>(specification, limits)
+}
+
+/// What could be done about an unrealizable specification, given a minimal core and a play that shows it.
+pub fn advise(
+    specification: &Specification,
+    core: &[GuaranteeRef],
+    play: &Play,
+    limits: &Limits,
+) -> Result<Advice, Limit> {
+    let options = Options {
+        limits: *limits,
+        ..Options::default()
+    };
+    let order = first_order(specification, options.heuristics);
+    if let Some(limits) = small(&order, &options) {
+        let limits = Limits {
+            most_made: None,
+            ..limits
+        };
+        let found = repair::advise_on::<Biodivine>(specification, core, play, &limits);
+        if !matches!(found, Err(Limit::Memory)) {
+            return found;
+        }
+    }
+    repair::advise_on::<OxiDd>(specification, core, play, limits)
 }
 
 /// Solves a game on one kernel.
@@ -359,7 +403,11 @@ fn decide<K: Kernel>(
     });
     if let Some(region) = region? {
         return Ok(Outcome::Realizable(Won {
-            game: Box::new(WonGame { arena, region }),
+            game: Box::new(WonGame {
+                formulas: (!progress.statistics().large).then_some(formulas),
+                arena,
+                region,
+            }),
             peak_nodes,
         }));
     }

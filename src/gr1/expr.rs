@@ -1,9 +1,10 @@
 //! Resolved expressions: booleans, labels and integers are all `i64`, and all arithmetic is exact.
 
 use super::VarId;
+use serde::{Deserialize, Serialize};
 
 /// Which value of a variable is meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Time {
     /// Of this step.
     Now,
@@ -12,7 +13,7 @@ pub enum Time {
 }
 
 /// An operator with one operand.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum UnaryOp {
     /// Boolean negation.
     Not,
@@ -23,7 +24,7 @@ pub enum UnaryOp {
 }
 
 /// An operator with two operands. Boolean operands are 0 or 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum BinaryOp {
     /// Boolean and.
     And,
@@ -60,7 +61,7 @@ pub enum BinaryOp {
 }
 
 /// An expression over the variables of one specification (or over the wires of one machine).
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Expr {
     /// A value; `true` is 1.
     Const(i64),

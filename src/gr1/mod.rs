@@ -22,6 +22,7 @@ mod expr;
 pub mod interval;
 pub mod monitors;
 pub mod overflow;
+pub mod text;
 
 pub use expr::{BinaryOp, Expr, Time, UnaryOp};
 
@@ -29,7 +30,7 @@ use crate::source::Span;
 use serde::{Deserialize, Serialize};
 
 /// The index of a variable in [`Specification::variables`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct VarId(pub u32);
 
 impl VarId {

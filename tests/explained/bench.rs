@@ -74,6 +74,18 @@ fn benchmarks() {
             .expect("no limit")
             .expect("a counterstrategy");
         let attack_time = clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        let advice =
+            linewright::game::advise(&spec, &core, &found.play, &limits).expect("no limit");
+        let advice_time = clock.elapsed().as_secs_f64();
+        println!(
+            "   {advice_time:.3} matters {} contradictory {} assumptions {} weakenings {} {:?}",
+            advice.matters.len(),
+            advice.contradictory,
+            advice.assumptions.len(),
+            advice.weakenings.len(),
+            crate::mended::holds(&spec, &core, &advice)
+        );
         let machine = machine(&small, &found);
         let clock = Instant::now();
         let verdict = verify_counterstrategy(&small, &machine, &limits);

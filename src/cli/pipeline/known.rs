@@ -1,12 +1,13 @@
 //! What is known of a contract, and what is said of it.
 
+use super::Explained;
 use super::{CheckedContract, Goal, Job, Verdict};
 use crate::cli::controller::Controller;
-use crate::cli::environment;
+use crate::cli::findings::{environment, lost, shape};
 use crate::cli::statistics::Statistics;
 use crate::cli::worker::Stop;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::game::{EnvironmentFindings, GuaranteeRef, Limit, Progress, Ranking};
+use crate::game::{EnvironmentFindings, GuaranteeRef, Limit, Progress, Ranking, Shape};
 use crate::gr1::{Specification, overflow};
 use crate::mealy;
 use crate::source::Span;
@@ -60,6 +61,8 @@ pub(super) struct Known {
     pub(super) core: Option<Vec<GuaranteeRef>>,
     pub(super) examined: bool,
     pub(super) environment: Option<EnvironmentFindings>,
+    pub(super) shape: Option<Shape>,
+    pub(super) lost: Option<Box<Explained>>,
     pub(super) controller: Controller,
     pub(super) ranking: Option<Ranking>,
     /// For every inquiry the answers to its questions; `None` where a limit was reached first.
@@ -76,6 +79,8 @@ impl Known {
             core: None,
             examined: false,
             environment: None,
+            shape: None,
+            lost: None,
             controller: Controller::Unasked,
             ranking: None,
             answers: Vec::new(),
@@ -120,6 +125,9 @@ impl Known {
             if let Some(found) = &self.environment {
                 findings.extend(environment::findings(specification, job.span, found));
             }
+            if let Some(found) = &self.shape {
+                findings.extend(shape::findings(specification, found));
+            }
         } else {
             let formulas = self.core.iter().flatten();
             // A monitor's formulas have the name of the guarantee that it was made for.
@@ -128,7 +136,8 @@ impl Known {
                     core.push(name.clone());
                 }
             }
-            findings.push(unrealizable(specification, job.span, &core));
+            let told = lost::finding(specification, job.span, &core, self.lost.as_deref());
+            findings.push(told);
         }
         for (inquiry, answers) in job.inquiries.iter().zip(&self.answers) {
             findings.extend(
@@ -148,6 +157,7 @@ impl Known {
             },
             findings,
             core,
+            lost: self.lost,
             controller,
             ranking: self.ranking,
             seconds: 0.0,
@@ -173,6 +183,7 @@ pub(super) fn gave_up(job: &Job, reason: Reason, solve: &Progress) -> CheckedCon
             Diagnostic::error(codes::GAVE_UP, job.span, message).with_help(reason.help()),
         ],
         core: Vec::new(),
+        lost: None,
         controller: None,
         ranking: None,
         seconds: 0.0,
@@ -180,33 +191,6 @@ pub(super) fn gave_up(job: &Job, reason: Reason, solve: &Progress) -> CheckedCon
         statistics,
         left_out: false,
     }
-}
-
-fn unrealizable(specification: &Specification, span: Span, core: &[String]) -> Diagnostic {
-    let name = &specification.name;
-    let mut finding = Diagnostic::error(
-        codes::UNREALIZABLE,
-        span,
-        format!("no controller can keep the guarantees of `{name}`, whatever it does"),
-    )
-    .with_help("weaken a guarantee or add an assumption; `linewright explain LW203` shows how");
-    let sides = [
-        (&specification.guarantees, "cannot be kept"),
-        (&specification.assumptions, "does not help enough"),
-    ];
-    for (side, text) in sides {
-        let mut spans: Vec<Span> = Vec::new();
-        for formula in side.all().filter(|f| core.contains(&f.name)) {
-            if !spans.iter().any(|s| s.holds(formula.span)) {
-                spans.retain(|s| !formula.span.holds(*s));
-                spans.push(formula.span);
-            }
-        }
-        for span in spans {
-            finding = finding.with_label(span, text);
-        }
-    }
-    finding
 }
 
 /// LW208, for each guarantee that can ask for a next value outside its domain.
@@ -274,14 +258,6 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_core_is_pointed_at() {
-        let spec = specification("A");
-        let finding = unrealizable(&spec, Span::default(), &["start".to_owned()]);
-        assert_eq!(finding.labels.len(), 1);
-        assert_eq!(finding.labels[0].0.start, 5);
-    }
-
-    #[test]
     fn a_controller_that_is_needed_and_missing_is_an_error() {
         let checked = CheckedContract {
             verdict: Verdict::Realizable,
@@ -291,6 +267,7 @@ pub(super) mod tests {
                 Reason::Limit(Limit::Size),
             )],
             core: Vec::new(),
+            lost: None,
             controller: None,
             ranking: None,
             seconds: 0.0,

@@ -4,10 +4,12 @@
 //! solved before comes from the [cache](super::cache): results, from which the findings are made anew. A task finds out what
 //! is to be known of a contract, and that is then put into words.
 
+mod explain;
 mod known;
 mod memory;
 mod task;
 
+pub use explain::Explained;
 pub use known::Reason;
 pub use memory::Memory;
 
@@ -76,6 +78,8 @@ pub struct CheckedContract {
     pub findings: Vec<Diagnostic>,
     /// Names of guarantees and assumptions that clash, for an unrealizable one.
     pub core: Vec<String>,
+    /// Why there is none.
+    pub lost: Option<Box<Explained>>,
     /// The verified controller. A realizable contract has none when nobody asked for it, or when a limit was reached after the
     /// verdict; the findings say so.
     pub controller: Option<mealy::Controller>,

@@ -1,5 +1,6 @@
 //! One contract through the pipeline, from the cache or by solving it.
 
+use super::explain::explain;
 use super::known::{Known, gave_up};
 use super::{CheckedContract, Goal, InternalError, Job, Reason, Settings};
 use crate::cli::cache::{self, Cache, Entry, Hints, Key, Version};
@@ -186,6 +187,18 @@ impl Task {
             );
         }
         let Some(won) = won else {
+            if self.job.goal > Goal::Answer
+                && let Some(core) = known.core.clone()
+            {
+                let lost = explain(specification, &core, limits, &mut |lost| {
+                    let lost = Some(Box::new(lost.clone()));
+                    report(Known {
+                        lost,
+                        ..known.clone()
+                    });
+                })?;
+                known.lost = Some(Box::new(lost));
+            }
             return Ok(Ok(known));
         };
         if self.rank {
@@ -215,6 +228,10 @@ impl Task {
             let environment = won.examine_environment(specification, &limits);
             known.examined = !matches!(environment, Err(Limit::Time));
             known.environment = environment.ok();
+            report(known.clone());
+            let shape = won.shape(specification, &limits);
+            known.examined &= !matches!(shape, Err(Limit::Time));
+            known.shape = shape.ok();
         }
         Ok(Ok(known))
     }
@@ -243,9 +260,10 @@ impl Task {
         let extracts = entry.realizable && self.extracts(large);
         let examines = entry.realizable && self.examines(large);
         let explains = !entry.realizable && self.job.goal > Goal::Answer;
+        let explained = entry.lost.as_ref().is_some_and(|l| l.complete);
         if extracts && !entry.extracted
             || examines && !entry.examined
-            || explains && entry.core.is_none()
+            || explains && (entry.core.is_none() || !explained)
         {
             return None;
         }
@@ -260,6 +278,8 @@ impl Task {
             core: entry.core,
             examined: examines,
             environment: entry.environment.filter(|_| examines),
+            shape: entry.shape.filter(|_| examines),
+            lost: entry.lost.filter(|_| explains),
             controller: match (entry.machine, entry.functions) {
                 _ if !extracts => Controller::Unasked,
                 (None, None) => Controller::Stopped(Reason::Limit(Limit::Size)),
@@ -286,7 +306,8 @@ impl Task {
         };
         let examines = known.realizable && self.examines(known.statistics.large);
         let explains = !known.realizable && self.job.goal > Goal::Answer;
-        if examines && !known.examined || explains && known.core.is_none() {
+        let explained = known.lost.as_ref().is_some_and(|l| l.complete);
+        if examines && !known.examined || explains && (known.core.is_none() || !explained) {
             return None;
         }
         Some(Entry {
@@ -294,6 +315,8 @@ impl Task {
             core: known.core.clone(),
             examined: known.examined,
             environment: known.environment.clone(),
+            shape: known.shape.clone(),
+            lost: known.lost.clone(),
             extracted,
             machine,
             functions,

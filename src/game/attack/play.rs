@@ -37,6 +37,25 @@ pub enum Ending {
     },
 }
 
+impl Play {
+    /// The same with the guarantees of a [reduced](super::reduced) specification as those of the whole; `core` are the ones
+    /// that were kept.
+    #[must_use]
+    pub fn within(mut self, core: &[GuaranteeRef]) -> Self {
+        let whole = |guarantee: &mut GuaranteeRef| {
+            let mut alike = core.iter().filter(|g| g.kind == guarantee.kind);
+            if let Some(original) = alike.nth(guarantee.index) {
+                *guarantee = *original;
+            }
+        };
+        match &mut self.ending {
+            Ending::Clash(rules) => rules.iter_mut().for_each(whole),
+            Ending::Starved { goal, .. } => whole(goal),
+        }
+        self
+    }
+}
+
 /// Plays.
 pub fn play<K: Kernel>(
     board: &Board<K>,

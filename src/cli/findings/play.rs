@@ -1,0 +1,124 @@
+//! A play as a table: a row a variable, a column a step.
+
+use super::list;
+use crate::game::{Ending, GuaranteeRef, Play};
+use crate::gr1::{Formula, Owner, Specification, Timing, VarId};
+use std::fmt::Write as _;
+
+/// The table is no wider than this.
+const WIDTH: usize = 96;
+
+/// The table, and a sentence on how the play ends.
+pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> String {
+    let s = specification;
+    let last = play.steps.len() - 1;
+    let clash = matches!(play.ending, Ending::Clash(_));
+    let cell = |v: VarId, step: usize| -> String {
+        let variable = s.variable(v);
+        // No answer is possible there.
+        let unknown =
+            clash && step == last && variable.owner == Owner::System && s.timing == Timing::Mealy;
+        if unknown {
+            "?".to_owned()
+        } else {
+            variable.domain.show(play.steps[step][v.index()])
+        }
+    };
+    let label = |v: VarId| {
+        let variable = s.variable(v);
+        let side = match variable.owner {
+            Owner::Environment => "plant",
+            Owner::System => "machine",
+        };
+        (side, variable.name.clone())
+    };
+    let names = shown.iter().map(|v| label(*v).1.chars().count());
+    let names = names.max().unwrap_or(0).max("step".len());
+    let widths: Vec<usize> = (0..=last)
+        .map(|step| {
+            let cells = shown.iter().map(|v| cell(*v, step).chars().count());
+            cells.max().unwrap_or(0).max(step.to_string().len())
+        })
+        .collect();
+    let mut text = String::new();
+    let mut from = 0;
+    while from <= last {
+        let mut width = "machine  ".len() + names;
+        let mut to = from;
+        while to <= last && (to == from || width + 2 + widths[to] <= WIDTH) {
+            width += 2 + widths[to];
+            to += 1;
+        }
+        let mut row = |side: &str, name: &str, cells: &dyn Fn(usize) -> String| {
+            let mut line = format!("{side:<7}  {name:<names$}");
+            for (step, width) in (from..to).zip(&widths[from..to]) {
+                let _ = write!(line, "  {:<width$}", cells(step));
+            }
+            text.push_str(line.trim_end());
+            text.push('\n');
+        };
+        row("", "step", &|step| step.to_string());
+        for v in shown {
+            let (side, name) = label(*v);
+            row(side, &name, &|step| cell(*v, step));
+        }
+        from = to;
+        if from <= last {
+            text.push('\n');
+        }
+    }
+    text.push_str(&ending(s, play));
+    text
+}
+
+/// How the play ends, in a sentence.
+fn ending(s: &Specification, play: &Play) -> String {
+    let last = play.steps.len() - 1;
+    let name = |g: &GuaranteeRef| format!("`{}`", g.formula(&s.guarantees).name);
+    match &play.ending {
+        Ending::Clash(rules) => {
+            let mut names: Vec<String> = Vec::new();
+            for rule in rules {
+                if !names.contains(&name(rule)) {
+                    names.push(name(rule));
+                }
+            }
+            match (names.as_slice(), s.timing) {
+                ([], _) => format!("in step {last} there is no answer at all"),
+                ([one], Timing::Moore) => {
+                    format!(
+                        "whatever the machine does in step {last}, the plant can answer so that {one} is broken"
+                    )
+                }
+                ([one], _) => format!("in step {last} no answer keeps {one}"),
+                _ => format!("in step {last} no answer keeps {} together", list(&names)),
+            }
+        }
+        Ending::Starved { from, goal } => {
+            let round = if *from == last {
+                format!("step {last} goes on for ever")
+            } else {
+                format!("after step {last} it goes on with step {from}, for ever")
+            };
+            format!("{round}, and {} is never met again", name(goal))
+        }
+    }
+}
+
+/// The variables that these formulas mention, in the order of their declaration.
+pub fn mentioned<'f>(
+    specification: &Specification,
+    formulas: impl Iterator<Item = &'f Formula>,
+) -> Vec<VarId> {
+    let mut found = vec![false; specification.variables.len()];
+    for formula in formulas {
+        formula
+            .expr
+            .for_each_var(&mut |v, _| found[v.index()] = true);
+    }
+    let ids = (0..found.len() as u32).map(VarId);
+    let mut shown: Vec<VarId> = ids.filter(|v| found[v.index()]).collect();
+    // What the plant gives first, then what the machine answers.
+    shown.sort_by_key(|v| specification.variable(*v).owner == Owner::System);
+    shown
+}

@@ -1,0 +1,146 @@
+//! Where a realizable contract asks for less than it seems to: LW212 to LW219.
+
+use super::situation;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::game::{GuaranteeRef, Shape};
+use crate::gr1::text::{operand, text};
+use crate::gr1::{Formula, Specification, VarId};
+
+/// The findings.
+pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic> {
+    let s = specification;
+    let mut findings = Vec::new();
+    let formula = |g: &GuaranteeRef| -> &Formula { g.formula(&s.guarantees) };
+    let variable = |v: VarId| (&s.variable(v).name, s.variable(v).span);
+    for guarantee in &found.unbreakable {
+        let formula = formula(guarantee);
+        findings.push(
+            Diagnostic::warning(
+                codes::UNBREAKABLE,
+                formula.span,
+                format!(
+                    "nothing the machine does could break `{}`: the domains and the assumptions ensure it already",
+                    formula.name
+                ),
+            )
+            .with_help("leave it out, or say what it was meant to ask of the machine"),
+        );
+    }
+    for guarantee in &found.unreachable {
+        if found.unbreakable.contains(guarantee) {
+            continue;
+        }
+        let formula = formula(guarantee);
+        findings.push(
+            Diagnostic::warning(
+                codes::NEVER_ASKED,
+                formula.span,
+                format!(
+                    "`{}` never asks for anything: what stands before its `->` never holds, whatever the controller does",
+                    formula.name
+                ),
+            )
+            .with_help(
+                "look for a guarantee or an assumption that forbids that situation, or for a slip in the condition",
+            ),
+        );
+    }
+    for v in &found.unconstrained {
+        let (name, span) = variable(*v);
+        findings.push(
+            Diagnostic::warning(
+                codes::UNCONSTRAINED,
+                span,
+                format!(
+                    "no guarantee restricts `{name}`: the machine may give it any value at any time"
+                ),
+            )
+            .with_help(
+                "say in a guarantee what it is to be, or make it an input if the plant decides it",
+            ),
+        );
+    }
+    for (v, value) in &found.constant {
+        let (name, span) = variable(*v);
+        let value = s.variable(*v).show(*value);
+        findings.push(
+            Diagnostic::warning(
+                codes::CONSTANT,
+                span,
+                format!(
+                    "`{name}` is {value} in every step, whatever the plant and the controller do"
+                ),
+            )
+            .with_help(
+                "look for the guarantees that leave it no other value, or leave the output out",
+            ),
+        );
+    }
+    for unframed in &found.unframed {
+        let (name, span) = variable(unframed.variable);
+        let fixer = formula(&unframed.fixed_by);
+        findings.push(
+            Diagnostic::warning(
+                codes::UNFRAMED,
+                span,
+                format!(
+                    "in some situations nothing says what becomes of `{name}`: the machine may give it any value"
+                ),
+            )
+            .with_label(fixer.span, "elsewhere this fixes its next value")
+            .with_note(format!(
+                "one such situation is {}",
+                situation(s, &unframed.situation)
+            ))
+            .with_help(format!(
+                "say that it stays: `guarantee frame: always (not (...) -> next {name} = {name})`, with the condition under which it moves"
+            )),
+        );
+    }
+    for request in &found.requests {
+        let (name, span) = variable(request.output);
+        let up = text(s, &request.request);
+        let completes = format!(
+            "guarantee completes: always eventually (not ({up}) or {})",
+            operand(s, &request.done)
+        );
+        let mut finding = if request.enforceable {
+            Diagnostic::warning(
+                codes::REQUEST_OPEN,
+                span,
+                format!("nothing asks that the request `{up}` is ever completed: `{name}` may stay away for ever"),
+            )
+            .with_help(format!("add `{completes}`"))
+        } else {
+            Diagnostic::warning(
+                codes::BY_CHANCE,
+                span,
+                format!("the request `{up}` is completed by chance only: no controller can make sure that `{name}` comes"),
+            )
+            .with_help(format!(
+                "add `{completes}`, and mend what `check` then says: mostly the plant changes what was asked for, or drops the request"
+            ))
+        };
+        if let Some(held) = request.held_by {
+            let formula = held.formula(&s.assumptions);
+            finding = finding.with_label(formula.span, "this says what is held until it is done");
+        }
+        findings.push(finding);
+    }
+    if found.idle
+        && let Some(output) = s.outputs().find(|v| !s.variable(*v).internal)
+    {
+        let (_, span) = variable(output);
+        findings.push(
+            Diagnostic::warning(
+                codes::IDLE,
+                span,
+                format!("a machine that never changes an output keeps `{}`", s.name),
+            )
+            .with_help(
+                "ask for what the machine is there for: `guarantee completes: always eventually (not requested or done)`",
+            ),
+        );
+    }
+    findings
+}

@@ -1,0 +1,359 @@
+//! Where a realizable specification asks for less than it seems to.
+//!
+//! Everything is asked of the plays that can occur: those in which the environment keeps its safety and the machine stays in
+//! its winning region, as every controller does. What never occurs in them occurs under no controller.
+
+use super::reachable;
+use super::requests::{self, Request};
+use crate::game::arena::Arena;
+use crate::game::fixpoint::winning_states;
+use crate::game::relation::Relation;
+use crate::game::set_up::SPLIT;
+use crate::game::{GuaranteeKind as Kind, GuaranteeRef};
+use crate::gr1::{BinaryOp, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId};
+use crate::symbolic::{BitSet, Kernel, Limit};
+use serde::{Deserialize, Serialize};
+
+/// Where a specification asks for less than it seems to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Shape {
+    /// Guarantees that nobody could break: the domains and the assumptions that hold from one step to the next ensure them.
+    pub unbreakable: Vec<GuaranteeRef>,
+    /// Guarantees `P -> Q` whose P never holds.
+    pub unreachable: Vec<GuaranteeRef>,
+    /// Outputs that no guarantee restricts, although some formula mentions them.
+    pub unconstrained: Vec<VarId>,
+    /// Outputs that have one value in every play.
+    pub constant: Vec<(VarId, i64)>,
+    /// Outputs without a frame.
+    pub unframed: Vec<Unframed>,
+    /// A machine that never changes an output keeps everything.
+    pub idle: bool,
+    /// Requests that need not be completed.
+    pub requests: Vec<Request>,
+}
+
+/// An output that may take any value in some situation, although a guarantee fixes it in others.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Unframed {
+    /// The output.
+    pub variable: VarId,
+    /// Current values after which its next one is free.
+    pub situation: Vec<i64>,
+    /// A guarantee that says what its next value is, elsewhere.
+    pub fixed_by: GuaranteeRef,
+}
+
+/// Looks for all of them. `region` is the winning region.
+pub fn shape<K: Kernel>(
+    arena: &Arena<K>,
+    specification: &Specification,
+    region: &K::Function,
+) -> Result<Shape, Limit> {
+    let look = Look::new(arena, specification, region)?;
+    Ok(Shape {
+        unbreakable: look.unbreakable()?,
+        unreachable: look.unreachable()?,
+        unconstrained: look.unconstrained()?,
+        constant: look.constant()?,
+        unframed: look.unframed()?,
+        idle: look.idle()?,
+        requests: requests::open(arena, specification, &look.reached, &look.moves)?,
+    })
+}
+
+struct Look<'a, K: Kernel> {
+    arena: &'a Arena<K>,
+    m: &'a K,
+    specification: &'a Specification,
+    /// The states that can occur.
+    reached: K::Function,
+    /// The steps that can occur from anywhere: the environment's moves and answers that stay in the winning region.
+    moves: K::Function,
+}
+
+impl<'a, K: Kernel> Look<'a, K> {
+    fn new(
+        arena: &'a Arena<K>,
+        specification: &'a Specification,
+        region: &K::Function,
+    ) -> Result<Self, Limit> {
+        let m = &arena.kernel;
+        let target = m.prime(region)?;
+        let stays = match arena.timing {
+            Timing::Mealy => target,
+            // Only answers that are right whatever the environment gives.
+            Timing::Moore => m.and(&arena.for_all_inputs(&target)?, &target)?,
+        };
+        let moves = m.and(
+            &m.and(&arena.environment_moves()?, &arena.system_moves()?)?,
+            &stays,
+        )?;
+        let mut first = m.and(&arena.sys_initial, region)?;
+        if arena.timing == Timing::Moore {
+            let right = m.implies_forall(&arena.env_initial, &first, &arena.inputs_now)?;
+            first = m.and(&first, &right)?;
+        }
+        let first = m.and(&first, &arena.env_initial)?;
+        Ok(Self {
+            m,
+            specification,
+            reached: reachable(arena, &first, &moves)?,
+            moves,
+            arena,
+        })
+    }
+
+    fn encode(&self, expr: &Expr) -> Result<K::Function, Limit> {
+        self.arena.encoding.formula(self.m, expr)
+    }
+
+    /// All guarantees, with their places.
+    fn guarantees(&self) -> impl Iterator<Item = (GuaranteeRef, &'a Formula)> {
+        all(&self.specification.guarantees)
+    }
+
+    /// What both sides' domains and the environment's rules allow, by kind of formula.
+    fn unbreakable(&self) -> Result<Vec<GuaranteeRef>, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let mut domains = m.constant(true);
+        for v in 0..self.specification.variables.len() {
+            let within = arena.encoding.in_domain(m, VarId(v as u32), Time::Now)?;
+            domains = m.and(&domains, &within)?;
+        }
+        let mut invariants = domains.clone();
+        for formula in &self.specification.assumptions.invariants {
+            invariants = m.and(&invariants, &self.encode(&formula.expr)?)?;
+        }
+        let steps = m.and(&invariants, &m.prime(&domains)?)?;
+        let steps = m.and(&steps, &arena.environment_moves()?)?;
+        let first = m.and(&domains, &arena.env_initial)?;
+        let mut found = Vec::new();
+        for (guarantee, formula) in self.guarantees() {
+            let allowed = match guarantee.kind {
+                Kind::Initial => &first,
+                Kind::Invariant => &invariants,
+                Kind::Safety | Kind::Justice => &steps,
+            };
+            let broken = m.and_not(allowed, &self.encode(&formula.expr)?)?;
+            if m.is_false(&broken) {
+                found.push(guarantee);
+            }
+        }
+        Ok(found)
+    }
+
+    /// The steps that can occur.
+    fn steps(&self) -> Result<K::Function, Limit> {
+        self.m.and(&self.reached, &self.moves)
+    }
+
+    fn unreachable(&self) -> Result<Vec<GuaranteeRef>, Limit> {
+        let m = self.m;
+        let steps = self.steps()?;
+        let first = m.and(
+            &m.and(&self.reached, &self.arena.env_initial)?,
+            &self.arena.sys_initial,
+        )?;
+        let mut found = Vec::new();
+        for (guarantee, formula) in self.guarantees() {
+            let among = match guarantee.kind {
+                Kind::Initial => &first,
+                Kind::Invariant => &self.reached,
+                Kind::Safety | Kind::Justice => &steps,
+            };
+            let mut antecedents = Vec::new();
+            for part in formula.expr.conjuncts() {
+                antecedents.extend(antecedent(part));
+            }
+            let mut never = false;
+            for antecedent in antecedents {
+                let holds = m.and(among, &self.encode(&antecedent)?)?;
+                never |= m.is_false(&holds);
+            }
+            if never {
+                found.push(guarantee);
+            }
+        }
+        Ok(found)
+    }
+
+    /// The outputs that are the machine's own interface.
+    fn outputs(&self) -> impl Iterator<Item = VarId> {
+        let specification = self.specification;
+        specification.outputs().filter(|v| {
+            let variable = specification.variable(*v);
+            !variable.internal && variable.domain.size() > 1
+        })
+    }
+
+    fn unconstrained(&self) -> Result<Vec<VarId>, Limit> {
+        let mut restricted = BitSet::default();
+        let mut mentioned = vec![false; self.specification.variables.len()];
+        for (_, formula) in self.guarantees() {
+            for bit in self.m.support(&self.encode(&formula.expr)?) {
+                restricted.insert(bit);
+            }
+        }
+        let (a, g) = (
+            &self.specification.assumptions,
+            &self.specification.guarantees,
+        );
+        for formula in a.all().chain(g.all()) {
+            formula
+                .expr
+                .for_each_var(&mut |v, _| mentioned[v.index()] = true);
+        }
+        let encoding = &self.arena.encoding;
+        let free = |v: &VarId| {
+            let mut bits = encoding
+                .bits(*v, Time::Now)
+                .chain(encoding.bits(*v, Time::Next));
+            mentioned[v.index()] && !bits.any(|bit| restricted.contains(bit))
+        };
+        Ok(self.outputs().filter(free).collect())
+    }
+
+    fn constant(&self) -> Result<Vec<(VarId, i64)>, Limit> {
+        let m = self.m;
+        let mut found = Vec::new();
+        let Some(bits) = m.witness(&self.reached) else {
+            return Ok(found);
+        };
+        for v in self.outputs() {
+            let value = self.arena.encoding.value(v, Time::Now, &bits);
+            let is = m.cube(&self.arena.encoding.assignment(v, Time::Now, value))?;
+            if m.is_false(&m.and_not(&self.reached, &is)?) {
+                found.push((v, value));
+            }
+        }
+        Ok(found)
+    }
+
+    fn unframed(&self) -> Result<Vec<Unframed>, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let mut found = Vec::new();
+        let answers = m.and(&arena.system_moves()?, &m.prime(&arena.states)?)?;
+        let here = m.and(&self.reached, &arena.environment_moves()?)?;
+        for v in self.outputs() {
+            let sets_next = |formula: &Formula| {
+                let mut sets = false;
+                formula
+                    .expr
+                    .for_each_var(&mut |w, t| sets |= w == v && t == Time::Next);
+                sets
+            };
+            let setting: Vec<(GuaranteeRef, &Formula)> = self
+                .guarantees()
+                .filter(|(g, f)| g.kind == Kind::Safety && sets_next(f))
+                .collect();
+            if setting.is_empty() {
+                continue;
+            }
+            let own = arena.encoding.bit_set([v], Time::Next);
+            let mut others = arena.outputs_next.clone();
+            others = BitSet::new(others.iter().filter(|bit| !own.contains(*bit)));
+            // Answers for which every value of this output is as good.
+            let some = m.exists(&answers, &own)?;
+            let within = arena.encoding.in_domain(m, v, Time::Next)?;
+            let restricts = m.and(&some, &m.and_not(&within, &answers)?)?;
+            let mut all_next = others.clone();
+            own.iter().for_each(|bit| all_next.insert(bit));
+            let bound = m.exists(&restricts, &all_next)?;
+            let answerable = m.exists(&answers, &all_next)?;
+            let free = m.and(&here, &m.and_not(&answerable, &bound)?)?;
+            let Some(bits) = m.witness(&free) else {
+                continue;
+            };
+            let fixer = self.fixer(v, &setting, &here)?;
+            if let Some(fixed_by) = fixer {
+                let ids = (0..self.specification.variables.len()).map(|i| VarId(i as u32));
+                found.push(Unframed {
+                    variable: v,
+                    situation: ids
+                        .map(|w| arena.encoding.value(w, Time::Now, &bits))
+                        .collect(),
+                    fixed_by,
+                });
+            }
+        }
+        Ok(found)
+    }
+
+    /// A guarantee that leaves an output a single next value in some situation that can occur.
+    fn fixer(
+        &self,
+        v: VarId,
+        setting: &[(GuaranteeRef, &Formula)],
+        here: &K::Function,
+    ) -> Result<Option<GuaranteeRef>, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let within = arena.encoding.in_domain(m, v, Time::Next)?;
+        let own: Vec<_> = arena.encoding.bits(v, Time::Next).collect();
+        let set = BitSet::new(own.iter().copied());
+        for (guarantee, formula) in setting {
+            let allows = m.and(&self.encode(&formula.expr)?, &within)?;
+            let mut several = m.constant(false);
+            for bit in &own {
+                let high = m.exists(&m.and(&allows, &m.literal(*bit, true))?, &set)?;
+                let low = m.exists(&m.and(&allows, &m.literal(*bit, false))?, &set)?;
+                several = m.or(&several, &m.and(&high, &low)?)?;
+            }
+            let one = m.and_not(&m.exists(&allows, &set)?, &several)?;
+            if !m.is_false(&m.and(here, &one)?) {
+                return Ok(Some(*guarantee));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether a machine that never changes an output wins, where there is something to be done again and again.
+    fn idle(&self) -> Result<bool, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let (a, g) = (
+            &self.specification.assumptions,
+            &self.specification.guarantees,
+        );
+        let busy = !a.justice.is_empty() || !g.justice.is_empty();
+        if !busy || self.outputs().next().is_none() {
+            return Ok(false);
+        }
+        let mut parts: Vec<K::Function> = arena.system.parts().cloned().collect();
+        for v in self.specification.outputs() {
+            let variable = self.specification.variable(v);
+            if variable.owner == Owner::System && !variable.internal {
+                parts.push(arena.encoding.unchanged(m, v)?);
+            }
+        }
+        let still = Arena {
+            system: Relation::new(m, &parts, &arena.outputs_next, SPLIT, arena.heuristics)?,
+            ..arena.clone()
+        };
+        still.wins_initially(&winning_states(&still)?)
+    }
+}
+
+/// All formulas of a side, with their places.
+pub fn all(side: &Side) -> impl Iterator<Item = (GuaranteeRef, &Formula)> {
+    let lists = [
+        (Kind::Initial, &side.initial),
+        (Kind::Invariant, &side.invariants),
+        (Kind::Safety, &side.safety),
+        (Kind::Justice, &side.justice),
+    ];
+    lists.into_iter().flat_map(|(kind, list)| {
+        let list = list.iter().enumerate();
+        list.map(move |(index, formula)| (GuaranteeRef { kind, index }, formula))
+    })
+}
+
+/// What has to hold before a formula asks for anything: P of `P -> Q`, P and R of `P -> (R -> Q)`.
+fn antecedent(expr: &Expr) -> Option<Expr> {
+    let Expr::Binary(BinaryOp::Implies, a, b) = expr else {
+        return None;
+    };
+    Some(match antecedent(b) {
+        Some(more) => (**a).clone().and(more),
+        None => (**a).clone(),
+    })
+}

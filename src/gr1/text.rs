@@ -1,0 +1,166 @@
+//! Expressions as their author would write them: the contract language's own words, labels by their names.
+
+use super::{BinaryOp, Domain, Expr, Specification, Time, UnaryOp};
+
+/// How tightly something binds, from a whole formula to a name.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Binds {
+    Implication,
+    Or,
+    And,
+    Not,
+    Comparison,
+    Sum,
+    Product,
+    Name,
+}
+
+/// An expression as text. It parses to an equal one in a contract with the same variables.
+pub fn text(specification: &Specification, expr: &Expr) -> String {
+    print(specification, expr, None).0
+}
+
+/// The same where it is an operand: in parentheses unless it is a name, a comparison or a negation.
+pub fn operand(specification: &Specification, expr: &Expr) -> String {
+    let (text, binds) = print(specification, expr, None);
+    if binds >= Binds::Not {
+        text
+    } else {
+        format!("({text})")
+    }
+}
+
+/// `like` is the domain that a constant has its name from.
+fn print(s: &Specification, expr: &Expr, like: Option<&Domain>) -> (String, Binds) {
+    use BinaryOp as B;
+    let part = |expr: &Expr, least: Binds, like: Option<&Domain>| {
+        let (text, binds) = print(s, expr, like);
+        if binds >= least {
+            text
+        } else {
+            format!("({text})")
+        }
+    };
+    let both = |a: &Expr, word: &str, b: &Expr, binds: Binds, inner: Binds| {
+        let (a, b) = (part(a, inner, None), part(b, inner, None));
+        (format!("{a} {word} {b}"), binds)
+    };
+    match expr {
+        Expr::Const(value) => match like {
+            Some(domain) => (domain.show(*value), Binds::Name),
+            None if *value < 0 => (format!("(0 - {})", value.unsigned_abs()), Binds::Name),
+            None => (value.to_string(), Binds::Name),
+        },
+        Expr::Var(v, time) => {
+            let name = &s.variable(*v).name;
+            match time {
+                Time::Now => (name.clone(), Binds::Name),
+                Time::Next => (format!("next {name}"), Binds::Name),
+            }
+        }
+        Expr::Unary(UnaryOp::Not, a) => {
+            let inner = if matches!(**a, Expr::Var(..)) {
+                Binds::Name
+            } else {
+                Binds::Implication
+            };
+            let text = part(a, inner, Some(&Domain::Bool));
+            if inner == Binds::Name {
+                (format!("not {text}"), Binds::Not)
+            } else {
+                (format!("not ({text})"), Binds::Not)
+            }
+        }
+        Expr::Unary(UnaryOp::Neg, a) => {
+            (format!("0 - {}", part(a, Binds::Product, None)), Binds::Sum)
+        }
+        Expr::Unary(UnaryOp::Abs, a) => (
+            format!("abs({})", part(a, Binds::Implication, None)),
+            Binds::Name,
+        ),
+        Expr::If(c, a, b) => {
+            let c = part(c, Binds::Or, Some(&Domain::Bool));
+            let (a, b) = (part(a, Binds::Or, like), part(b, Binds::Or, like));
+            (format!("if {c} then {a} else {b}"), Binds::Implication)
+        }
+        Expr::Binary(op, a, b) => match op {
+            B::And | B::Or => {
+                let (word, binds) = match op {
+                    B::And => ("and", Binds::And),
+                    _ => ("or", Binds::Or),
+                };
+                let bool_like = Some(&Domain::Bool);
+                let (a, b) = (part(a, binds, bool_like), part(b, binds, bool_like));
+                (format!("{a} {word} {b}"), binds)
+            }
+            B::Implies => {
+                let bool_like = Some(&Domain::Bool);
+                let (a, b) = (part(a, Binds::Or, bool_like), part(b, Binds::Or, bool_like));
+                (format!("{a} -> {b}"), Binds::Implication)
+            }
+            B::Eq | B::Ne if truth(s, a) && truth(s, b) => {
+                let word = if *op == B::Eq { "<->" } else { "xor" };
+                let bool_like = Some(&Domain::Bool);
+                let (a, b) = (
+                    part(a, Binds::Not, bool_like),
+                    part(b, Binds::Not, bool_like),
+                );
+                (format!("{a} {word} {b}"), Binds::Implication)
+            }
+            B::Eq | B::Ne | B::Lt | B::Le | B::Gt | B::Ge => {
+                let word = match op {
+                    B::Eq => "=",
+                    B::Ne => "!=",
+                    B::Lt => "<",
+                    B::Le => "<=",
+                    B::Gt => ">",
+                    _ => ">=",
+                };
+                let (of_a, of_b) = (labels(s, a), labels(s, b));
+                let a = part(a, Binds::Sum, of_b);
+                let b = part(b, Binds::Sum, of_a);
+                (format!("{a} {word} {b}"), Binds::Comparison)
+            }
+            B::Min | B::Max => {
+                let word = if *op == B::Min { "min" } else { "max" };
+                let a = part(a, Binds::Implication, None);
+                let b = part(b, Binds::Implication, None);
+                (format!("{word}({a}, {b})"), Binds::Name)
+            }
+            B::Add => both(a, "+", b, Binds::Sum, Binds::Sum),
+            B::Sub => {
+                let (a, b) = (part(a, Binds::Sum, None), part(b, Binds::Product, None));
+                (format!("{a} - {b}"), Binds::Sum)
+            }
+            B::Mul => both(a, "*", b, Binds::Product, Binds::Name),
+            B::Div => both(a, "/", b, Binds::Product, Binds::Name),
+            B::Mod => both(a, "mod", b, Binds::Product, Binds::Name),
+        },
+    }
+}
+
+/// The labels or truth values that an expression has, if it has any.
+fn labels<'s>(s: &'s Specification, expr: &Expr) -> Option<&'s Domain> {
+    match expr {
+        Expr::Var(v, _) => {
+            Some(&s.variable(*v).domain).filter(|d| !matches!(d, Domain::Range { .. }))
+        }
+        Expr::If(_, a, b) => labels(s, a).or_else(|| labels(s, b)),
+        _ => None,
+    }
+}
+
+/// Whether an expression is a truth value by its form.
+pub fn truth(s: &Specification, expr: &Expr) -> bool {
+    use BinaryOp as B;
+    match expr {
+        Expr::Const(_) => false,
+        Expr::Var(v, _) => s.variable(*v).domain == Domain::Bool,
+        Expr::Unary(op, _) => *op == UnaryOp::Not,
+        Expr::If(_, a, b) => truth(s, a) && truth(s, b),
+        Expr::Binary(op, ..) => matches!(
+            op,
+            B::And | B::Or | B::Implies | B::Eq | B::Ne | B::Lt | B::Le | B::Gt | B::Ge
+        ),
+    }
+}
