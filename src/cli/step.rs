@@ -157,7 +157,14 @@ fn opponent(
     if checked.verdict != Verdict::Unrealizable {
         return Ok(Err(checked.findings_where_needed()));
     }
-    // Who cannot keep the guarantees that clash cannot keep more.
+    let known = checked
+        .lost
+        .as_ref()
+        .and_then(|l| l.counterstrategy.clone());
+    if let Some(machine) = known {
+        return Ok(Ok(Opponent::Counterstrategy(machine)));
+    }
+    // Saying why it is unrealizable ended at a limit of its own. Who cannot keep the guarantees that clash cannot keep more.
     let specification = lost(&contract.specification, &checked.core);
     let gave_up = |limit: game::Limit| {
         let name = &contract.name;
