@@ -4,7 +4,7 @@ use super::controller::Wish;
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::output;
-use super::pipeline::{Goal, Jobs};
+use super::pipeline::{CheckedContract, Goal, Jobs, Verdict};
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::game::{Limit, Preference};
@@ -25,6 +25,7 @@ use std::path::PathBuf;
     linewright synth contracts/handling/turn.lw::Turn --emit dot --emit svg --out controllers
     linewright synth examples/other-tools/arbiter.spc
     linewright synth contracts/handling/turn.lw --emit spc
+    linewright synth --counterstrategy --emit json examples/repair-me/1-clash.lw
 
 A controller is written only after it was verified against its contract. One with too many states is written as functions; \
 then its forms are json, c, st and plcopen. `--emit spc` and `--emit slugsin` write the specification itself, for gr1c and slugs, and need \
@@ -37,6 +38,9 @@ pub struct Arguments {
     /// The form of the controller; can be given several times
     #[arg(long, value_enum, default_value = "json")]
     pub emit: Vec<Emit>,
+    /// Instead of a controller, of a contract that has none: the plant's machine that beats every controller (json, dot, svg)
+    #[arg(long)]
+    pub counterstrategy: bool,
     /// What a machine shall be good at, where there is a choice; functions always take short ways
     #[arg(long, value_enum, default_value_t)]
     pub prefer: Prefer,
@@ -140,6 +144,16 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             forms.push(*emit);
         }
     }
+    if arguments.counterstrategy
+        && let Some(other) = forms
+            .iter()
+            .find(|e| !matches!(e, Emit::Json | Emit::Dot | Emit::Svg))
+    {
+        anyhow::bail!(
+            "a counterstrategy is written as json, dot or svg, not as {}",
+            other.ending()
+        );
+    }
     let files: usize = forms.iter().map(|e| e.files()).sum();
     let results = contracts.len() * files;
     if results > 1 && arguments.out.is_none() {
@@ -189,6 +203,21 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
     }
     for (contract, index) in contracts.iter().zip(indices) {
+        if arguments.counterstrategy {
+            let wanted = counterstrategy(&checked[index], contract.span, &mut findings);
+            for emit in controllers.iter().filter(|_| wanted.is_some()) {
+                let Some(machine) = wanted else { continue };
+                let name = format!("{}.counterstrategy", contract.name);
+                let text = match emit {
+                    Emit::Dot => mealy::dot::to_dot(machine),
+                    Emit::Svg => mealy::svg::to_svg(machine),
+                    _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
+                };
+                let files = vec![(file_name(&name, emit.ending()), text)];
+                findings.extend(written.add(&contract.name, contract.span, files));
+            }
+            continue;
+        }
         findings.extend(checked[index].findings_where_needed());
         let Some(controller) = &checked[index].controller else {
             continue;
@@ -219,6 +248,32 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         console.findings(&library.sources, &findings)?;
     }
     Ok(options.exit_code(&findings))
+}
+
+/// The counterstrategy of a contract that has no controller; otherwise a finding says why there is none.
+fn counterstrategy<'c>(
+    checked: &'c CheckedContract,
+    span: Span,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<&'c mealy::Machine> {
+    let found = checked
+        .lost
+        .as_ref()
+        .and_then(|l| l.counterstrategy.as_ref());
+    if found.is_none() {
+        let (text, help) = match checked.verdict {
+            Verdict::Realizable => (
+                "it has a controller, so no plant that keeps the assumptions beats it",
+                "leave out --counterstrategy to get the controller",
+            ),
+            _ => (
+                "no counterstrategy was found within the limits",
+                "give it more time with --timeout SECONDS, or make its domains smaller",
+            ),
+        };
+        findings.push(Diagnostic::error(codes::GAVE_UP, span, text).with_help(help));
+    }
+    found
 }
 
 /// The files that are to be written.

@@ -3,9 +3,11 @@
 use super::document::{
     ComponentEntry, ContractEntry, DischargeEntry, Document, LineEntry, MachineEntry, Summary,
 };
+use super::explained;
 use super::view::FileView;
 use crate::cli::console::schema;
 use crate::cli::files::Loaded;
+use crate::cli::findings::lost;
 use crate::cli::libraries;
 use crate::cli::machines::{self, Planned};
 use crate::cli::outline::{Declaration, Kind};
@@ -149,6 +151,7 @@ impl Assembly<'_> {
                 }
             })
         };
+        let told = result.and_then(|r| Some((&*contract?.specification, r.lost.as_deref()?)));
         ContractEntry {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
@@ -160,6 +163,17 @@ impl Assembly<'_> {
             verdict: result.map_or(Verdict::Invalid, |r| r.verdict).word(),
             findings: json::findings(sources, findings),
             core: result.map(|r| r.core.clone()).unwrap_or_default(),
+            matters: told
+                .map(|(s, e)| lost::matter_names(s, e))
+                .unwrap_or_default(),
+            play: told.and_then(|(s, e)| Some(explained::play(s, e.play.as_ref()?))),
+            suggestions: told
+                .and_then(|(s, e)| Some(lost::suggestions(s, e.advice.as_ref()?)))
+                .unwrap_or_default(),
+            counterstrategy: told
+                .and_then(|(_, e)| Some(explained::counterstrategy(e.counterstrategy.as_ref()?))),
+            well_separation: result
+                .and_then(|r| Some(explained::well_separation(r.environment.as_ref()?))),
             input_bits: bits(true),
             output_bits: bits(false),
             states: result
@@ -247,6 +261,11 @@ fn nameless(file: &str) -> ContractEntry {
         verdict: Verdict::Invalid.word(),
         findings: Vec::new(),
         core: Vec::new(),
+        matters: Vec::new(),
+        play: None,
+        suggestions: Vec::new(),
+        counterstrategy: None,
+        well_separation: None,
         input_bits: None,
         output_bits: None,
         states: None,

@@ -1,9 +1,11 @@
 //! The JSON document of `check`, which its other formats are made from, too.
 
 use super::watch::Occasion;
+use crate::cli::findings::lost::Suggestion;
 use crate::cli::statistics::Statistics;
 use crate::diagnostics::json;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The JSON document.
 #[derive(Debug, Serialize)]
@@ -32,6 +34,21 @@ pub(super) struct ContractEntry {
     pub(super) verdict: &'static str,
     pub(super) findings: Vec<json::Finding>,
     pub(super) core: Vec<String>,
+    /// For an unrealizable one: the assumptions that matter for the core.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) matters: Vec<String>,
+    /// The play that shows that it is unrealizable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) play: Option<PlayEntry>,
+    /// What would make it realizable.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) suggestions: Vec<Suggestion>,
+    /// How large its counterstrategy is, which `synth --counterstrategy` writes down.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) counterstrategy: Option<CounterstrategyEntry>,
+    /// For a realizable one: from how many situations the machine can make the plant break an assumption.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) well_separation: Option<WellSeparation>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) input_bits: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -51,6 +68,37 @@ pub(super) struct ContractEntry {
     /// Whether only the verdict was asked for, since the game is large.
     #[serde(skip)]
     pub(super) verdict_only: bool,
+}
+
+/// A play that the machine loses.
+#[derive(Debug, Serialize)]
+pub(super) struct PlayEntry {
+    /// Step by step the values of all variables, by name; of a step that has no answer, those of the inputs.
+    pub(super) steps: Vec<BTreeMap<String, serde_json::Value>>,
+    /// The guarantees that clash in the last step.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) clash: Vec<String>,
+    /// The step that follows the last one, for ever.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) repeats_from: Option<usize>,
+    /// The guarantee that is never met again.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) never: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct CounterstrategyEntry {
+    pub(super) states: usize,
+    pub(super) verified: bool,
+}
+
+/// Both checks of Maoz and Ringert: `[from, of]` situations that can occur.
+#[derive(Debug, Serialize)]
+pub(super) struct WellSeparation {
+    /// For a machine that keeps its guarantees all the while.
+    pub(super) forced: [f64; 2],
+    /// For one that does as it likes.
+    pub(super) forced_ignoring_guarantees: [f64; 2],
 }
 
 #[derive(Debug, Serialize)]

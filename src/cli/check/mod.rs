@@ -2,6 +2,7 @@
 
 mod assembly;
 mod document;
+mod explained;
 mod table;
 mod view;
 mod watch;

@@ -61,37 +61,23 @@ fn forced(
     found: &EnvironmentFindings,
 ) -> Option<Diagnostic> {
     let name = &specification.name;
-    let (values, [from, all]) = match (&found.forced, &found.forced_recklessly) {
-        (Some(values), _) => (values, found.forced_states),
-        (None, Some(values)) => (values, found.forced_recklessly_states),
-        (None, None) => return None,
+    let values = found.forced.as_ref()?;
+    let share = |[from, all]: [f64; 2]| {
+        if from >= all {
+            "every situation that can occur".to_owned()
+        } else {
+            format!("{from} of the {all} situations that can occur")
+        }
     };
-    let share = if from >= all {
-        "every situation that can occur".to_owned()
-    } else {
-        format!("{from} of the {all} situations that can occur")
-    };
-    let mut finding = if found.forced.is_some() {
-        Diagnostic::warning(
-            codes::NOT_WELL_SEPARATED,
-            span,
-            format!(
-                "a controller of `{name}` may keep its contract by making the plant break an assumption"
-            ),
-        )
-        .with_note(format!("it can force that from {share}"))
-    } else {
-        Diagnostic::note(
-            codes::NOT_WELL_SEPARATED,
-            span,
-            format!(
-                "only the guarantees of `{name}` keep its controller from making the plant break an assumption"
-            ),
-        )
-        .with_note(format!(
-            "a machine that breaks its guarantees can force that from {share}"
-        ))
-    };
+    let mut note = format!("it can force that from {}", share(found.forced_states));
+    if found.forced_recklessly.is_some() {
+        note.push_str("; a machine that also broke its guarantees, from ");
+        note.push_str(&share(found.forced_recklessly_states));
+    }
+    let message = format!(
+        "a controller of `{name}` may keep its contract by making the plant break an assumption"
+    );
+    let mut finding = Diagnostic::warning(codes::NOT_WELL_SEPARATED, span, message).with_note(note);
     for assumption in &found.broken {
         let formula = assumption.formula(&specification.assumptions);
         finding = finding.with_label(formula.span, "the plant can be made to break this");

@@ -1,9 +1,9 @@
 //! LW203: why there is no controller, the play that shows it, and what could be done.
 
-use super::play;
+use super::{list, play};
 use crate::cli::pipeline::Explained;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::game::{Advice, GuaranteeKind, NewAssumption, Weakening};
+use crate::game::{Advice, GuaranteeKind, GuaranteeRef, NewAssumption, Weakening};
 use crate::gr1::text::{operand, text};
 use crate::gr1::{BinaryOp, Expr, Formula, Side, Specification, UnaryOp};
 use crate::source::Span;
@@ -116,8 +116,26 @@ pub struct Suggestion {
 /// All changes, the assumptions first.
 pub fn suggestions(s: &Specification, advice: &Advice) -> Vec<Suggestion> {
     let assumed = advice.assumptions.iter().map(|a| assumption(s, a));
+    let left_out = (!advice.leave_out.is_empty()).then(|| leave_out(s, &advice.leave_out));
     let weaker = advice.weakenings.iter().map(|w| weakening(s, w));
-    assumed.chain(weaker).collect()
+    assumed.chain(weaker).chain(left_out).collect()
+}
+
+fn leave_out(s: &Specification, guarantees: &[GuaranteeRef]) -> Suggestion {
+    let mut names: Vec<String> = Vec::new();
+    for guarantee in guarantees {
+        let name = format!("`{}`", guarantee.formula(&s.guarantees).name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    Suggestion {
+        kind: "weaken",
+        text: format!("leave out {}", list(&names)),
+        replaces: None,
+        share: 1.0,
+        cost: "several mistakes: mend one, then check again".to_owned(),
+    }
 }
 
 fn assumption(s: &Specification, new: &NewAssumption) -> Suggestion {
@@ -245,7 +263,6 @@ pub fn matter_names(s: &Specification, explained: &Explained) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::list;
     use super::*;
 
     #[test]

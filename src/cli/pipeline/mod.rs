@@ -18,7 +18,7 @@ use super::controller::Wish;
 use super::interrupt::Watch;
 use super::statistics::Statistics;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::game::{Heuristics, KernelChoice, Limits, Ranking};
+use crate::game::{EnvironmentFindings, Heuristics, KernelChoice, Limits, Ranking};
 use crate::gr1::Specification;
 use crate::interchange::Inquiry;
 use crate::mealy;
@@ -78,6 +78,8 @@ pub struct CheckedContract {
     pub findings: Vec<Diagnostic>,
     /// Names of guarantees and assumptions that clash, for an unrealizable one.
     pub core: Vec<String>,
+    /// What was found about the plant's side of a realizable one.
+    pub environment: Option<EnvironmentFindings>,
     /// Why there is none.
     pub lost: Option<Box<Explained>>,
     /// The verified controller. A realizable contract has none when nobody asked for it, or when a limit was reached after the

@@ -41,6 +41,8 @@ pub struct Advice {
     pub contradictory: bool,
     /// Assumptions, any of which makes it realizable, the one that forbids least first.
     pub assumptions: Vec<NewAssumption>,
+    /// Where no single guarantee can be weakened: a minimal set of guarantees without which the rest can be kept.
+    pub leave_out: Vec<GuaranteeRef>,
     /// Guarantees of the core, any of which can be weakened to make it realizable, the one that gives up least first.
     pub weakenings: Vec<Weakening>,
 }
@@ -104,10 +106,16 @@ pub(super) fn advise_on<K: Kernel>(
         search::assumptions(&mut trials, specification, &words)?
     };
     let weakenings = search::weakenings(&mut trials, core, &words)?;
+    let leave_out = if weakenings.is_empty() {
+        search::leave_out(&trials)?
+    } else {
+        Vec::new()
+    };
     Ok(Advice {
         matters,
         contradictory,
         assumptions,
+        leave_out,
         weakenings,
     })
 }

@@ -190,6 +190,20 @@ pub fn weakenings<K: Kernel>(
     Ok(found)
 }
 
+/// A minimal set of guarantees without which the rest can be kept: they are taken in one after the other, as long as that
+/// works.
+pub fn leave_out<K: Kernel>(trials: &Trials<'_, K>) -> Result<Vec<GuaranteeRef>, Limit> {
+    let (mut kept, mut left) = (Vec::new(), Vec::new());
+    for guarantee in trials.formulas.guarantees() {
+        kept.push(guarantee);
+        if !trials.keeps(&kept)? {
+            kept.pop();
+            left.push(guarantee);
+        }
+    }
+    Ok(left)
+}
+
 /// The sets of conditions, as large as can be, for which something helps; it helps without any. Sets that only repeat
 /// another's meaning are not told apart.
 fn weaken<'w>(

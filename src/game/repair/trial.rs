@@ -114,6 +114,11 @@ impl<'a, K: Kernel> Trials<'a, K> {
         self.formulas.weakened(guarantee, &unless)
     }
 
+    /// Whether these guarantees can be kept together.
+    pub fn keeps(&self, guarantees: &[GuaranteeRef]) -> Result<bool, Limit> {
+        wins(self.formulas, &Selection::Only(guarantees))
+    }
+
     /// Whether all can be kept with one more assumption, by a plant that exists and is not worse off than before.
     pub fn mends(&self, kind: GuaranteeKind, expr: &Expr) -> Result<bool, Limit> {
         let more = self.formulas.assuming(kind, self.encode(expr)?);

@@ -1,0 +1,68 @@
+//! Why a contract is as it is, for the document.
+
+use super::document::{CounterstrategyEntry, PlayEntry, WellSeparation};
+use crate::game::{Ending, EnvironmentFindings, GuaranteeRef, Play};
+use crate::gr1::{Domain, Owner, Specification, Timing};
+use crate::mealy::Machine;
+use serde_json::Value;
+
+/// A play by the names of its variables.
+pub(super) fn play(s: &Specification, play: &Play) -> PlayEntry {
+    let last = play.steps.len() - 1;
+    let clashes = matches!(play.ending, Ending::Clash(_));
+    let name = |g: &GuaranteeRef| g.formula(&s.guarantees).name.clone();
+    let steps = play.steps.iter().enumerate().map(|(at, step)| {
+        let known = s.variables.iter().zip(step).filter(|(v, _)| {
+            let answered = !clashes || at < last || s.timing == Timing::Moore;
+            answered || v.owner == Owner::Environment
+        });
+        known
+            .map(|(v, value)| (v.name.clone(), shown(&v.domain, *value)))
+            .collect()
+    });
+    let mut entry = PlayEntry {
+        steps: steps.collect(),
+        clash: Vec::new(),
+        repeats_from: None,
+        never: None,
+    };
+    match &play.ending {
+        Ending::Clash(rules) => {
+            for rule in rules.iter().map(name) {
+                if !entry.clash.contains(&rule) {
+                    entry.clash.push(rule);
+                }
+            }
+        }
+        Ending::Starved { from, goal } => {
+            entry.repeats_from = Some(*from);
+            entry.never = Some(name(goal));
+        }
+    }
+    entry
+}
+
+/// A value as JSON has it.
+fn shown(domain: &Domain, value: i64) -> Value {
+    match domain {
+        Domain::Bool => Value::Bool(value != 0),
+        Domain::Range { .. } => Value::from(value),
+        Domain::Enum { .. } => Value::String(domain.show(value)),
+    }
+}
+
+/// A counterstrategy, which is only known when it was verified.
+pub(super) fn counterstrategy(machine: &Machine) -> CounterstrategyEntry {
+    CounterstrategyEntry {
+        states: machine.states.len(),
+        verified: true,
+    }
+}
+
+/// Both numbers.
+pub(super) fn well_separation(found: &EnvironmentFindings) -> WellSeparation {
+    WellSeparation {
+        forced: found.forced_states,
+        forced_ignoring_guarantees: found.forced_recklessly_states,
+    }
+}
