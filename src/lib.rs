@@ -21,6 +21,7 @@ pub mod gr1;
 pub mod interchange;
 pub mod line;
 pub mod mealy;
+pub mod play;
 pub mod report;
 pub mod source;
 pub mod station;

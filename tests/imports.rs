@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A module may use those before it.
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 15] = [
     "source",
     "diagnostics",
     "taxonomy",
@@ -16,6 +16,7 @@ const ORDER: [&str; 14] = [
     "symbolic",
     "game",
     "mealy",
+    "play",
     "station",
     "line",
     "report",
@@ -24,7 +25,7 @@ const ORDER: [&str; 14] = [
 
 /// Pairs (module, used module) that the order would allow, and the design does not: the solver side knows only
 /// specifications, so that other languages can be put before it, and those know nothing of ours.
-const FORBIDDEN: [(&str, &str); 9] = [
+const FORBIDDEN: [(&str, &str); 11] = [
     ("gr1", "syntax"),
     ("interchange", "taxonomy"),
     ("interchange", "syntax"),
@@ -34,6 +35,8 @@ const FORBIDDEN: [(&str, &str); 9] = [
     ("game", "contract"),
     ("mealy", "syntax"),
     ("mealy", "contract"),
+    ("play", "syntax"),
+    ("play", "contract"),
 ];
 
 /// Packages that only these modules may name.

@@ -365,7 +365,8 @@ fn embedded(folder: &Dir<'_>, paths: &mut Vec<String>) {
     }
 }
 
-fn read(path: &Path) -> Result<String, String> {
+/// The text of a file, or why it cannot be read.
+pub fn read(path: &Path) -> Result<String, String> {
     let bytes = std::fs::read(path).map_err(|e| describe(&e))?;
     String::from_utf8(bytes).map_err(|_| "it is not a text in UTF-8".to_owned())
 }

@@ -30,6 +30,7 @@ pub mod proof;
 pub mod run;
 pub mod select;
 pub mod statistics;
+pub mod step;
 pub mod synth;
 pub mod time;
 pub mod worker;
@@ -64,6 +65,8 @@ pub enum Command {
     Check(check::Arguments),
     /// Synthesize a controller from a contract
     Synth(synth::Arguments),
+    /// Play a contract step by step: the plant against its controller, or the machine against the counterstrategy
+    Step(step::Arguments),
     /// Build the station library of a machine
     Build(build::Arguments),
     /// Run a line in the bundled runner
@@ -117,6 +120,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     match &arguments.command {
         Command::Check(a) => check::run(a, options),
         Command::Synth(a) => synth::run(a, options),
+        Command::Step(a) => step::run(a, options),
         Command::Build(a) => build::run(a, options),
         Command::Run(a) => run::run(a, options),
         Command::Fmt(a) => fmt::run(a, options),

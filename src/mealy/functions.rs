@@ -133,6 +133,12 @@ impl Functions {
         Ok(values)
     }
 
+    /// The outputs of the next step of a Moore controller, before it has seen the inputs of that step.
+    pub fn moore_output(&self, state: &State) -> Vec<i64> {
+        debug_assert_eq!(self.timing, Timing::Moore);
+        self.answer(state.goal, &mut state.signals.clone())
+    }
+
     /// Writes the inputs' values to their current or next signals.
     pub fn put_inputs(&self, signals: &mut [bool], time: Time, values: &[i64]) {
         put(&self.inputs, &self.input_bits, signals, time, values);

@@ -1,0 +1,316 @@
+//! `linewright step`: a contract played in the terminal, one step at a time.
+
+use super::console::Console;
+use super::controller::Wish;
+use super::exit::ExitCode;
+use super::files;
+use super::options::{Format, GlobalOptions};
+use super::output;
+use super::pipeline::{CheckedContract, Goal, InternalError, Jobs, Verdict};
+use super::select::Selection;
+use crate::contract::Contract;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::game::{self, GuaranteeKind, GuaranteeRef, Limits};
+use crate::gr1::Specification;
+use crate::interchange::inquiries;
+use crate::mealy::{counter, verify::verify_counterstrategy};
+use crate::play::{Effect, Opponent, Session};
+use anyhow::Context as _;
+use clap::Args;
+use std::io::{BufRead, BufReader, IsTerminal as _};
+use std::path::{Path, PathBuf};
+
+/// Scripts replay each other so deep.
+const MOST_NESTED: usize = 8;
+
+/// The arguments of `step`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+    linewright step contracts/handling/turn.lw --script examples/step/turn.txt
+
+Without a script, commands are read from the terminal or from a pipe; `help` lists them. Of a realizable contract you are \
+the plant, and its verified controller answers. Of one that is not, you are the machine, and the plant shows you why no \
+controller exists.
+
+In a script and in a pipe, what is wrong with a command is said on standard error, the next one is run, and the exit code is 1 \
+in the end.")]
+pub struct Arguments {
+    /// A file with contracts, and the name of one of them; it may be left out where there is only one
+    #[arg(value_name = "FILE[::NAME]")]
+    pub selection: Selection,
+    /// Run the commands in this file, one a line
+    #[arg(long, value_name = "FILE")]
+    pub script: Option<PathBuf>,
+    /// What chance begins with: the same number gives the same moves
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    if options.format == Format::Sarif {
+        anyhow::bail!(
+            "a play has no findings to write as SARIF: `linewright check` has; take `--format json` for one line a step"
+        );
+    }
+    let console = options.console();
+    let loaded = match arguments.selection.load_alone("step", options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let library = &loaded.library;
+    let picked = arguments
+        .selection
+        .pick(&loaded, "contract", &library.contracts, |c| {
+            (&c.name, c.span)
+        })?;
+    let [contract] = picked.as_slice() else {
+        let names: Vec<&str> = picked.iter().map(|c| c.name.as_str()).collect();
+        let (path, names) = (&arguments.selection.path, names.join(", "));
+        anyhow::bail!("one contract is played at a time: write one of {names} behind {path}::");
+    };
+    // A script that cannot be read is no reason to solve anything.
+    let script = match &arguments.script {
+        Some(path) => Some(read(path)?),
+        None => None,
+    };
+
+    let settings = options.settings();
+    let mut jobs = Jobs::default().wishing(Wish {
+        functions: true,
+        ..Wish::default()
+    });
+    match loaded.foreign(contract.span.file) {
+        Some(foreign) => {
+            let inquiries = inquiries(&foreign.reading);
+            jobs.add_foreign(
+                &contract.specification,
+                contract.span,
+                Goal::Controller,
+                inquiries,
+            )
+        }
+        None => jobs.add(&contract.specification, contract.span),
+    };
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "solving"))?;
+    let Some(checked) = checked.into_iter().next() else {
+        anyhow::bail!("there is nothing to play");
+    };
+    let opponent = match opponent(contract, &checked, &settings.limits)? {
+        Ok(opponent) => opponent,
+        Err(findings) => {
+            console.failed("step", &library.sources, &findings)?;
+            return Ok(options.exit_code(&findings));
+        }
+    };
+
+    let session = Session::new(
+        &contract.specification,
+        &library.sources,
+        opponent,
+        arguments.seed,
+    );
+    let mut table = Table {
+        session,
+        console,
+        mistakes: 0,
+        open: true,
+    };
+    if console.format == Format::Json {
+        console.line(&table.session.opening_line())?;
+    } else {
+        table.say(&table.session.opening())?;
+    }
+    match script {
+        Some(text) => {
+            let name = arguments.script.as_deref().unwrap_or(Path::new(""));
+            table.script(&text, &name.display().to_string(), 0)?;
+        }
+        None if std::io::stdin().is_terminal() => return table.talk(),
+        None => {
+            let mut number = 0;
+            for line in BufReader::new(std::io::stdin()).lines() {
+                number += 1;
+                let line = line.context("standard input cannot be read")?;
+                if !table.line(&line, &format!("line {number}"), 0)? {
+                    break;
+                }
+            }
+        }
+    }
+    Ok(if table.mistakes == 0 {
+        ExitCode::Success
+    } else {
+        ExitCode::Findings
+    })
+}
+
+/// Who plays against the person, or why nobody does.
+fn opponent(
+    contract: &Contract,
+    checked: &CheckedContract,
+    limits: &Limits,
+) -> anyhow::Result<Result<Opponent, Vec<Diagnostic>>> {
+    if let Some(controller) = &checked.controller {
+        return Ok(Ok(Opponent::Controller(controller.clone())));
+    }
+    if checked.verdict != Verdict::Unrealizable {
+        return Ok(Err(checked.findings_where_needed()));
+    }
+    let known = checked
+        .lost
+        .as_ref()
+        .and_then(|l| l.counterstrategy.clone());
+    if let Some(machine) = known {
+        return Ok(Ok(Opponent::Counterstrategy(machine)));
+    }
+    // Saying why it is unrealizable ended at a limit of its own. Who cannot keep the guarantees that clash cannot keep more.
+    let specification = lost(&contract.specification, &checked.core);
+    let gave_up = |limit: game::Limit| {
+        let name = &contract.name;
+        let core = checked.core.join(", ");
+        let message = format!("there is no counterstrategy of `{name}` to play against: {limit}");
+        let help = format!("these rules clash: {core}; `linewright check` points at them");
+        let finding = Diagnostic::error(codes::GAVE_UP, contract.span, message);
+        vec![finding.with_help(help)]
+    };
+    let attack = match game::attack(&specification, limits) {
+        Ok(Some(attack)) => attack,
+        Ok(None) => {
+            let rule = "a lost game has no counterstrategy".to_owned();
+            return Err(InternalError::new(&specification, rule).into());
+        }
+        Err(limit) => return Ok(Err(gave_up(limit))),
+    };
+    let machine = counter::machine(&specification, &attack);
+    match verify_counterstrategy(&specification, &machine, limits) {
+        Ok(Ok(())) => Ok(Ok(Opponent::Counterstrategy(machine))),
+        Ok(Err(violation)) => Err(InternalError::new(&specification, violation.rule).into()),
+        Err(limit) => Ok(Err(gave_up(limit))),
+    }
+}
+
+/// The specification with the guarantees of a core only; all of them where no core is known.
+fn lost(specification: &Specification, core: &[String]) -> Specification {
+    let side = &specification.guarantees;
+    let lists = [
+        (GuaranteeKind::Initial, &side.initial),
+        (GuaranteeKind::Invariant, &side.invariants),
+        (GuaranteeKind::Safety, &side.safety),
+        (GuaranteeKind::Justice, &side.justice),
+    ];
+    let mut kept = Vec::new();
+    for (kind, list) in lists {
+        for (index, formula) in list.iter().enumerate() {
+            if core.is_empty() || core.contains(&formula.name) {
+                kept.push(GuaranteeRef { kind, index });
+            }
+        }
+    }
+    game::reduced(specification, &kept)
+}
+
+fn read(path: &Path) -> anyhow::Result<String> {
+    files::read(path).map_err(|why| anyhow::anyhow!("{} cannot be read: {why}", path.display()))
+}
+
+/// Where a play takes place: what is said goes to the console, files are read and written.
+struct Table<'a> {
+    session: Session<'a>,
+    console: Console,
+    /// Commands that could not be done.
+    mistakes: usize,
+    /// Whether somebody reads what is said.
+    open: bool,
+}
+
+impl Table<'_> {
+    fn say(&mut self, text: &str) -> anyhow::Result<()> {
+        self.open &= self.console.part(text)?;
+        Ok(())
+    }
+
+    /// Runs a script. Gives whether the play goes on.
+    fn script(&mut self, text: &str, name: &str, depth: usize) -> anyhow::Result<bool> {
+        for (index, line) in text.lines().enumerate() {
+            if !self.line(line, &format!("{name}:{}", index + 1), depth)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Runs a line that nobody types: it is repeated before what comes of it.
+    fn line(&mut self, line: &str, place: &str, depth: usize) -> anyhow::Result<bool> {
+        let command = line.trim();
+        if self.console.format != Format::Json && !command.is_empty() {
+            self.say(&format!("> {command}\n"))?;
+        }
+        self.command(command, depth, |message| format!("{place}: {message}"))
+    }
+
+    /// Runs a command. Gives whether the play goes on.
+    fn command(
+        &mut self,
+        line: &str,
+        depth: usize,
+        told: impl Fn(&str) -> String,
+    ) -> anyhow::Result<bool> {
+        let done = match self.session.run(line) {
+            Err(mistake) => Err(mistake),
+            Ok(reply) => {
+                if self.console.format == Format::Json {
+                    for object in &reply.lines {
+                        self.open &= self.console.line(object)?;
+                    }
+                } else {
+                    self.say(&reply.text)?;
+                }
+                match reply.effect {
+                    Effect::Nothing => Ok(()),
+                    Effect::Quit => return Ok(false),
+                    Effect::Save(file, text) => match output::write(Path::new(&file), &text) {
+                        Ok(()) => {
+                            self.console.remark(&format!("wrote {file}\n"))?;
+                            Ok(())
+                        }
+                        Err(finding) => Err(finding.message),
+                    },
+                    Effect::Replay(_) if depth == MOST_NESTED => Err(format!(
+                        "scripts replay each other more than {MOST_NESTED} deep"
+                    )),
+                    Effect::Replay(file) => match read(Path::new(&file)) {
+                        Ok(text) => return self.script(&text, &file, depth + 1),
+                        Err(error) => Err(format!("{error:#}")),
+                    },
+                }
+            }
+        };
+        if let Err(mistake) = done {
+            self.mistakes += 1;
+            self.console
+                .remark(&format!("{}\n", told(mistake.trim_end())))?;
+        }
+        Ok(self.open)
+    }
+
+    /// Commands from a person at a terminal, until the end of the play or of the input.
+    fn talk(&mut self) -> anyhow::Result<ExitCode> {
+        let mut input = std::io::stdin().lock();
+        loop {
+            if self.console.format != Format::Json {
+                self.say(&format!("{}> ", self.session.role()))?;
+            }
+            let mut line = String::new();
+            let read = input.read_line(&mut line);
+            if read.context("standard input cannot be read")? == 0 {
+                self.say("\n")?;
+                break;
+            }
+            if !self.command(line.trim(), 0, str::to_owned)? {
+                break;
+            }
+        }
+        Ok(ExitCode::Success)
+    }
+}

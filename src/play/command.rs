@@ -1,0 +1,259 @@
+//! A line as a command. What is no command's word is a move: `name = value, name = value`, or values alone.
+
+/// What a person can ask for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Command {
+    /// An empty line, or a comment.
+    Nothing,
+    /// A move.
+    Move(Vec<Part>),
+    /// Which moves are legal.
+    Moves,
+    /// Which rules limit the moves, or why the last move was refused.
+    Why,
+    /// Which rules forbid a move.
+    WhyNot(Vec<Part>),
+    /// The values of the last steps.
+    State,
+    /// Takes steps back.
+    Undo(usize),
+    /// Begins anew.
+    Reset,
+    /// Makes legal moves by chance.
+    Random(usize),
+    /// Runs the commands of a file.
+    Replay(String),
+    /// Writes the moves to a file, as a test with the values that came of them or without.
+    Save {
+        /// Whether values are expected.
+        test: bool,
+        /// The file.
+        file: String,
+    },
+    /// Says which values the last step has.
+    Expect(Vec<Part>),
+    /// What there is.
+    Help,
+    /// The end.
+    Quit,
+}
+
+/// One value of a move.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Part {
+    /// Whose; none for a value alone.
+    pub name: Option<String>,
+    /// The value.
+    pub value: String,
+}
+
+/// The words that begin a command.
+pub(super) const WORDS: [&str; 12] = [
+    "moves", "why", "state", "undo", "reset", "random", "replay", "save", "expect", "help", "quit",
+    "exit",
+];
+
+/// What `help` prints.
+pub(super) const HELP: &str = "\
+name = value, name = value  a move; what is left out keeps its value where it may
+value, value                the same by values alone, in the order of the declarations
+moves                       the legal moves
+why                         why the last move was refused, or which rules limit the next one
+why not name = value        which rules forbid that
+state                       the values of the last steps, and when each goal was last met
+undo [N]                    takes the last step back, or the last N
+reset                       begins anew
+random [N]                  makes a legal move by chance, or N
+save FILE                   writes the moves to a file that `replay` and --script read
+save test FILE              the same with `expect` lines: replaying it fails when a value differs
+replay FILE                 runs the commands in a file
+expect name = value         fails unless the last step has these values
+help                        this text
+quit                        the end
+# ...                       a comment
+";
+
+/// Reads a line.
+pub(super) fn parse(line: &str) -> Result<Command, String> {
+    let line = without_comment(line).trim();
+    let (word, rest) = match line.split_once(char::is_whitespace) {
+        Some((word, rest)) => (word, rest.trim()),
+        None => (line, ""),
+    };
+    // A variable may have such a name.
+    if !WORDS.contains(&word) || rest.starts_with('=') {
+        return match line {
+            "" => Ok(Command::Nothing),
+            line => parts(line).map(Command::Move),
+        };
+    }
+    let alone = |command: Command| match rest {
+        "" => Ok(command),
+        rest => Err(format!("`{word}` stands alone; `{rest}` is too much")),
+    };
+    let count = || match rest {
+        "" => Ok(1),
+        rest => match rest.parse::<usize>() {
+            Ok(count) if count > 0 => Ok(count),
+            _ => Err(format!(
+                "`{word} {rest}`: write how often, as in `{word} 3`"
+            )),
+        },
+    };
+    let file = |name: &str| match name {
+        "" => Err(format!("`{word}` needs the name of a file")),
+        name => Ok(name.to_owned()),
+    };
+    match word {
+        "moves" => alone(Command::Moves),
+        "state" => alone(Command::State),
+        "reset" => alone(Command::Reset),
+        "help" => alone(Command::Help),
+        "quit" | "exit" => alone(Command::Quit),
+        "undo" => count().map(Command::Undo),
+        "random" => count().map(Command::Random),
+        "replay" => file(rest).map(Command::Replay),
+        "expect" => parts(rest).map(Command::Expect),
+        "save" => {
+            let test = rest
+                .strip_prefix("test")
+                .filter(|r| r.starts_with(char::is_whitespace));
+            Ok(Command::Save {
+                file: file(test.unwrap_or(rest).trim())?,
+                test: test.is_some(),
+            })
+        }
+        _ => match rest
+            .strip_prefix("not")
+            .filter(|r| r.starts_with(char::is_whitespace))
+        {
+            Some(moved) => parts(moved).map(Command::WhyNot),
+            None if rest.is_empty() => Ok(Command::Why),
+            None => Err("write `why`, or `why not name = value`".to_owned()),
+        },
+    }
+}
+
+/// A `#` begins a comment at the beginning of a line, and behind a blank.
+fn without_comment(line: &str) -> &str {
+    let mut blank = true;
+    for (at, c) in line.char_indices() {
+        if c == '#' && blank {
+            return &line[..at];
+        }
+        blank = c.is_whitespace();
+    }
+    line
+}
+
+fn parts(text: &str) -> Result<Vec<Part>, String> {
+    let named = text.contains('=');
+    let pieces: Vec<&str> = if named || text.contains(',') {
+        text.split(',').collect()
+    } else {
+        text.split_whitespace().collect()
+    };
+    let read = |piece: &str| match piece.split_once('=') {
+        None if named => Err(format!(
+            "`{}` has no name: write `name = value` for all values, or for none",
+            piece.trim()
+        )),
+        None => Ok(Part {
+            name: None,
+            value: piece.trim().to_owned(),
+        }),
+        Some((name, value)) => Ok(Part {
+            name: Some(name.trim().to_owned()),
+            value: value.trim().to_owned(),
+        }),
+    };
+    let parts: Vec<Part> = pieces.into_iter().map(read).collect::<Result<_, _>>()?;
+    let empty = |p: &Part| p.value.is_empty() || p.name.as_ref().is_some_and(String::is_empty);
+    if parts.is_empty() || parts.iter().any(empty) {
+        return Err("a value is missing: write `name = value, name = value`".to_owned());
+    }
+    Ok(parts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(name: &str, value: &str) -> Part {
+        Part {
+            name: Some(name.to_owned()).filter(|n| !n.is_empty()),
+            value: value.to_owned(),
+        }
+    }
+
+    #[test]
+    fn lines_are_read() {
+        for (line, wanted) in [
+            ("", Command::Nothing),
+            ("  # a comment", Command::Nothing),
+            ("moves # a comment", Command::Moves),
+            ("undo", Command::Undo(1)),
+            ("undo 3", Command::Undo(3)),
+            ("why", Command::Why),
+            ("why not a = 1", Command::WhyNot(vec![part("a", "1")])),
+            (
+                "a = 1,b[2]=x",
+                Command::Move(vec![part("a", "1"), part("b[2]", "x")]),
+            ),
+            (
+                "1 true x",
+                Command::Move(vec![part("", "1"), part("", "true"), part("", "x")]),
+            ),
+            (
+                "1, 90 deg",
+                Command::Move(vec![part("", "1"), part("", "90 deg")]),
+            ),
+            ("state = 1", Command::Move(vec![part("state", "1")])),
+            ("replay a b.txt", Command::Replay("a b.txt".to_owned())),
+            (
+                "save test",
+                Command::Save {
+                    test: false,
+                    file: "test".to_owned(),
+                },
+            ),
+            (
+                "save test x.txt",
+                Command::Save {
+                    test: true,
+                    file: "x.txt".to_owned(),
+                },
+            ),
+            ("expect a = 1", Command::Expect(vec![part("a", "1")])),
+            ("quit", Command::Quit),
+        ] {
+            assert_eq!(parse(line), Ok(wanted), "{line}");
+        }
+    }
+
+    #[test]
+    fn mistakes_are_told() {
+        for line in [
+            "moves now",
+            "undo x",
+            "undo 0",
+            "save",
+            "replay",
+            "a = ",
+            "= 1",
+            "a = 1, 2",
+            "why so",
+            "expect",
+            "a = 1,",
+        ] {
+            assert!(parse(line).is_err(), "{line}");
+        }
+    }
+
+    #[test]
+    fn help_names_every_command() {
+        for word in WORDS.iter().filter(|w| **w != "exit") {
+            assert!(HELP.lines().any(|l| l.starts_with(word)), "{word}");
+        }
+    }
+}
