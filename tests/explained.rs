@@ -47,6 +47,56 @@ fn repairs_of_random_specifications() {
     assert!(lost > 200);
 }
 
+/// The lines that `check` suggests are contract text that does what it says: put into the file, each mends it.
+#[test]
+fn suggested_lines_can_be_put_into_the_file() {
+    let mut tried = 0;
+    for file in [
+        "tests/cases/table1/coordinator_sensed.lw",
+        "tests/cases/cli/unrealizable.lw",
+    ]
+    .into_iter()
+    .map(str::to_owned)
+    .chain(["1-clash", "2-hold"].map(|n| format!("examples/repair-me/{n}.lw")))
+    {
+        let path = support::root().join(&file);
+        let text = std::fs::read_to_string(&path).expect("a text");
+        let found = checked(&text);
+        assert_eq!(found["contracts"][0]["verdict"], "unrealizable", "{file}");
+        let suggestions = found["contracts"][0]["suggestions"].as_array();
+        for suggestion in suggestions.into_iter().flatten() {
+            let line = suggestion["text"].as_str().expect("a text");
+            let mended = match suggestion["replaces"].as_str() {
+                None if line.starts_with("assume") => {
+                    let end = text.rfind('}').expect("an end");
+                    format!("{}    {line}\n}}\n", &text[..end])
+                }
+                Some(name) if line.starts_with("guarantee") => {
+                    let old = format!("guarantee {name}:");
+                    let Some(old) = text.lines().find(|l| l.trim_start().starts_with(&old)) else {
+                        continue;
+                    };
+                    text.replace(old, line)
+                }
+                _ => continue,
+            };
+            tried += 1;
+            let again = checked(&mended);
+            let verdict = &again["contracts"][0]["verdict"];
+            assert_eq!(verdict, "realizable", "{file}: {line}\n{again:#}");
+        }
+    }
+    assert!(tried >= 5, "only {tried}");
+}
+
+/// What `check` says about a text.
+fn checked(text: &str) -> serde_json::Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("a.lw"), text).expect("a file");
+    let output = support::linewright(folder.path(), &["check", "a.lw", "--format", "json"]);
+    serde_json::from_slice(&output.stdout).expect("a document")
+}
+
 #[test]
 fn counterstrategies_of_random_specifications() {
     let limits = Limits::default();

@@ -454,6 +454,8 @@ mod tests {
 
     fn entry() -> Entry {
         Entry {
+            shape: None,
+            lost: None,
             realizable: true,
             core: None,
             examined: true,

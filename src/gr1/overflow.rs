@@ -25,9 +25,10 @@ pub struct Overflow<'a> {
     pub example: Vec<(VarId, i64)>,
 }
 
-/// The guarantees that can ask for a next value outside its domain, at most one finding a formula.
+/// The formulas that can ask for a next value outside its domain, the guarantees first, at most one finding a formula.
 pub fn overflows(specification: &Specification) -> Vec<Overflow<'_>> {
-    let safety = specification.guarantees.safety.iter();
+    let (g, a) = (&specification.guarantees, &specification.assumptions);
+    let safety = g.safety.iter().chain(&a.safety);
     safety
         .filter_map(|formula| {
             let mut search = Search {

@@ -227,10 +227,16 @@ impl Board<'_> {
                 let here = x & answers;
                 let members =
                     |set: Set| (0..self.valuations.len()).filter(move |t| set >> t & 1 == 1);
-                let all_values = |t: usize| {
-                    (domain.low()..=domain.high()).all(|to| here >> changed(t, to) & 1 == 1)
-                };
-                free |= here != 0 && members(here).all(all_values);
+                let values = || domain.low()..=domain.high();
+                // What is said of its next value says nothing here, whatever the others are ...
+                let allowed = |t: usize| setting.iter().all(|f| self.holds(&f.expr, s, t));
+                let silent = members(*x).all(|t| {
+                    let kept = values().filter(|to| allowed(changed(t, *to))).count() as u64;
+                    kept == 0 || kept == domain.size()
+                });
+                // ... and each value is part of some answer.
+                let answered = |to: i64| members(here).any(|t| self.valuations[t][v] == to);
+                free |= silent && values().all(answered);
                 for formula in &setting {
                     // Some values of the other next outputs leave this one a single value.
                     fixed |= members(*x).any(|t| {

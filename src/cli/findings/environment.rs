@@ -14,7 +14,10 @@ pub fn findings(
 ) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     findings.extend(empty(specification, span, found));
-    findings.extend(forced(specification, span, found));
+    // Whether the machine could break what no plant can keep does not matter.
+    if !found.cannot_start && !found.unsatisfiable {
+        findings.extend(forced(specification, span, found));
+    }
     findings
 }
 
@@ -38,9 +41,7 @@ fn empty(
     }
     if found.unsatisfiable {
         return warning(
-            format!(
-                "no plant can keep all assumptions of `{name}`, so every machine keeps it in the end"
-            ),
+            format!("no plant can keep all assumptions of `{name}`, so the verdict means nothing"),
             "some assumptions contradict each other in the long run; weaken one of them".to_owned(),
         );
     }
@@ -83,7 +84,7 @@ fn forced(
         finding = finding.with_label(formula.span, "the plant can be made to break this");
     }
     Some(finding.with_help(format!(
-        "one such situation is {}; let assumptions speak of what the plant decides, not of what the machine does to it",
+        "one such situation is {}: once the machine does this, the plant cannot keep the marked assumption; ask for it only as long as the machine lets the plant keep it",
         situation(specification, values)
     )))
 }

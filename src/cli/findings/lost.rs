@@ -52,14 +52,8 @@ pub fn finding(
     };
     let mut help = Vec::new();
     for (kind, heading) in [
-        (
-            "assume",
-            "each of these assumptions would be enough; does the plant keep one?",
-        ),
-        (
-            "weaken",
-            "or each of these, if the guarantee may ask for less:",
-        ),
+        ("assume", "is one of these true of your plant? Then add it:"),
+        ("weaken", "may a guarantee ask for less? Then change it:"),
     ] {
         let lines: Vec<String> = of_kind(kind)
             .into_iter()
@@ -140,9 +134,12 @@ fn leave_out(s: &Specification, guarantees: &[GuaranteeRef]) -> Suggestion {
 
 fn assumption(s: &Specification, new: &NewAssumption) -> Suggestion {
     let cost = match new.kind {
-        GuaranteeKind::Justice => "forbids no single step".to_owned(),
+        GuaranteeKind::Justice => "asks for something again and again".to_owned(),
         GuaranteeKind::Initial => "only at the start".to_owned(),
-        _ => format!("forbids {} of the plant's steps", percent(new.forbids)),
+        _ => format!(
+            "rules out {} of the combinations of values",
+            percent(new.forbids)
+        ),
     };
     Suggestion {
         kind: "assume",
@@ -174,7 +171,7 @@ fn weakening(s: &Specification, weaker: &Weakening) -> Suggestion {
                     temporal(s, weaker.guarantee.kind, &weak)
                 ),
                 format!(
-                    "instead of `{name}`; gives it up in {} of all steps",
+                    "gives it up in {} of the combinations of values",
                     percent(weaker.gives_up)
                 ),
             )

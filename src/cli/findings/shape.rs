@@ -4,7 +4,7 @@ use super::situation;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{GuaranteeRef, Shape};
 use crate::gr1::text::{operand, text};
-use crate::gr1::{Formula, Specification, VarId};
+use crate::gr1::{BinaryOp, Expr, Formula, Specification, Time, VarId};
 
 /// The findings.
 pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic> {
@@ -92,9 +92,7 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 "one such situation is {}",
                 situation(s, &unframed.situation)
             ))
-            .with_help(format!(
-                "say that it stays: `guarantee frame: always (not (...) -> next {name} = {name})`, with the condition under which it moves"
-            )),
+            .with_help(frame(s, unframed.variable)),
         );
     }
     for request in &found.requests {
@@ -138,9 +136,45 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 format!("a machine that never changes an output keeps `{}`", s.name),
             )
             .with_help(
-                "ask for what the machine is there for: `guarantee completes: always eventually (not requested or done)`",
+                "ask for what the machine is there for, with your own conditions for `requested` and `done`: `guarantee completes: always eventually (not requested or done)`",
             ),
         );
     }
     findings
+}
+
+/// A frame for an output: it stays unless one of the conditions holds under which a guarantee sets it.
+fn frame(s: &Specification, v: VarId) -> String {
+    let name = &s.variable(v).name;
+    let mut conditions: Vec<String> = Vec::new();
+    for formula in &s.guarantees.safety {
+        for part in formula.expr.conjuncts() {
+            if let Expr::Binary(BinaryOp::Implies, before, after) = part
+                && sets(after, v)
+                && !before.mentions_next()
+            {
+                let text = format!("({})", text(s, before));
+                if !conditions.contains(&text) {
+                    conditions.push(text);
+                }
+            }
+        }
+    }
+    let moves = if conditions.is_empty() {
+        "(the condition under which it moves)".to_owned()
+    } else {
+        conditions.join(" or ")
+    };
+    let moves = match conditions.as_slice() {
+        [_] | [] => moves,
+        _ => format!("({moves})"),
+    };
+    format!("say that it stays: `guarantee frame: always (not {moves} -> next {name} = {name})`")
+}
+
+/// Whether the next value of a variable occurs.
+fn sets(expr: &Expr, v: VarId) -> bool {
+    let mut found = false;
+    expr.for_each_var(&mut |w, t| found |= w == v && t == Time::Next);
+    found
 }

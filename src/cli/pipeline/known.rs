@@ -125,7 +125,9 @@ impl Known {
             if let Some(found) = &self.environment {
                 findings.extend(environment::findings(specification, job.span, found));
             }
-            if let Some(found) = &self.shape {
+            let empty = |e: &EnvironmentFindings| e.cannot_start || e.unsatisfiable;
+            let means_nothing = self.environment.as_ref().is_some_and(empty);
+            if let Some(found) = self.shape.as_ref().filter(|_| !means_nothing) {
                 findings.extend(shape::findings(specification, found));
             }
         } else {

@@ -249,6 +249,11 @@ impl<'a, K: Kernel> Look<'a, K> {
         let (arena, m) = (self.arena, self.m);
         let mut found = Vec::new();
         let answers = m.and(&arena.system_moves()?, &m.prime(&arena.states)?)?;
+        let mut domains = m.constant(true);
+        for v in self.specification.outputs() {
+            let within = arena.encoding.in_domain(m, v, Time::Next)?;
+            domains = m.and(&domains, &within)?;
+        }
         let here = m.and(&self.reached, &arena.environment_moves()?)?;
         for v in self.outputs() {
             let sets_next = |formula: &Formula| {
@@ -266,17 +271,20 @@ impl<'a, K: Kernel> Look<'a, K> {
                 continue;
             }
             let own = arena.encoding.bit_set([v], Time::Next);
-            let mut others = arena.outputs_next.clone();
-            others = BitSet::new(others.iter().filter(|bit| !own.contains(*bit)));
-            // Answers for which every value of this output is as good.
-            let some = m.exists(&answers, &own)?;
+            let others = arena.outputs_next.iter();
+            let others = BitSet::new(others.filter(|bit| !own.contains(*bit)));
             let within = arena.encoding.in_domain(m, v, Time::Next)?;
-            let restricts = m.and(&some, &m.and_not(&within, &answers)?)?;
-            let mut all_next = others.clone();
-            own.iter().for_each(|bit| all_next.insert(bit));
-            let bound = m.exists(&restricts, &all_next)?;
-            let answerable = m.exists(&answers, &all_next)?;
-            let free = m.and(&here, &m.and_not(&answerable, &bound)?)?;
+            // What is said of its next value says nothing here, whatever the others are ...
+            let mut said = domains.clone();
+            for (_, formula) in &setting {
+                said = m.and(&said, &self.encode(&formula.expr)?)?;
+            }
+            let possible = m.and(&m.exists(&said, &own)?, &domains)?;
+            let bound = m.exists(&m.and_not(&possible, &said)?, &arena.outputs_next)?;
+            // ... and each value is part of some answer.
+            let answered = m.exists(&answers, &others)?;
+            let missing = m.exists(&m.and_not(&within, &answered)?, &own)?;
+            let free = m.and_not(&m.and_not(&here, &bound)?, &missing)?;
             let Some(bits) = m.witness(&free) else {
                 continue;
             };

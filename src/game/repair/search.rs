@@ -52,16 +52,19 @@ fn families(specification: &Specification, words: &[Word]) -> Vec<Family> {
             });
         }
     }
+    let mut stays = Vec::new();
     for input in inputs {
         if specification.variable(input).domain.size() > 1 {
-            families.push(Family {
+            stays.push(Family {
                 kind: Kind::Safety,
                 wanted: Expr::next(input).equals(Expr::now(input)),
                 before: true,
             });
         }
     }
-    families
+    // "It stays" is easier to judge than "it becomes 3".
+    stays.extend(families);
+    stays
 }
 
 /// Assumptions that would help, the one that forbids least first.
@@ -164,7 +167,13 @@ pub fn weakenings<K: Kernel>(
                 };
                 let gives_up = trials.holds(&unless)?;
                 let better = best.as_ref().is_none_or(|b| gives_up < b.gives_up);
-                if gives_up > 0.0 && better && trials.mends_without(*guarantee, Some(&unless))? {
+                // What is left of the guarantee has to ask for something.
+                let asks = trials.asks(*guarantee, &unless)?;
+                if gives_up > 0.0
+                    && asks
+                    && better
+                    && trials.mends_without(*guarantee, Some(&unless))?
+                {
                     best = Some(Weakening {
                         guarantee: *guarantee,
                         unless: Some(unless),

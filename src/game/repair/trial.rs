@@ -146,6 +146,14 @@ impl<'a, K: Kernel> Trials<'a, K> {
         Ok(!m.is_false(&m.and(&first, &lasting(&arena)?)?))
     }
 
+    /// Whether a guarantee that need not hold where `unless` does asks for anything.
+    pub fn asks(&self, guarantee: GuaranteeRef, unless: &Expr) -> Result<bool, Limit> {
+        let m = self.formulas.kernel();
+        let formula = guarantee.formula(&self.specification.guarantees);
+        let weak = m.or(&self.encode(&formula.expr)?, &self.encode(unless)?)?;
+        Ok(!m.is_false(&m.and_not(&self.steps[1], &weak)?))
+    }
+
     /// The share of the environment's steps in which a formula does not hold.
     pub fn forbids(&self, expr: &Expr) -> Result<f64, Limit> {
         let m = self.formulas.kernel();

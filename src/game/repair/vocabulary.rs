@@ -103,6 +103,18 @@ pub fn negation(expr: Expr) -> Expr {
 fn collect(specification: &Specification, expr: &Expr, atoms: &mut Vec<Expr>) {
     use BinaryOp as B;
     let truth = |e: &Expr| truth(specification, e);
+    // What is said of inputs alone is a word as a whole, too.
+    if let Expr::Binary(B::And | B::Or, ..) = expr {
+        let (mut inputs, mut times) = (true, Vec::new());
+        expr.for_each_var(&mut |v, t| {
+            inputs &= specification.variable(v).owner == Owner::Environment;
+            times.push(t);
+        });
+        let whole = expr.substitute(&mut |v, _| Expr::Var(v, Time::Now));
+        if inputs && times.windows(2).all(|w| w[0] == w[1]) && !atoms.contains(&whole) {
+            atoms.push(whole);
+        }
+    }
     match expr {
         Expr::Unary(UnaryOp::Not, a) => collect(specification, a, atoms),
         Expr::Binary(B::And | B::Or | B::Implies, a, b) => {
