@@ -168,4 +168,9 @@ fn environment(board: &Board<'_>, found: &EnvironmentFindings) {
     assert_eq!(found.dead_end.is_some(), expected.dead_end);
     assert_eq!(found.stuck_at_start.is_some(), expected.stuck_at_start);
     assert_eq!(found.forced.is_some(), expected.forced);
+    assert_eq!(found.unsatisfiable, expected.unsatisfiable);
+    let counted = |[from, all]: [f64; 2]| [from as u32, all as u32];
+    assert_eq!(counted(found.forced_states), expected.forced_states);
+    let recklessly = expected.forced_recklessly_states;
+    assert_eq!(counted(found.forced_recklessly_states), recklessly);
 }

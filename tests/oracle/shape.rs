@@ -96,11 +96,14 @@ impl Board<'_> {
             }
             let mut parts = Vec::new();
             conjuncts(&formula.expr, &mut parts);
-            let never = parts.iter().filter_map(antecedents).any(|conditions| {
-                !among
-                    .iter()
-                    .any(|(s, t)| conditions.iter().all(|c| self.holds(c, *s, *t)))
-            });
+            let never = parts
+                .iter()
+                .filter_map(|part| antecedents(part))
+                .any(|conditions| {
+                    !among
+                        .iter()
+                        .any(|(s, t)| conditions.iter().all(|c| self.holds(c, *s, *t)))
+                });
             if never {
                 unreachable.push(guarantee);
             }
@@ -240,9 +243,10 @@ impl Board<'_> {
                 for formula in &setting {
                     // Some values of the other next outputs leave this one a single value.
                     fixed |= members(*x).any(|t| {
-                        let allowed = (domain.low()..=domain.high())
-                            .filter(|to| self.holds(&formula.expr, s, changed(t, *to)));
-                        allowed.count() == 1
+                        let allowed: Vec<i64> = values()
+                            .filter(|to| self.holds(&formula.expr, s, changed(t, *to)))
+                            .collect();
+                        allowed.len() == 1 && allowed[0] != self.valuations[s][v]
                     });
                 }
             }
@@ -339,11 +343,11 @@ fn conjuncts<'e>(expr: &'e Expr, found: &mut Vec<&'e Expr>) {
 }
 
 /// The conditions of nested implications.
-fn antecedents<'e>(expr: &&'e Expr) -> Option<Vec<&'e Expr>> {
+fn antecedents(expr: &Expr) -> Option<Vec<&Expr>> {
     let Expr::Binary(BinaryOp::Implies, a, b) = expr else {
         return None;
     };
     let mut all = vec![&**a];
-    all.extend(antecedents(&&**b).unwrap_or_default());
+    all.extend(antecedents(b).unwrap_or_default());
     Some(all)
 }

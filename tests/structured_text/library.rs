@@ -66,6 +66,10 @@ fn specifications(folder: &Path, found: &mut Vec<Arc<Specification>>) {
     for path in entries {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.as_ref();
+        if name == "repair-me" {
+            // Some of these have no controller.
+            continue;
+        }
         if path.is_dir() {
             specifications(&path, found);
         } else if path.extension().is_some_and(|e| e == "lw") && !LARGE_FILES.contains(&name) {

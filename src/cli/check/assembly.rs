@@ -13,7 +13,7 @@ use crate::cli::machines::{self, Planned};
 use crate::cli::outline::{Declaration, Kind};
 use crate::cli::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::contract::{Contract, TaxonomyCode};
-use crate::diagnostics::{Diagnostic, has_errors, json};
+use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::gr1::{Specification, VarId};
 use crate::station::composition::By;
 use std::path::Path;
@@ -139,7 +139,9 @@ impl Assembly<'_> {
             .find(|(c, _)| declaration.holds(c.span))
             .map(|(_, job)| &self.checked[*job]);
         if let Some(result) = result {
-            findings.extend(result.findings.iter().cloned());
+            let slips = findings.clone();
+            let explained = result.findings.iter().filter(|f| !follows(f, &slips));
+            findings.extend(explained.cloned());
         }
         let bits = |inputs: bool| {
             contract.map(|c| {
@@ -248,6 +250,18 @@ impl Assembly<'_> {
             findings: json::findings(&self.loaded.library.sources, findings),
         }
     }
+}
+
+/// Whether a finding only follows from a slip that was found in the text of the same formula.
+fn follows(finding: &Diagnostic, slips: &[Diagnostic]) -> bool {
+    let hollow = [codes::UNBREAKABLE, codes::NEVER_ASKED].contains(&finding.code);
+    let slip =
+        |f: &Diagnostic| [codes::COMPARISON_DECIDED, codes::NEXT_BOTH_SIDES].contains(&f.code);
+    let within = |f: &Diagnostic| match (finding.span, f.span) {
+        (Some(formula), Some(slip)) => formula.holds(slip) || slip.holds(formula),
+        _ => false,
+    };
+    hollow && slips.iter().any(|f| slip(f) && within(f))
 }
 
 /// The entry of a file that holds no contract anybody could name.

@@ -96,9 +96,9 @@ pub(super) struct CounterstrategyEntry {
 #[derive(Debug, Serialize)]
 pub(super) struct WellSeparation {
     /// For a machine that keeps its guarantees all the while.
-    pub(super) forced: [f64; 2],
+    pub(super) forced: [u64; 2],
     /// For one that does as it likes.
-    pub(super) forced_ignoring_guarantees: [f64; 2],
+    pub(super) forced_ignoring_guarantees: [u64; 2],
 }
 
 #[derive(Debug, Serialize)]

@@ -61,8 +61,10 @@ pub(super) fn counterstrategy(machine: &Machine) -> CounterstrategyEntry {
 
 /// Both numbers.
 pub(super) fn well_separation(found: &EnvironmentFindings) -> WellSeparation {
+    // Beyond 2^53 they are rounded.
+    let whole = |counts: [f64; 2]| counts.map(|n| n as u64);
     WellSeparation {
-        forced: found.forced_states,
-        forced_ignoring_guarantees: found.forced_recklessly_states,
+        forced: whole(found.forced_states),
+        forced_ignoring_guarantees: whole(found.forced_recklessly_states),
     }
 }

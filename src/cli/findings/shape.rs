@@ -153,7 +153,7 @@ fn frame(s: &Specification, v: VarId) -> String {
                 && sets(after, v)
                 && !before.mentions_next()
             {
-                let text = format!("({})", text(s, before));
+                let text = operand(s, before);
                 if !conditions.contains(&text) {
                     conditions.push(text);
                 }

@@ -35,6 +35,12 @@ struct Class<K: Kernel> {
     to: usize,
 }
 
+/// What is given, and where the answers lead.
+type Step<K> = (Vec<i64>, Vec<Class<K>>);
+
+/// Inputs that are given, and the bits that say so.
+type Given = (Vec<i64>, Vec<(Bit, bool)>);
+
 struct Explorer<'a, K: Kernel> {
     board: &'a Board<K>,
     m: &'a K,
@@ -99,7 +105,7 @@ pub fn explore<K: Kernel>(
     }]);
     // The first state is that of step 0; nothing leads back to it in a way that matters.
     let initial = rows[start].clone();
-    Ok(trimmed(Explicit {
+    Ok(trimmed(&Explicit {
         initial,
         states: rows,
     }))
@@ -130,7 +136,7 @@ impl<K: Kernel> Explorer<'_, K> {
     }
 
     /// By what is given in a state: where the machine's answers lead.
-    fn steps(&mut self, state: usize) -> Result<Vec<(Vec<i64>, Vec<Class<K>>)>, Limit> {
+    fn steps(&mut self, state: usize) -> Result<Vec<Step<K>>, Limit> {
         let m = self.m;
         let key = self.keys[state].clone();
         let mut steps = Vec::new();
@@ -153,7 +159,7 @@ impl<K: Kernel> Explorer<'_, K> {
                     .collect();
                 let moves = m.restrict(&self.strategy.moves[aim], &now)?;
                 let met = m.restrict(&self.strategy.met[aim], &now)?;
-                self.split(aim, moves, met, part, &mut classes)?;
+                self.split(aim, moves, &met, part, &mut classes)?;
             }
             steps.push((values, classes));
         }
@@ -165,7 +171,7 @@ impl<K: Kernel> Explorer<'_, K> {
         &mut self,
         aim: usize,
         moves: K::Function,
-        met: K::Function,
+        met: &K::Function,
         part: K::Function,
         classes: &mut Vec<Class<K>>,
     ) -> Result<(), Limit> {
@@ -175,20 +181,20 @@ impl<K: Kernel> Explorer<'_, K> {
         }
         let outputs = &self.board.arena.outputs_now;
         let mut bits = m.support(&moves);
-        bits.extend(m.support(&met));
+        bits.extend(m.support(met));
         if let Some(bit) = bits.into_iter().find(|b| outputs.contains(*b)) {
             for value in [false, true] {
                 let part = m.and(&part, &m.literal(bit, value))?;
                 let moves = m.restrict(&moves, &[(bit, value)])?;
-                let met = m.restrict(&met, &[(bit, value)])?;
-                self.split(aim, moves, met, part, classes)?;
+                let met = m.restrict(met, &[(bit, value)])?;
+                self.split(aim, moves, &met, part, classes)?;
             }
             return Ok(());
         }
         let key = Key {
             aim,
             // Only what concerns a step that may be given matters.
-            met: m.and(&met, &moves)?,
+            met: m.and(met, &moves)?,
             given: moves,
         };
         let nothing = m.constant(false);
@@ -209,7 +215,7 @@ impl<K: Kernel> Explorer<'_, K> {
     }
 
     /// The different inputs (x′) that a set of steps begins with, with their bits.
-    fn given(&self, steps: &K::Function) -> Result<Vec<(Vec<i64>, Vec<(Bit, bool)>)>, Limit> {
+    fn given(&self, steps: &K::Function) -> Result<Vec<Given>, Limit> {
         let m = self.m;
         let arena = &self.board.arena;
         let mut rest = m.exists(steps, &arena.outputs_next)?;
@@ -270,7 +276,7 @@ impl<K: Kernel> Explorer<'_, K> {
 }
 
 /// Without the states that cannot be reached.
-fn trimmed(explicit: Explicit) -> Explicit {
+fn trimmed(explicit: &Explicit) -> Explicit {
     let mut numbers: HashMap<usize, usize> = HashMap::new();
     let mut order = Vec::new();
     let mut queue: VecDeque<usize> = explicit.initial.iter().map(|r| r.to).collect();

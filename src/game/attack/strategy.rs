@@ -43,9 +43,10 @@ impl<K: Kernel> Strategy<K> {
         let begin = board.beginnings(&region)?;
         Ok(Self {
             moves,
-            met: match starves {
-                true => arena.assumptions.clone(),
-                false => vec![m.constant(false)],
+            met: if starves {
+                arena.assumptions.clone()
+            } else {
+                vec![m.constant(false)]
             },
             initial: smallest(board, specification, begin, Time::Now)?,
         })

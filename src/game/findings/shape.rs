@@ -303,7 +303,8 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(found)
     }
 
-    /// A guarantee that leaves an output a single next value in some situation that can occur.
+    /// A guarantee that leaves an output a single next value, and another one than it has, in some situation that can occur. One
+    /// that only says that it stays is a frame itself: where it does not hold, the author wants a choice.
     fn fixer(
         &self,
         v: VarId,
@@ -312,6 +313,7 @@ impl<'a, K: Kernel> Look<'a, K> {
     ) -> Result<Option<GuaranteeRef>, Limit> {
         let (arena, m) = (self.arena, self.m);
         let within = arena.encoding.in_domain(m, v, Time::Next)?;
+        let unchanged = arena.encoding.unchanged(m, v)?;
         let own: Vec<_> = arena.encoding.bits(v, Time::Next).collect();
         let set = BitSet::new(own.iter().copied());
         for (guarantee, formula) in setting {
@@ -323,6 +325,8 @@ impl<'a, K: Kernel> Look<'a, K> {
                 several = m.or(&several, &m.and(&high, &low)?)?;
             }
             let one = m.and_not(&m.exists(&allows, &set)?, &several)?;
+            let new = m.exists(&m.and_not(&allows, &unchanged)?, &set)?;
+            let one = m.and(&one, &new)?;
             if !m.is_false(&m.and(here, &one)?) {
                 return Ok(Some(*guarantee));
             }

@@ -88,7 +88,7 @@ pub(super) fn advise_on<K: Kernel>(
     let formulas: Formulas<K> = formulas;
     let matters = assumptions_that_matter(&formulas, core)?;
     let mut trials = trial::Trials::new(&formulas, specification, core)?;
-    let contradictory = !trials.possible(&formulas)?;
+    let contradictory = !trial::Trials::possible(&formulas)?;
     let words = vocabulary::words(
         specification,
         core.iter()

@@ -4,7 +4,7 @@ use super::trial::Trials;
 use super::vocabulary::{Word, negation};
 use super::{MOST_CONDITIONS, MOST_SUGGESTIONS, NewAssumption, Weakening};
 use crate::game::{GuaranteeKind as Kind, GuaranteeRef};
-use crate::gr1::{Expr, Specification, VarId};
+use crate::gr1::{BinaryOp, Expr, Specification, Time, VarId};
 use crate::symbolic::{Kernel, Limit};
 
 /// So many suggestions that mend the core are tried on the whole specification.
@@ -21,11 +21,29 @@ struct Family {
 
 impl Family {
     fn with(&self, conditions: &[&Word]) -> Expr {
+        let wanted = self.wanted_under(conditions);
         let conditions = conditions.iter().map(|w| w.expr.clone());
         match conditions.reduce(Expr::and) {
-            None => self.wanted.clone(),
-            Some(all) => all.implies(self.wanted.clone()),
+            None => wanted,
+            Some(all) => all.implies(wanted),
         }
+    }
+
+    /// What is asked for, shorter where a condition says which value it is that stays.
+    fn wanted_under(&self, conditions: &[&Word]) -> Expr {
+        if let Expr::Binary(BinaryOp::Eq, after, before) = &self.wanted
+            && matches!(**after, Expr::Var(_, Time::Next))
+            && matches!(**before, Expr::Var(_, Time::Now))
+        {
+            if conditions.iter().any(|w| w.expr == **before) {
+                return (**after).clone();
+            }
+            let not = (**before).clone().not();
+            if conditions.iter().any(|w| w.expr == not) {
+                return (**after).clone().not();
+            }
+        }
+        self.wanted.clone()
     }
 }
 

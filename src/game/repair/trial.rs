@@ -122,7 +122,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
     /// Whether all can be kept with one more assumption, by a plant that exists and is not worse off than before.
     pub fn mends(&self, kind: GuaranteeKind, expr: &Expr) -> Result<bool, Limit> {
         let more = self.formulas.assuming(kind, self.encode(expr)?);
-        if !wins(&more, &Selection::All)? || !self.possible(&more)? {
+        if !wins(&more, &Selection::All)? || !Self::possible(&more)? {
             return Ok(false);
         }
         let arena = more.arena(&Selection::All, SPLIT)?;
@@ -139,7 +139,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
     }
 
     /// Whether some play keeps all rules and all justice of both sides.
-    pub fn possible(&self, formulas: &Formulas<K>) -> Result<bool, Limit> {
+    pub fn possible(formulas: &Formulas<K>) -> Result<bool, Limit> {
         let arena = formulas.arena_of(&Selection::All, SPLIT, Timing::Mealy)?;
         let m = &arena.kernel;
         let first = m.and(&arena.env_initial, &arena.sys_initial)?;
