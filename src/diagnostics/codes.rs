@@ -103,7 +103,7 @@ codes! {
     PAST = "LW210", "an operator over other steps is out of place";
     NEXT_BOTH_SIDES = "LW211", "next stands on both sides of an equation";
     UNBREAKABLE = "LW212", "nothing could break a guarantee";
-    NEVER_ASKED = "LW213", "the condition of a guarantee never holds";
+    NEVER_ASKED = "LW213", "the condition of a formula never holds";
     UNCONSTRAINED = "LW214", "no guarantee restricts an output";
     CONSTANT = "LW215", "an output keeps one value for ever";
     UNFRAMED = "LW216", "an output is free where nothing says that it stays";

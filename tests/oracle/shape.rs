@@ -2,7 +2,7 @@
 
 use crate::game::{Board, Relation, Set, Subset, value};
 use linewright::game::{GuaranteeKind as Kind, GuaranteeRef, Shape};
-use linewright::gr1::{BinaryOp, Expr, Formula, Owner, Time, Timing, VarId};
+use linewright::gr1::{BinaryOp, Expr, Formula, Owner, Side, Time, Timing, VarId};
 
 /// What can occur under controllers.
 struct Occurring {
@@ -77,39 +77,50 @@ impl Board<'_> {
                 0
             }
         });
-        let mut unbreakable = Vec::new();
-        let mut unreachable = Vec::new();
-        for (guarantee, formula) in guarantees(self) {
-            let (allowed, among) = match guarantee.kind {
-                Kind::Initial => (
-                    alone(rules.env_start),
-                    alone(occurring.reached & rules.env_start & rules.sys_start),
-                ),
-                Kind::Invariant => (alone(always), alone(occurring.reached)),
-                Kind::Safety | Kind::Justice => (env_pairs.clone(), steps.clone()),
-            };
-            if allowed
-                .iter()
-                .all(|(s, t)| self.holds(&formula.expr, *s, *t))
-            {
-                unbreakable.push(guarantee);
-            }
-            let mut parts = Vec::new();
-            conjuncts(&formula.expr, &mut parts);
-            let never = parts
-                .iter()
-                .filter_map(|part| antecedents(part))
-                .any(|conditions| {
-                    !among
-                        .iter()
-                        .any(|(s, t)| conditions.iter().all(|c| self.holds(c, *s, *t)))
+        let (mut unbreakable, mut unreachable, mut unneeded) = (Vec::new(), Vec::new(), Vec::new());
+        let sides = [(true, &spec.guarantees), (false, &spec.assumptions)];
+        for (guaranteed, side) in sides {
+            for (place, formula) in formulas(side) {
+                let reached = alone(occurring.reached);
+                let (allowed, among) = match place.kind {
+                    Kind::Initial => (
+                        alone(rules.env_start),
+                        alone(occurring.reached & rules.env_start & rules.sys_start),
+                    ),
+                    Kind::Invariant => (alone(always), reached.clone()),
+                    Kind::Safety | Kind::Justice => (env_pairs.clone(), steps.clone()),
+                };
+                let mut kept = allowed.iter();
+                if guaranteed && kept.all(|(s, t)| self.holds(&formula.expr, *s, *t)) {
+                    unbreakable.push(place);
+                }
+                let mut parts = Vec::new();
+                conjuncts(&formula.expr, &mut parts);
+                let mut conditions = parts.iter().filter_map(|part| antecedents(part));
+                let never = conditions.any(|conditions| {
+                    let of_now = !conditions.iter().any(|c| c.mentions_next());
+                    let among = match place.kind {
+                        Kind::Initial => &among,
+                        _ if of_now => &reached,
+                        _ => &among,
+                    };
+                    let holds =
+                        |(s, t): &(usize, usize)| conditions.iter().all(|c| self.holds(c, *s, *t));
+                    !among.iter().any(holds)
                 });
-            if never {
-                unreachable.push(guarantee);
+                if never {
+                    let list = if guaranteed {
+                        &mut unreachable
+                    } else {
+                        &mut unneeded
+                    };
+                    list.push(place);
+                }
             }
         }
         same("unbreakable", &found.unbreakable, &unbreakable)?;
         same("unreachable", &found.unreachable, &unreachable)?;
+        same("unneeded", &found.unneeded, &unneeded)?;
 
         let outputs: Vec<usize> = (0..spec.variables.len())
             .filter(|v| {
@@ -316,8 +327,7 @@ fn same<T: PartialEq + std::fmt::Debug>(what: &str, found: &T, expected: &T) -> 
     ))
 }
 
-fn guarantees<'b>(board: &'b Board<'_>) -> Vec<(GuaranteeRef, &'b Formula)> {
-    let g = &board.specification.guarantees;
+fn formulas(g: &Side) -> Vec<(GuaranteeRef, &Formula)> {
     let mut all = Vec::new();
     for (kind, list) in [
         (Kind::Initial, &g.initial),

@@ -45,6 +45,22 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
             ),
         );
     }
+    for assumption in &found.unneeded {
+        let formula = assumption.formula(&s.assumptions);
+        findings.push(
+            Diagnostic::warning(
+                codes::NEVER_ASKED,
+                formula.span,
+                format!(
+                    "`{}` never asks for anything of the plant: what stands before its `->` never holds, whatever the controller does",
+                    formula.name
+                ),
+            )
+            .with_help(
+                "look for a guarantee or an assumption that forbids that situation, or for a slip in the condition; if it is as it should be, leave the assumption out",
+            ),
+        );
+    }
     for v in &found.unconstrained {
         let (name, span) = variable(*v);
         findings.push(

@@ -9,7 +9,7 @@ use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
 use crate::game::relation::Relation;
 use crate::game::set_up::SPLIT;
-use crate::game::{GuaranteeKind as Kind, GuaranteeRef};
+use crate::game::{AssumptionRef, GuaranteeKind as Kind, GuaranteeRef};
 use crate::gr1::{BinaryOp, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId};
 use crate::symbolic::{BitSet, Kernel, Limit};
 use serde::{Deserialize, Serialize};
@@ -21,6 +21,8 @@ pub struct Shape {
     pub unbreakable: Vec<GuaranteeRef>,
     /// Guarantees `P -> Q` whose P never holds.
     pub unreachable: Vec<GuaranteeRef>,
+    /// Assumptions `P -> Q` whose P never holds: they promise nothing.
+    pub unneeded: Vec<AssumptionRef>,
     /// Outputs that no guarantee restricts, although some formula mentions them.
     pub unconstrained: Vec<VarId>,
     /// Outputs that have one value in every play.
@@ -53,7 +55,8 @@ pub fn shape<K: Kernel>(
     let look = Look::new(arena, specification, region)?;
     Ok(Shape {
         unbreakable: look.unbreakable()?,
-        unreachable: look.unreachable()?,
+        unreachable: look.unreachable(&specification.guarantees)?,
+        unneeded: look.unreachable(&specification.assumptions)?,
         unconstrained: look.unconstrained()?,
         constant: look.constant()?,
         unframed: look.unframed()?,
@@ -148,7 +151,8 @@ impl<'a, K: Kernel> Look<'a, K> {
         self.m.and(&self.reached, &self.moves)
     }
 
-    fn unreachable(&self) -> Result<Vec<GuaranteeRef>, Limit> {
+    /// The formulas of a side whose condition never holds.
+    fn unreachable(&self, side: &Side) -> Result<Vec<GuaranteeRef>, Limit> {
         let m = self.m;
         let steps = self.steps()?;
         let first = m.and(
@@ -156,7 +160,7 @@ impl<'a, K: Kernel> Look<'a, K> {
             &self.arena.sys_initial,
         )?;
         let mut found = Vec::new();
-        for (guarantee, formula) in self.guarantees() {
+        for (guarantee, formula) in all(side) {
             let among = match guarantee.kind {
                 Kind::Initial => &first,
                 Kind::Invariant => &self.reached,
@@ -168,6 +172,12 @@ impl<'a, K: Kernel> Look<'a, K> {
             }
             let mut never = false;
             for antecedent in antecedents {
+                // Where the plant has no step, what holds now still holds.
+                let among = if antecedent.mentions_next() || guarantee.kind == Kind::Initial {
+                    among
+                } else {
+                    &self.reached
+                };
                 let holds = m.and(among, &self.encode(&antecedent)?)?;
                 never |= m.is_false(&holds);
             }
