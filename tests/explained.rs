@@ -31,7 +31,7 @@ fn repairs_of_random_specifications() {
         lost += 1;
         let core = found.core.expect("no limit");
         let small = reduced(&spec, &core);
-        let attack = attack(&small, &limits).expect("no limit");
+        let attack = attack(&small, &[], &limits).expect("no limit");
         let play = attack.expect("it is lost").play;
         let advice = advise(&spec, &core, &play, &limits).expect("no limit");
         let told = mended::holds(&spec, &core, &advice);
@@ -106,7 +106,7 @@ fn counterstrategies_of_random_specifications() {
         let found = match solve(&spec, &limits) {
             Outcome::Realizable(_) => {
                 assert!(
-                    attack(&spec, &limits).expect("no limit").is_none(),
+                    attack(&spec, &[], &limits).expect("no limit").is_none(),
                     "seed {seed}"
                 );
                 continue;
@@ -118,7 +118,7 @@ fn counterstrategies_of_random_specifications() {
         moore += u32::from(spec.timing == Timing::Moore);
         let core = found.core.expect("no limit");
         for spec in [spec.clone(), reduced(&spec, &core)] {
-            let attack = attack(&spec, &limits).expect("no limit");
+            let attack = attack(&spec, &[], &limits).expect("no limit");
             let attack = attack.unwrap_or_else(|| panic!("seed {seed}: nothing beats {spec:#?}"));
             let machine = machine(&spec, &attack);
             let verdict = verify_counterstrategy(&spec, &machine, &limits).expect("no limit");

@@ -174,7 +174,7 @@ fn opponent(
         let finding = Diagnostic::error(codes::GAVE_UP, contract.span, message);
         vec![finding.with_help(help)]
     };
-    let attack = match game::attack(&specification, limits) {
+    let attack = match game::attack(&specification, &[], limits) {
         Ok(Some(attack)) => attack,
         Ok(None) => {
             let rule = "a lost game has no counterstrategy".to_owned();

@@ -204,6 +204,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     }
     for (contract, index) in contracts.iter().zip(indices) {
         if arguments.counterstrategy {
+            if checked[index].verdict == Verdict::Realizable {
+                anyhow::bail!(
+                    "`{}` has a controller, so no plant that keeps the assumptions beats it: leave out --counterstrategy",
+                    contract.name
+                );
+            }
             let wanted = counterstrategy(&checked[index], contract.span, &mut findings);
             for emit in controllers.iter().filter(|_| wanted.is_some()) {
                 let Some(machine) = wanted else { continue };
@@ -260,17 +266,9 @@ fn counterstrategy<'c>(
         .lost
         .as_ref()
         .and_then(|l| l.counterstrategy.as_ref());
-    if found.is_none() {
-        let (text, help) = match checked.verdict {
-            Verdict::Realizable => (
-                "it has a controller, so no plant that keeps the assumptions beats it",
-                "leave out --counterstrategy to get the controller",
-            ),
-            _ => (
-                "no counterstrategy was found within the limits",
-                "give it more time with --timeout SECONDS, or make its domains smaller",
-            ),
-        };
+    if found.is_none() && checked.verdict != Verdict::Realizable {
+        let text = "no counterstrategy was found within the limits";
+        let help = "give it more time with --timeout SECONDS, or make its domains smaller";
         findings.push(Diagnostic::error(codes::GAVE_UP, span, text).with_help(help));
     }
     found

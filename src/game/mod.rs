@@ -39,7 +39,7 @@ pub use self::functions::{Aim, Assumed, Certificate, Controls, Mode, Pursuit, St
 pub use self::heuristics::{Heuristic, Heuristics};
 pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
-pub use self::repair::{Advice, NewAssumption, Weakening};
+pub use self::repair::{Advice, NewAssumption, Weakening, negation};
 pub use self::solver::{
     KernelChoice, Options, Solved, Statistics, advise, attack, order_of_variables, solve,
     solve_with,

@@ -19,7 +19,7 @@ use super::repair::{self, Advice};
 use super::set_up;
 use super::strategy::{self, Preference};
 use super::{GuaranteeRef, Lost, Outcome, Play, Won};
-use crate::gr1::{Specification, Time, VarId};
+use crate::gr1::{Formula, Specification, Time, VarId};
 use crate::symbolic::{Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -299,20 +299,24 @@ fn examine_on<K: Kernel>(
 
 /// The counterstrategy of a specification and the play that shows it, or `None` if the machine wins.
 ///
-/// Meant for the [reduced](super::reduced) specification of a minimal core: who cannot keep that cannot keep more.
-pub fn attack(specification: &Specification, limits: &Limits) -> Result<Option<Attack>, Limit> {
+/// In the play the machine begins as `beginning` says, where it can. Meant for the [reduced](super::reduced) specification of a minimal core: who cannot keep that cannot keep more.
+pub fn attack(
+    specification: &Specification,
+    beginning: &[Formula],
+    limits: &Limits,
+) -> Result<Option<Attack>, Limit> {
     let options = Options {
         limits: *limits,
         ..Options::default()
     };
     let order = first_order(specification, options.heuristics);
     if let Some(limits) = small(&order, &options) {
-        let found = attack::attack_on::<Biodivine>(specification, &limits);
+        let found = attack::attack_on::<Biodivine>(specification, beginning, &limits);
         if !matches!(found, Err(Limit::Memory)) {
             return found;
         }
     }
-    attack::attack_on::<OxiDd>(specification, limits)
+    attack::attack_on::<OxiDd>(specification, beginning, limits)
 }
 
 /// What could be done about an unrealizable specification, given a minimal core and a play that shows it.

@@ -30,10 +30,20 @@ pub fn operand(specification: &Specification, expr: &Expr) -> String {
     }
 }
 
-/// `like` is the domain that a constant has its name from.
-fn print(s: &Specification, expr: &Expr, like: Option<&Domain>) -> (String, Binds) {
+/// What a constant is written like.
+#[derive(Clone, Copy)]
+enum Like<'s> {
+    /// A label or truth value of this domain.
+    Label(&'s Domain),
+    /// A number with this unit.
+    Unit(&'s str),
+}
+
+const TRUTH: Option<Like<'static>> = Some(Like::Label(&Domain::Bool));
+
+fn print<'s>(s: &'s Specification, expr: &Expr, like: Option<Like<'s>>) -> (String, Binds) {
     use BinaryOp as B;
-    let part = |expr: &Expr, least: Binds, like: Option<&Domain>| {
+    let part = |expr: &Expr, least: Binds, like: Option<Like<'s>>| {
         let (text, binds) = print(s, expr, like);
         if binds >= least {
             text
@@ -41,15 +51,16 @@ fn print(s: &Specification, expr: &Expr, like: Option<&Domain>) -> (String, Bind
             format!("({text})")
         }
     };
-    let both = |a: &Expr, word: &str, b: &Expr, binds: Binds, inner: Binds| {
-        let (a, b) = (part(a, inner, None), part(b, inner, None));
+    let both = |a: &Expr, word: &str, b: &Expr, (binds, inner), like: Option<Like<'s>>| {
+        let (a, b) = (part(a, inner, like), part(b, inner, like));
         (format!("{a} {word} {b}"), binds)
     };
     match expr {
         Expr::Const(value) => match like {
-            Some(domain) => (domain.show(*value), Binds::Name),
-            None if *value < 0 => (format!("(0 - {})", value.unsigned_abs()), Binds::Name),
-            None => (value.to_string(), Binds::Name),
+            Some(Like::Label(domain)) => (domain.show(*value), Binds::Name),
+            Some(Like::Unit(unit)) if *value >= 0 => (format!("{value} {unit}"), Binds::Name),
+            _ if *value < 0 => (format!("(0 - {})", value.unsigned_abs()), Binds::Name),
+            _ => (value.to_string(), Binds::Name),
         },
         Expr::Var(v, time) => {
             let name = &s.variable(*v).name;
@@ -64,7 +75,7 @@ fn print(s: &Specification, expr: &Expr, like: Option<&Domain>) -> (String, Bind
             } else {
                 Binds::Implication
             };
-            let text = part(a, inner, Some(&Domain::Bool));
+            let text = part(a, inner, TRUTH);
             if inner == Binds::Name {
                 (format!("not {text}"), Binds::Not)
             } else {
@@ -72,14 +83,14 @@ fn print(s: &Specification, expr: &Expr, like: Option<&Domain>) -> (String, Bind
             }
         }
         Expr::Unary(UnaryOp::Neg, a) => {
-            (format!("0 - {}", part(a, Binds::Product, None)), Binds::Sum)
+            (format!("0 - {}", part(a, Binds::Product, like)), Binds::Sum)
         }
         Expr::Unary(UnaryOp::Abs, a) => (
-            format!("abs({})", part(a, Binds::Implication, None)),
+            format!("abs({})", part(a, Binds::Implication, like)),
             Binds::Name,
         ),
         Expr::If(c, a, b) => {
-            let c = part(c, Binds::Or, Some(&Domain::Bool));
+            let c = part(c, Binds::Or, TRUTH);
             let (a, b) = (part(a, Binds::Or, like), part(b, Binds::Or, like));
             (format!("if {c} then {a} else {b}"), Binds::Implication)
         }
@@ -89,22 +100,16 @@ fn print(s: &Specification, expr: &Expr, like: Option<&Domain>) -> (String, Bind
                     B::And => ("and", Binds::And),
                     _ => ("or", Binds::Or),
                 };
-                let bool_like = Some(&Domain::Bool);
-                let (a, b) = (part(a, binds, bool_like), part(b, binds, bool_like));
+                let (a, b) = (part(a, binds, TRUTH), part(b, binds, TRUTH));
                 (format!("{a} {word} {b}"), binds)
             }
             B::Implies => {
-                let bool_like = Some(&Domain::Bool);
-                let (a, b) = (part(a, Binds::Or, bool_like), part(b, Binds::Or, bool_like));
+                let (a, b) = (part(a, Binds::Or, TRUTH), part(b, Binds::Or, TRUTH));
                 (format!("{a} -> {b}"), Binds::Implication)
             }
             B::Eq | B::Ne if truth(s, a) && truth(s, b) => {
                 let word = if *op == B::Eq { "<->" } else { "xor" };
-                let bool_like = Some(&Domain::Bool);
-                let (a, b) = (
-                    part(a, Binds::Not, bool_like),
-                    part(b, Binds::Not, bool_like),
-                );
+                let (a, b) = (part(a, Binds::Not, TRUTH), part(b, Binds::Not, TRUTH));
                 (format!("{a} {word} {b}"), Binds::Implication)
             }
             B::Eq | B::Ne | B::Lt | B::Le | B::Gt | B::Ge => {
@@ -123,29 +128,38 @@ fn print(s: &Specification, expr: &Expr, like: Option<&Domain>) -> (String, Bind
             }
             B::Min | B::Max => {
                 let word = if *op == B::Min { "min" } else { "max" };
-                let a = part(a, Binds::Implication, None);
-                let b = part(b, Binds::Implication, None);
+                let a = part(a, Binds::Implication, like);
+                let b = part(b, Binds::Implication, like);
                 (format!("{word}({a}, {b})"), Binds::Name)
             }
-            B::Add => both(a, "+", b, Binds::Sum, Binds::Sum),
+            B::Add => both(a, "+", b, (Binds::Sum, Binds::Sum), like),
             B::Sub => {
-                let (a, b) = (part(a, Binds::Sum, None), part(b, Binds::Product, None));
+                let (a, b) = (part(a, Binds::Sum, like), part(b, Binds::Product, like));
                 (format!("{a} - {b}"), Binds::Sum)
             }
-            B::Mul => both(a, "*", b, Binds::Product, Binds::Name),
-            B::Div => both(a, "/", b, Binds::Product, Binds::Name),
-            B::Mod => both(a, "mod", b, Binds::Product, Binds::Name),
+            B::Mul => both(a, "*", b, (Binds::Product, Binds::Name), None),
+            B::Div => both(a, "/", b, (Binds::Product, Binds::Name), None),
+            B::Mod => both(a, "mod", b, (Binds::Product, Binds::Name), None),
         },
     }
 }
 
-/// The labels or truth values that an expression has, if it has any.
-fn labels<'s>(s: &'s Specification, expr: &Expr) -> Option<&'s Domain> {
+/// What constants beside an expression are written like.
+fn labels<'s>(s: &'s Specification, expr: &Expr) -> Option<Like<'s>> {
+    use BinaryOp as B;
     match expr {
         Expr::Var(v, _) => {
-            Some(&s.variable(*v).domain).filter(|d| !matches!(d, Domain::Range { .. }))
+            let variable = s.variable(*v);
+            match &variable.domain {
+                Domain::Range { .. } if variable.unit.is_empty() => None,
+                Domain::Range { .. } => Some(Like::Unit(&variable.unit)),
+                domain => Some(Like::Label(domain)),
+            }
         }
-        Expr::If(_, a, b) => labels(s, a).or_else(|| labels(s, b)),
+        Expr::If(_, a, b) | Expr::Binary(B::Add | B::Sub | B::Min | B::Max, a, b) => {
+            labels(s, a).or_else(|| labels(s, b))
+        }
+        Expr::Unary(UnaryOp::Neg | UnaryOp::Abs, a) => labels(s, a),
         _ => None,
     }
 }

@@ -89,7 +89,7 @@ fn every_unrealizable_benchmark_is_explained() {
         };
         let core = lost.core.expect("no limit");
         let small = reduced(&spec, &core);
-        let (attacked, found) = timed(|| attack(&small, &limits).expect("no limit"));
+        let (attacked, found) = timed(|| attack(&small, &[], &limits).expect("no limit"));
         let found = found.expect("a counterstrategy");
         let counterstrategy = machine(&small, &found);
         let verdict = verify_counterstrategy(&small, &counterstrategy, &limits).expect("no limit");

@@ -225,6 +225,7 @@ impl Board<'_> {
                 .expect("a valuation")
         };
         let (mut free, mut fixed) = (false, false);
+        let mut framed = self.rules(&Subset::All);
         for s in (0..self.valuations.len()).filter(|s| occurring.reached >> s & 1 == 1) {
             let legal = rules.env_step[s];
             let mut answers = rules.sys_step[s];
@@ -250,7 +251,14 @@ impl Board<'_> {
                 });
                 // ... and each value is part of some answer.
                 let answered = |to: i64| members(here).any(|t| self.valuations[t][v] == to);
-                free |= silent && values().all(answered);
+                if silent && values().all(answered) {
+                    free = true;
+                    let stays = |t: &usize| self.valuations[*t][v] == self.valuations[s][v];
+                    let kept = members(*x)
+                        .filter(stays)
+                        .fold(0, |set: Set, t| set | 1 << t);
+                    framed.sys_step[s] &= !x | kept;
+                }
                 for formula in &setting {
                     // Some values of the other next outputs leave this one a single value.
                     fixed |= members(*x).any(|t| {
@@ -262,7 +270,7 @@ impl Board<'_> {
                 }
             }
         }
-        free && fixed
+        free && fixed && self.wins(&framed)
     }
 
     fn requests(&self, found: &Shape, occurring: &Occurring) -> Result<(), String> {

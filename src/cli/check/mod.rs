@@ -41,7 +41,7 @@ not written; for a large contract that no machine uses, only the verdict is give
 that has not changed is not worked out again (see --no-cache).
 
 Files of gr1c (.spc) and slugs (.slugsin, .structuredslugs) are read by their ending; for these only the \
-verdict is given.")]
+verdict is given, and why it is unrealizable.")]
 pub struct Arguments {
     /// Files (.lw, .spc, .slugsin, .structuredslugs), or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]

@@ -84,7 +84,8 @@ fn forced(
         finding = finding.with_label(formula.span, "the plant can be made to break this");
     }
     Some(finding.with_help(format!(
-        "one such situation is {}: once the machine does this, the plant cannot keep the marked assumption; ask for it only as long as the machine lets the plant keep it",
-        situation(specification, values)
+        "one such situation is {}: from there the machine can bring it about that the plant cannot keep {}; ask for that only as long as the machine lets the plant keep it",
+        situation(specification, values),
+        if found.broken.is_empty() { "all assumptions" } else { "the marked assumption" }
     )))
 }

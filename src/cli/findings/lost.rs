@@ -3,9 +3,9 @@
 use super::{list, play};
 use crate::cli::pipeline::Explained;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::game::{Advice, GuaranteeKind, GuaranteeRef, NewAssumption, Weakening};
+use crate::game::{Advice, GuaranteeKind, GuaranteeRef, NewAssumption, Weakening, negation};
 use crate::gr1::text::{operand, text};
-use crate::gr1::{BinaryOp, Expr, Formula, Side, Specification, UnaryOp};
+use crate::gr1::{BinaryOp, Expr, Formula, Side, Specification};
 use crate::source::Span;
 use serde::Serialize;
 
@@ -20,13 +20,7 @@ pub fn finding(
     let name = &s.name;
     let advice = explained.and_then(|e| e.advice.as_ref());
     let contradictory = advice.is_some_and(|a| a.contradictory);
-    let message = if contradictory {
-        format!(
-            "the guarantees of `{name}` contradict each other: no plant, however it helps, lets all of them hold"
-        )
-    } else {
-        format!("no controller can keep the guarantees of `{name}`, whatever it does")
-    };
+    let message = format!("no controller can keep the guarantees of `{name}`, whatever it does");
     let mut finding = Diagnostic::error(codes::UNREALIZABLE, span, message);
     for span in spans(&s.guarantees, core) {
         finding = finding.with_label(span, "cannot be kept");
@@ -45,6 +39,9 @@ pub fn finding(
             "the plant wins like this, however the machine resists:\n{}",
             play::table(s, &shown, found)
         ));
+    }
+    if contradictory {
+        finding = finding.with_note(no_help(s, advice));
     }
     let suggestions = advice.map(|a| suggestions(s, a)).unwrap_or_default();
     let of_kind = |kind: &str| -> Vec<&Suggestion> {
@@ -69,6 +66,30 @@ pub fn finding(
         help.join("\n")
     };
     finding.with_help(help)
+}
+
+/// That no assumption can mend it.
+fn no_help(s: &Specification, advice: Option<&Advice>) -> String {
+    let refs = advice
+        .map(|a| a.contradiction.as_slice())
+        .unwrap_or_default();
+    let mut names: Vec<String> = Vec::new();
+    for guarantee in refs {
+        let name = format!("`{}`", guarantee.formula(&s.guarantees).name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    match names.as_slice() {
+        [] => "no assumption mends it: those that there are contradict each other".to_owned(),
+        [one] => format!(
+            "no assumption mends it: {one} contradicts itself or the assumptions, however the plant helps"
+        ),
+        _ => format!(
+            "no assumption mends it: {} contradict each other, however the plant helps",
+            list(&names)
+        ),
+    }
 }
 
 /// The names of the assumptions that matter.
@@ -156,7 +177,7 @@ fn weakening(s: &Specification, weaker: &Weakening) -> Suggestion {
     let (text, cost) = match &weaker.unless {
         None => (
             format!("leave out `{name}`"),
-            "nothing less is enough".to_owned(),
+            "nothing less was found".to_owned(),
         ),
         Some(unless) => {
             let weak = unless_holds(&formula.expr, unless);
@@ -194,10 +215,7 @@ fn is_label(name: &str) -> bool {
 
 /// The formula where `unless` does not hold.
 fn unless_holds(expr: &Expr, unless: &Expr) -> Expr {
-    let not = |unless: &Expr| match unless {
-        Expr::Unary(UnaryOp::Not, inner) => (**inner).clone(),
-        other => other.clone().not(),
-    };
+    let not = |unless: &Expr| negation(unless.clone());
     match expr {
         Expr::Binary(BinaryOp::Implies, a, b) => {
             // What the guarantee's own condition says already need not be said again.

@@ -8,6 +8,9 @@ use std::fmt::Write as _;
 /// The table is no wider than this.
 const WIDTH: usize = 96;
 
+/// Of a play that is not shorter than this, only the beginning and the end are shown.
+const MOST_STEPS: usize = 40;
+
 /// The table, and a sentence on how the play ends.
 pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> String {
     let s = specification;
@@ -34,25 +37,31 @@ pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> Str
     };
     let names = shown.iter().map(|v| label(*v).1.chars().count());
     let names = names.max().unwrap_or(0).max("step".len());
-    let widths: Vec<usize> = (0..=last)
+    let steps = columns(last);
+    let widths: Vec<usize> = steps
+        .iter()
         .map(|step| {
+            let Some(step) = *step else {
+                return "...".len();
+            };
             let cells = shown.iter().map(|v| cell(*v, step).chars().count());
             cells.max().unwrap_or(0).max(step.to_string().len())
         })
         .collect();
     let mut text = String::new();
     let mut from = 0;
-    while from <= last {
+    while from < steps.len() {
         let mut width = "machine  ".len() + names;
         let mut to = from;
-        while to <= last && (to == from || width + 2 + widths[to] <= WIDTH) {
+        while to < steps.len() && (to == from || width + 2 + widths[to] <= WIDTH) {
             width += 2 + widths[to];
             to += 1;
         }
         let mut row = |side: &str, name: &str, cells: &dyn Fn(usize) -> String| {
             let mut line = format!("{side:<7}  {name:<names$}");
-            for (step, width) in (from..to).zip(&widths[from..to]) {
-                let _ = write!(line, "  {:<width$}", cells(step));
+            for (step, width) in steps[from..to].iter().zip(&widths[from..to]) {
+                let cell = step.map_or("...".to_owned(), cells);
+                let _ = write!(line, "  {cell:<width$}");
             }
             text.push_str(line.trim_end());
             text.push('\n');
@@ -63,12 +72,22 @@ pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> Str
             row(side, &name, &|step| cell(*v, step));
         }
         from = to;
-        if from <= last {
+        if from < steps.len() {
             text.push('\n');
         }
     }
     text.push_str(&ending(s, play));
     text
+}
+
+/// The steps that are shown: of a long play the first and the last ones, with a gap between.
+fn columns(last: usize) -> Vec<Option<usize>> {
+    if last < MOST_STEPS {
+        return (0..=last).map(Some).collect();
+    }
+    let first = (0..MOST_STEPS / 2).map(Some);
+    let rest = (last + 1 - MOST_STEPS / 4..=last).map(Some);
+    first.chain([None]).chain(rest).collect()
 }
 
 /// How the play ends, in a sentence.
@@ -117,7 +136,8 @@ pub fn mentioned<'f>(
             .for_each_var(&mut |v, _| found[v.index()] = true);
     }
     let ids = (0..found.len() as u32).map(VarId);
-    let mut shown: Vec<VarId> = ids.filter(|v| found[v.index()]).collect();
+    let own = |v: &VarId| found[v.index()] && !specification.is_made_up(*v);
+    let mut shown: Vec<VarId> = ids.filter(own).collect();
     // What the plant gives first, then what the machine answers.
     shown.sort_by_key(|v| specification.variable(*v).owner == Owner::System);
     shown

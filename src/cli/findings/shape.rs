@@ -2,7 +2,7 @@
 
 use super::situation;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::game::{GuaranteeRef, Shape};
+use crate::game::{GuaranteeRef, Shape, negation};
 use crate::gr1::text::{operand, text};
 use crate::gr1::{BinaryOp, Expr, Formula, Specification, Time, VarId};
 
@@ -92,8 +92,14 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
             ),
         );
     }
+    let mut framed = Vec::new();
     for unframed in &found.unframed {
         let (name, span) = variable(unframed.variable);
+        // The elements of an array are declared together.
+        if framed.contains(&span) {
+            continue;
+        }
+        framed.push(span);
         let fixer = formula(&unframed.fixed_by);
         findings.push(
             Diagnostic::warning(
@@ -115,7 +121,8 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
         let (name, span) = variable(request.output);
         let up = text(s, &request.request);
         let completes = format!(
-            "guarantee completes: always eventually (not ({up}) or {})",
+            "guarantee completes: always eventually ({} or {})",
+            operand(s, &negation(request.request.clone())),
             operand(s, &request.done)
         );
         let mut finding = if request.enforceable {
@@ -176,13 +183,20 @@ fn frame(s: &Specification, v: VarId) -> String {
             }
         }
     }
-    let moves = if conditions.is_empty() {
-        "(the condition under which it moves)".to_owned()
-    } else {
-        conditions.join(" or ")
+    let made_up = |formula: &Formula| {
+        let mut found = false;
+        formula
+            .expr
+            .for_each_var(&mut |w, _| found |= s.is_made_up(w));
+        found
     };
+    let setting = { s.guarantees.safety.iter() }.filter(|f| sets(&f.expr, v));
+    if conditions.is_empty() || { setting }.any(made_up) {
+        return format!("say in a guarantee when it stays: `next {name} = {name}`");
+    }
+    let moves = conditions.join(" or ");
     let moves = match conditions.as_slice() {
-        [_] | [] => moves,
+        [_] => moves,
         _ => format!("({moves})"),
     };
     format!("say that it stays: `guarantee frame: always (not {moves} -> next {name} = {name})`")

@@ -1,7 +1,7 @@
 //! Why a contract is unrealizable: the counterstrategy of its core, verified, the play that shows it, and what could be done.
 
 use super::InternalError;
-use crate::game::{self, Advice, GuaranteeKind, GuaranteeRef, Limit, Limits, Play};
+use crate::game::{self, Advice, GuaranteeRef, Limit, Limits, Play};
 use crate::gr1::Specification;
 use crate::mealy::{self, Machine};
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ pub struct Explained {
 /// Explains it as far as the limits allow. What is known already is given to `report`.
 pub(super) fn explain(
     specification: &Specification,
-    minimal: &[GuaranteeRef],
+    core: &[GuaranteeRef],
     limits: &Limits,
     report: &mut dyn FnMut(&Explained),
 ) -> Result<Explained, InternalError> {
@@ -37,10 +37,8 @@ pub(super) fn explain(
         complete: true,
         ..Explained::default()
     };
-    // Where the play begins is where the machine begins, also where that does not matter.
-    let core = &with_beginnings(specification, minimal);
     let small = game::reduced(specification, core);
-    let attack = match game::attack(&small, &limits) {
+    let attack = match game::attack(&small, &specification.guarantees.initial, &limits) {
         Ok(Some(attack)) => attack,
         Ok(None) => {
             let rule = "nothing beats the core of a contract that was called unrealizable";
@@ -56,20 +54,11 @@ pub(super) fn explain(
     }
     explained.play = Some(attack.play.clone().within(core));
     report(&explained);
-    match game::advise(specification, minimal, &attack.play, &limits) {
+    match game::advise(specification, core, &attack.play, &limits) {
         Ok(advice) => explained.advice = Some(advice),
         Err(limit) => explained = explained.stopped(limit),
     }
     Ok(explained)
-}
-
-/// The core and all initial guarantees, in order.
-fn with_beginnings(specification: &Specification, core: &[GuaranteeRef]) -> Vec<GuaranteeRef> {
-    let initial = 0..specification.guarantees.initial.len();
-    let kind = GuaranteeKind::Initial;
-    let mut all: Vec<GuaranteeRef> = initial.map(|index| GuaranteeRef { kind, index }).collect();
-    all.extend(core.iter().filter(|g| g.kind != kind));
-    all
 }
 
 impl Explained {

@@ -20,7 +20,7 @@ use super::heuristics::Heuristics;
 use super::progress::Progress;
 use super::set_up::{self, SPLIT};
 use super::{Explicit, GuaranteeRef, order_by_structure};
-use crate::gr1::{Specification, Timing};
+use crate::gr1::{Formula, Specification, Timing};
 use crate::symbolic::{Kernel, Limit, Limits};
 pub use play::{Ending, Play};
 
@@ -37,6 +37,7 @@ pub struct Attack {
 /// The counterstrategy of a specification, or `None` if the machine wins.
 pub(super) fn attack_on<K: Kernel>(
     specification: &Specification,
+    beginning: &[Formula],
     limits: &Limits,
 ) -> Result<Option<Attack>, Limit> {
     let order = order_by_structure(specification);
@@ -54,7 +55,12 @@ pub(super) fn attack_on<K: Kernel>(
     };
     let strategy = strategy::Strategy::new(&board, specification, &stages)?;
     let explicit = explore::explore(&board, specification, &strategy, limits)?;
-    let play = play::play(&board, specification, &formulas, &strategy, &stages)?;
+    let m = formulas.kernel();
+    let mut begin = m.constant(true);
+    for formula in beginning {
+        begin = m.and(&begin, &formulas.encoding().formula(m, &formula.expr)?)?;
+    }
+    let play = play::play(&board, specification, &formulas, &strategy, &stages, &begin)?;
     Ok(Some(Attack { explicit, play }))
 }
 

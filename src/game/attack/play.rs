@@ -56,13 +56,14 @@ impl Play {
     }
 }
 
-/// Plays.
+/// Plays. The machine begins within `beginning` where it can.
 pub fn play<K: Kernel>(
     board: &Board<K>,
     specification: &Specification,
     formulas: &Formulas<K>,
     strategy: &Strategy<K>,
     stages: &[Stage<K>],
+    beginning: &K::Function,
 ) -> Result<Play, Limit> {
     let player = Player {
         board,
@@ -77,6 +78,10 @@ pub fn play<K: Kernel>(
     // The moves of the step to come, over next bits, and what is legal in it.
     let mut given = m.prime(&strategy.initial)?;
     let mut legal = m.prime(&board.arena.sys_initial)?;
+    let wished = m.and(&legal, &m.prime(beginning)?)?;
+    if !m.is_false(&m.and(&given, &wished)?) {
+        legal = wished;
+    }
     let mut met = m.constant(false);
     loop {
         m.limits().check_time()?;

@@ -82,28 +82,13 @@ impl<'a, K: Kernel> Look<'a, K> {
         region: &K::Function,
     ) -> Result<Self, Limit> {
         let m = &arena.kernel;
-        let target = m.prime(region)?;
-        let stays = match arena.timing {
-            Timing::Mealy => target,
-            // Only answers that are right whatever the environment gives.
-            Timing::Moore => m.and(&arena.for_all_inputs(&target)?, &target)?,
-        };
-        let moves = m.and(
-            &m.and(&arena.environment_moves()?, &arena.system_moves()?)?,
-            &stays,
-        )?;
-        let mut first = m.and(&arena.sys_initial, region)?;
-        if arena.timing == Timing::Moore {
-            let right = m.implies_forall(&arena.env_initial, &first, &arena.inputs_now)?;
-            first = m.and(&first, &right)?;
-        }
-        let first = m.and(&first, &arena.env_initial)?;
+        let (reached, moves) = occurring(arena, region)?;
         Ok(Self {
+            arena,
             m,
             specification,
-            reached: reachable(arena, &first, &moves)?,
+            reached,
             moves,
-            arena,
         })
     }
 
@@ -299,7 +284,9 @@ impl<'a, K: Kernel> Look<'a, K> {
                 continue;
             };
             let fixer = self.fixer(v, &setting, &here)?;
-            if let Some(fixed_by) = fixer {
+            if let Some(fixed_by) = fixer
+                && self.wins_framed(v, &free)?
+            {
                 let ids = (0..self.specification.variables.len()).map(|i| VarId(i as u32));
                 found.push(Unframed {
                     variable: v,
@@ -311,6 +298,28 @@ impl<'a, K: Kernel> Look<'a, K> {
             }
         }
         Ok(found)
+    }
+
+    /// Whether the machine still wins when an output stays wherever it is free. Where it cannot stay, the author wants a choice.
+    fn wins_framed(&self, v: VarId, free: &K::Function) -> Result<bool, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let mut frame = m.or(&m.not(free)?, &arena.encoding.unchanged(m, v)?)?;
+        if arena.timing == Timing::Moore {
+            frame = arena.for_all_inputs(&frame)?;
+        }
+        self.wins_with(vec![frame])
+    }
+
+    /// Whether the machine wins with these rules beside its own.
+    fn wins_with(&self, more: Vec<K::Function>) -> Result<bool, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let mut parts: Vec<K::Function> = arena.system.parts().cloned().collect();
+        parts.extend(more);
+        let ruled = Arena {
+            system: Relation::new(m, &parts, &arena.outputs_next, SPLIT, arena.heuristics)?,
+            ..arena.clone()
+        };
+        ruled.wins_initially(&winning_states(&ruled)?)
     }
 
     /// A guarantee that leaves an output a single next value, and another one than it has, in some situation that can occur. One
@@ -355,19 +364,42 @@ impl<'a, K: Kernel> Look<'a, K> {
         if !busy || self.outputs().next().is_none() {
             return Ok(false);
         }
-        let mut parts: Vec<K::Function> = arena.system.parts().cloned().collect();
+        let mut frames = Vec::new();
         for v in self.specification.outputs() {
             let variable = self.specification.variable(v);
             if variable.owner == Owner::System && !variable.internal {
-                parts.push(arena.encoding.unchanged(m, v)?);
+                frames.push(arena.encoding.unchanged(m, v)?);
             }
         }
-        let still = Arena {
-            system: Relation::new(m, &parts, &arena.outputs_next, SPLIT, arena.heuristics)?,
-            ..arena.clone()
-        };
-        still.wins_initially(&winning_states(&still)?)
+        self.wins_with(frames)
     }
+}
+
+/// The states that can occur under some controller, and the steps that can be taken from anywhere: the environment's moves and
+/// answers that stay in the winning region.
+pub fn occurring<K: Kernel>(
+    arena: &Arena<K>,
+    region: &K::Function,
+) -> Result<(K::Function, K::Function), Limit> {
+    let m = &arena.kernel;
+    let target = m.prime(region)?;
+    let stays = match arena.timing {
+        Timing::Mealy => target,
+        // Only answers that are right whatever the environment gives.
+        Timing::Moore => m.and(&arena.for_all_inputs(&target)?, &target)?,
+    };
+    let moves = m.and(
+        &m.and(&arena.environment_moves()?, &arena.system_moves()?)?,
+        &stays,
+    )?;
+    let mut first = m.and(&arena.sys_initial, region)?;
+    if arena.timing == Timing::Moore {
+        let right = m.implies_forall(&arena.env_initial, &first, &arena.inputs_now)?;
+        first = m.and(&first, &right)?;
+    }
+    let first = m.and(&first, &arena.env_initial)?;
+    let reached = reachable(arena, &first, &moves)?;
+    Ok((reached, moves))
 }
 
 /// All formulas of a side, with their places.
@@ -385,7 +417,7 @@ pub fn all(side: &Side) -> impl Iterator<Item = (GuaranteeRef, &Formula)> {
 }
 
 /// What has to hold before a formula asks for anything: P of `P -> Q`, P and R of `P -> (R -> Q)`.
-fn antecedent(expr: &Expr) -> Option<Expr> {
+pub fn antecedent(expr: &Expr) -> Option<Expr> {
     let Expr::Binary(BinaryOp::Implies, a, b) = expr else {
         return None;
     };

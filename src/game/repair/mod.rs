@@ -16,9 +16,10 @@ mod trial;
 mod vocabulary;
 
 pub use trial::lasting;
+pub use vocabulary::negation;
 
-use super::arena::Formulas;
-use super::core::assumptions_that_matter;
+use super::arena::{Formulas, Selection};
+use super::core::{assumptions_that_matter, quick_xplain};
 use super::heuristics::Heuristics;
 use super::progress::Progress;
 use super::{AssumptionRef, GuaranteeKind, GuaranteeRef, Play, order_by_structure, set_up};
@@ -39,6 +40,8 @@ pub struct Advice {
     pub matters: Vec<AssumptionRef>,
     /// Not even a plant that helps could make all guarantees hold: no assumption mends it.
     pub contradictory: bool,
+    /// Then: guarantees that contradict each other even so, none of which can be left out. None, if the assumptions do by themselves.
+    pub contradiction: Vec<GuaranteeRef>,
     /// Assumptions, any of which makes it realizable, the one that forbids least first.
     pub assumptions: Vec<NewAssumption>,
     /// Where no single guarantee can be weakened: a minimal set of guarantees without which the rest can be kept.
@@ -88,7 +91,16 @@ pub(super) fn advise_on<K: Kernel>(
     let formulas: Formulas<K> = formulas;
     let matters = assumptions_that_matter(&formulas, core)?;
     let mut trials = trial::Trials::new(&formulas, specification, core)?;
-    let contradictory = !trial::Trials::possible(&formulas)?;
+    let possible = |selection: &Selection<'_>| trial::Trials::possible(&formulas, selection);
+    let contradictory = !possible(&Selection::All)?;
+    let contradiction = if contradictory && possible(&Selection::Only(&[]))? {
+        let mut clashes = |kept: &[GuaranteeRef]| Ok(!possible(&Selection::Only(kept))?);
+        let mut found = quick_xplain(&mut clashes, &[], false, &formulas.guarantees())?;
+        found.sort_unstable();
+        found
+    } else {
+        Vec::new()
+    };
     let words = vocabulary::words(
         specification,
         core.iter()
@@ -114,6 +126,7 @@ pub(super) fn advise_on<K: Kernel>(
     Ok(Advice {
         matters,
         contradictory,
+        contradiction,
         assumptions,
         leave_out,
         weakenings,

@@ -157,7 +157,8 @@ pub fn weakenings<K: Kernel>(
     trials.begin();
     let mut found = Vec::new();
     for guarantee in core {
-        if !trials.mends_without(*guarantee, None)? {
+        // What keeps a pattern's monitor going is not the user's own sentence.
+        if trials.is_of_monitor(*guarantee) || !trials.mends_without(*guarantee, None)? {
             continue;
         }
         let mut best: Option<Weakening> = None;
@@ -186,12 +187,8 @@ pub fn weakenings<K: Kernel>(
                 let gives_up = trials.holds(&unless)?;
                 let better = best.as_ref().is_none_or(|b| gives_up < b.gives_up);
                 // What is left of the guarantee has to ask for something.
-                let asks = trials.asks(*guarantee, &unless)?;
-                if gives_up > 0.0
-                    && asks
-                    && better
-                    && trials.mends_without(*guarantee, Some(&unless))?
-                {
+                let asks = better && gives_up > 0.0 && trials.asks(*guarantee, &unless)?;
+                if asks && trials.mends_without(*guarantee, Some(&unless))? {
                     best = Some(Weakening {
                         guarantee: *guarantee,
                         unless: Some(unless),

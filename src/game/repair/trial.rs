@@ -1,7 +1,7 @@
 //! Trying a repair out: the core's game first, then the whole, then whether an environment is left.
 
 use crate::game::arena::{Arena, Formulas, Selection};
-use crate::game::findings::{self, EnvironmentFindings};
+use crate::game::findings::{self, EnvironmentFindings, shape};
 use crate::game::fixpoint::{Iterations, winning_region};
 use crate::game::set_up::SPLIT;
 use crate::game::{GuaranteeKind, GuaranteeRef};
@@ -122,7 +122,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
     /// Whether all can be kept with one more assumption, by a plant that exists and is not worse off than before.
     pub fn mends(&self, kind: GuaranteeKind, expr: &Expr) -> Result<bool, Limit> {
         let more = self.formulas.assuming(kind, self.encode(expr)?);
-        if !wins(&more, &Selection::All)? || !Self::possible(&more)? {
+        if !wins(&more, &Selection::All)? || !Self::possible(&more, &Selection::All)? {
             return Ok(false);
         }
         let arena = more.arena(&Selection::All, SPLIT)?;
@@ -135,12 +135,13 @@ impl<'a, K: Kernel> Trials<'a, K> {
                 before.stuck_at_start.is_some(),
             )
             && !worse(found.dead_end.is_some(), before.dead_end.is_some())
-            && !worse(found.forced.is_some(), before.forced.is_some()))
+            // A controller that wins by blaming the plant is no repair.
+            && found.forced.is_none())
     }
 
     /// Whether some play keeps all rules and all justice of both sides.
-    pub fn possible(formulas: &Formulas<K>) -> Result<bool, Limit> {
-        let arena = formulas.arena_of(&Selection::All, SPLIT, Timing::Mealy)?;
+    pub fn possible(formulas: &Formulas<K>, selection: &Selection<'_>) -> Result<bool, Limit> {
+        let arena = formulas.arena_of(selection, SPLIT, Timing::Mealy)?;
         let m = &arena.kernel;
         let first = m.and(&arena.env_initial, &arena.sys_initial)?;
         Ok(!m.is_false(&m.and(&first, &lasting(&arena)?)?))
@@ -151,7 +152,33 @@ impl<'a, K: Kernel> Trials<'a, K> {
         let m = self.formulas.kernel();
         let formula = guarantee.formula(&self.specification.guarantees);
         let weak = m.or(&self.encode(&formula.expr)?, &self.encode(unless)?)?;
-        Ok(!m.is_false(&m.and_not(&self.steps[1], &weak)?))
+        if m.is_false(&m.and_not(&self.steps[1], &weak)?) {
+            return Ok(false);
+        }
+        // In some step of some controller its condition has to hold, and the exception not.
+        let less = self.weakened(guarantee, Some(unless))?;
+        let arena = less.arena(&Selection::All, SPLIT)?;
+        let Some(region) = winning_region(&arena, None, &Iterations::default())? else {
+            return Ok(false);
+        };
+        let (reached, moves) = shape::occurring(&arena, &region)?;
+        let mut asked = m.and_not(&m.and(&reached, &moves)?, &self.encode(unless)?)?;
+        for part in formula.expr.conjuncts() {
+            if let Some(condition) = shape::antecedent(part) {
+                asked = m.and(&asked, &self.encode(&condition)?)?;
+            }
+        }
+        Ok(!m.is_false(&asked))
+    }
+
+    /// Whether a guarantee is about what a monitor keeps in mind.
+    pub fn is_of_monitor(&self, guarantee: GuaranteeRef) -> bool {
+        let mut made_up = false;
+        let formula = guarantee.formula(&self.specification.guarantees);
+        formula
+            .expr
+            .for_each_var(&mut |v, _| made_up |= self.specification.is_made_up(v));
+        made_up
     }
 
     /// The share of the environment's steps in which a formula does not hold.
