@@ -40,8 +40,8 @@ keeps the assumptions (safety first, strictly). Each such controller is synthesi
 not written; for a large contract that no machine uses, only the verdict is given. What is known of a contract \
 that has not changed is not worked out again (see --no-cache).
 
-Files of gr1c (.spc) and slugs (.slugsin, .structuredslugs) are read by their ending; for these only the \
-verdict is given, and why it is unrealizable.")]
+Files of gr1c (.spc) and slugs (.slugsin, .structuredslugs) are read by their ending; for these the \
+verdict is given, why it is unrealizable, and what is odd about the assumptions.")]
 pub struct Arguments {
     /// Files (.lw, .spc, .slugsin, .structuredslugs), or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]

@@ -151,8 +151,8 @@ pub struct Job {
 pub enum Goal {
     /// Only whether there is a controller.
     Answer,
-    /// The same; and if there is none, which guarantees clash. Nothing is extracted, verified or examined: for specifications
-    /// whose controller nobody asked for, and which may be far larger than a contract.
+    /// The same; and if there is none, which guarantees clash. Nothing is extracted or verified, and only small
+    /// games are examined: for specifications whose controller nobody asked for, and which may be far larger than a contract.
     Verdict,
     /// The same; and if the game is small, a verified controller. What is small is the solver's business; the clock has no
     /// part in it.

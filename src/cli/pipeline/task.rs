@@ -140,7 +140,7 @@ impl Task {
 
     /// Whether the plant's side is examined.
     fn examines(&self, large: bool) -> bool {
-        self.examine && self.job.goal >= Goal::Small && !large
+        self.examine && self.job.goal >= Goal::Verdict && !large
     }
 
     fn solve(
