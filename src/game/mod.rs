@@ -18,6 +18,7 @@ mod findings;
 mod fixpoint;
 mod functions;
 mod heuristics;
+mod lasting;
 mod progress;
 mod ranking;
 mod relation;

@@ -4,7 +4,7 @@
 //! belong together is then a matter of size: if the larger clusters take far more nodes than the smaller ones did, the game
 //! is set up once more, with clusters that are sifted but not put together further.
 
-use super::arena::{Arena, Formulas, Selection};
+use super::arena::{Arena, Formulas, Selection, first_order};
 use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
 use super::progress::{Phase, Progress};
@@ -58,6 +58,22 @@ pub fn set_up<K: Kernel>(
     };
     progress.note(|s| s.order_seconds = clock.elapsed().as_secs_f64());
     found
+}
+
+/// The same in the usual way, for whoever examines a specification beside its verdict.
+pub fn usual<K: Kernel>(
+    specification: &Specification,
+    limits: &Limits,
+) -> Result<(Formulas<K>, Arena<K>), Limit> {
+    let heuristics = Heuristics::default();
+    let order = first_order(specification, heuristics);
+    set_up(
+        specification,
+        &order,
+        heuristics,
+        limits,
+        &Progress::default(),
+    )
 }
 
 fn in_order<K: Kernel>(

@@ -16,10 +16,8 @@ mod play;
 mod strategy;
 
 use super::arena::{Arena, Formulas, Selection};
-use super::heuristics::Heuristics;
-use super::progress::Progress;
 use super::set_up::{self, SPLIT};
-use super::{Explicit, GuaranteeRef, order_by_structure};
+use super::{Explicit, GuaranteeRef};
 use crate::gr1::{Formula, Specification, Timing};
 use crate::symbolic::{Kernel, Limit, Limits};
 pub use play::{Ending, Play};
@@ -40,15 +38,7 @@ pub(super) fn attack_on<K: Kernel>(
     beginning: &[Formula],
     limits: &Limits,
 ) -> Result<Option<Attack>, Limit> {
-    let order = order_by_structure(specification);
-    let (formulas, usual) = set_up::set_up::<K>(
-        specification,
-        &order,
-        Heuristics::default(),
-        limits,
-        &Progress::default(),
-    )?;
-    drop(usual);
+    let (formulas, _) = set_up::usual::<K>(specification, limits)?;
     let board = Board::new(&formulas, specification.timing)?;
     let Some(stages) = board.stages()? else {
         return Ok(None);

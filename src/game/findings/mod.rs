@@ -12,7 +12,7 @@ pub mod shape;
 
 use super::arena::{Arena, Formulas, Selection};
 use super::fixpoint::winning_states;
-use super::repair::lasting;
+use super::lasting::together;
 use super::set_up::SPLIT;
 use super::{AssumptionRef, GuaranteeKind};
 use crate::gr1::{Specification, Time, Timing, VarId};
@@ -114,7 +114,7 @@ pub fn examine<K: Kernel>(
         goals: vec![m.constant(true)],
         ..reckless
     };
-    let hopeless = m.is_false(&m.and(&first, &lasting(&helped)?)?);
+    let hopeless = m.is_false(&m.and(&first, &together(&helped)?)?);
 
     let valuation = |bits: Vec<bool>| -> Vec<i64> {
         let ids = (0..specification.variables.len()).map(|i| VarId(i as u32));

@@ -7,6 +7,7 @@
 use super::shape::all;
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
+use crate::game::lasting::lasting;
 use crate::game::{AssumptionRef, GuaranteeKind as Kind};
 use crate::gr1::{BinaryOp, Domain, Expr, Owner, Specification, Time, UnaryOp, VarId};
 use crate::symbolic::{Kernel, Limit};
@@ -44,8 +45,7 @@ pub fn open<K: Kernel>(
             continue;
         }
         // A play of any controller that waits for ever and yet keeps all justice.
-        let steps = m.and(&m.and(moves, &waiting)?, &m.prime(&waiting)?)?;
-        if m.is_false(&m.and(reached, &staying(arena, &steps, &waiting)?)?) {
+        if m.is_false(&m.and(reached, &lasting(arena, moves, &waiting)?)?) {
             continue;
         }
         let mut goals = arena.goals.clone();
@@ -58,39 +58,6 @@ pub fn open<K: Kernel>(
         open.push(request);
     }
     Ok(open)
-}
-
-/// The states from which steps of these go on for ever and meet all justice of both sides again and again.
-fn staying<K: Kernel>(
-    arena: &Arena<K>,
-    steps: &K::Function,
-    within: &K::Function,
-) -> Result<K::Function, Limit> {
-    let m = &arena.kernel;
-    let mut next = arena.inputs_next.clone();
-    arena.outputs_next.iter().for_each(|bit| next.insert(bit));
-    let mut z = m.and(&arena.states, within)?;
-    loop {
-        let mut smaller = z.clone();
-        for justice in arena.assumptions.iter().chain(&arena.goals) {
-            let met = m.and(justice, &m.prime(&smaller)?)?;
-            let mut y = m.constant(false);
-            loop {
-                let target = m.or(&met, &m.prime(&y)?)?;
-                let larger = m.and(&smaller, &m.and_exists(steps, &target, &next)?)?;
-                if larger == y {
-                    break;
-                }
-                y = larger;
-            }
-            smaller = y;
-        }
-        if smaller == z {
-            return Ok(z);
-        }
-        z = smaller;
-        m.safe_point()?;
-    }
 }
 
 /// The requests that a specification declares.

@@ -15,14 +15,11 @@ mod search;
 mod trial;
 mod vocabulary;
 
-pub use trial::lasting;
 pub use vocabulary::negation;
 
-use super::arena::{Formulas, Selection};
+use super::arena::Selection;
 use super::core::{assumptions_that_matter, quick_xplain};
-use super::heuristics::Heuristics;
-use super::progress::Progress;
-use super::{AssumptionRef, GuaranteeKind, GuaranteeRef, Play, order_by_structure, set_up};
+use super::{AssumptionRef, GuaranteeKind, GuaranteeRef, Play, set_up};
 use crate::gr1::{Expr, Specification};
 use crate::symbolic::{Kernel, Limit, Limits};
 use serde::{Deserialize, Serialize};
@@ -79,16 +76,7 @@ pub(super) fn advise_on<K: Kernel>(
     play: &Play,
     limits: &Limits,
 ) -> Result<Advice, Limit> {
-    let order = order_by_structure(specification);
-    let (formulas, arena) = set_up::set_up::<K>(
-        specification,
-        &order,
-        Heuristics::default(),
-        limits,
-        &Progress::default(),
-    )?;
-    drop(arena);
-    let formulas: Formulas<K> = formulas;
+    let (formulas, _) = set_up::usual::<K>(specification, limits)?;
     let matters = assumptions_that_matter(&formulas, core)?;
     let mut trials = trial::Trials::new(&formulas, specification, core)?;
     let possible = |selection: &Selection<'_>| trial::Trials::possible(&formulas, selection);

@@ -1,8 +1,9 @@
 //! Trying a repair out: the core's game first, then the whole, then whether an environment is left.
 
-use crate::game::arena::{Arena, Formulas, Selection};
+use crate::game::arena::{Formulas, Selection};
 use crate::game::findings::{self, EnvironmentFindings, shape};
 use crate::game::fixpoint::{Iterations, winning_region};
+use crate::game::lasting::together;
 use crate::game::set_up::SPLIT;
 use crate::game::{GuaranteeKind, GuaranteeRef};
 use crate::gr1::{Expr, Specification, Time, Timing};
@@ -144,7 +145,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
         let arena = formulas.arena_of(selection, SPLIT, Timing::Mealy)?;
         let m = &arena.kernel;
         let first = m.and(&arena.env_initial, &arena.sys_initial)?;
-        Ok(!m.is_false(&m.and(&first, &lasting(&arena)?)?))
+        Ok(!m.is_false(&m.and(&first, &together(&arena)?)?))
     }
 
     /// Whether a guarantee that need not hold where `unless` does asks for anything.
@@ -208,39 +209,4 @@ impl<'a, K: Kernel> Trials<'a, K> {
 fn wins<K: Kernel>(formulas: &Formulas<K>, selection: &Selection<'_>) -> Result<bool, Limit> {
     let arena = formulas.arena(selection, SPLIT)?;
     Ok(winning_region(&arena, None, &Iterations::default())?.is_some())
-}
-
-/// The states from which both sides together can keep everything for ever.
-///
-/// ```text
-/// Z = νZ. ⋀ⱼ μY. Pre( (Jⱼ ∧ Z′) ∨ Y′ ) ∧ Z
-/// ```
-pub fn lasting<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
-    let m = &arena.kernel;
-    let both = m.and(&arena.environment_moves()?, &arena.system_moves()?)?;
-    let mut next = arena.inputs_next.clone();
-    arena.outputs_next.iter().for_each(|bit| next.insert(bit));
-    let before = |target: &K::Function| m.and_exists(&both, target, &next);
-    let mut z = arena.states.clone();
-    loop {
-        let mut smaller = z.clone();
-        for justice in arena.assumptions.iter().chain(&arena.goals) {
-            let met = m.and(justice, &m.prime(&smaller)?)?;
-            let mut y = m.constant(false);
-            loop {
-                let target = m.or(&met, &m.prime(&y)?)?;
-                let larger = m.and(&smaller, &before(&target)?)?;
-                if larger == y {
-                    break;
-                }
-                y = larger;
-                m.safe_point()?;
-            }
-            smaller = y;
-        }
-        if smaller == z {
-            return Ok(z);
-        }
-        z = smaller;
-    }
 }
