@@ -23,6 +23,7 @@ mod progress;
 mod ranking;
 mod relation;
 mod repair;
+mod runs;
 mod set_up;
 mod solver;
 mod strategy;
@@ -41,6 +42,7 @@ pub use self::heuristics::{Heuristic, Heuristics};
 pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
 pub use self::repair::{Advice, NewAssumption, Weakening, negation};
+pub use self::runs::{Lasso, Rule, RuleKind, Runs, Slip, Wanted};
 pub use self::solver::{
     KernelChoice, Options, Solved, Statistics, advise, attack, order_of_variables, solve,
     solve_with,

@@ -1,0 +1,360 @@
+//! Rules as functions of bits, put together for one question.
+
+use super::path::Path;
+use super::{Lasso, Rule, RuleKind, Slip, Wanted, fair, smallest};
+use crate::game::clusters::Clustering;
+use crate::game::heuristics::Heuristics;
+use crate::game::relation::Relation;
+use crate::gr1::{Expr, Specification, Time, VarId, Variable};
+use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeSet;
+
+/// How the parts of a relation are put together.
+const CLUSTERING: Clustering = Clustering::ByBits(3_000);
+
+/// So many sets of reachable states are remembered.
+const REMEMBERED: usize = 24;
+
+/// The functions of rules, made when they are first asked for.
+#[derive(Debug)]
+pub struct Board<K: Kernel> {
+    m: K,
+    encoding: Encoding,
+    variables: Vec<Variable>,
+    /// By rule: its conjuncts.
+    functions: FxHashMap<usize, Vec<K::Function>>,
+    /// What can be reached under sets of rules, the latest last.
+    reached: Vec<(Vec<usize>, Reached<K>)>,
+}
+
+/// The rules of a question.
+#[derive(Debug, Clone)]
+pub struct Steps<K: Kernel> {
+    /// The kernel.
+    pub m: K,
+    /// States that keep invariants and domains.
+    pub states: K::Function,
+    /// Those of step 0.
+    pub initial: K::Function,
+    /// Safety, and invariants of the next step, as parts.
+    parts: Vec<K::Function>,
+    /// To go forward with: current bits are quantified.
+    forward: Relation<K>,
+    /// To go back with: next bits are quantified.
+    backward: Relation<K>,
+    /// Current bits of the variables that occur.
+    pub now: BitSet,
+    /// Their next bits.
+    pub next: BitSet,
+}
+
+/// The states that can be reached, by how many steps it takes.
+#[derive(Debug, Clone)]
+pub struct Reached<K: Kernel> {
+    /// What the question keeps to.
+    pub steps: Steps<K>,
+    /// States that are first reached after so many steps.
+    pub rings: Vec<K::Function>,
+    /// All of them.
+    pub all: K::Function,
+}
+
+impl<K: Kernel> Steps<K> {
+    /// The states after a step from one of these.
+    pub fn after(&self, states: &K::Function) -> Result<K::Function, Limit> {
+        self.m.unprime(&self.forward.product(&self.m, states)?)
+    }
+
+    /// The states before a step into one of these.
+    pub fn before(&self, states: &K::Function) -> Result<K::Function, Limit> {
+        self.before_step(&self.m.prime(states)?)
+    }
+
+    /// The states from which some step is one of these steps.
+    pub fn before_step(&self, steps: &K::Function) -> Result<K::Function, Limit> {
+        let found = self.backward.product(&self.m, steps)?;
+        self.m.and(&self.states, &found)
+    }
+
+    /// The same with fewer steps.
+    pub fn only(&self, steps: &K::Function) -> Result<Self, Limit> {
+        if self.m.is_true(steps) {
+            return Ok(self.clone());
+        }
+        let mut parts = self.parts.clone();
+        parts.push(steps.clone());
+        self.with_parts(parts)
+    }
+
+    fn with_parts(&self, parts: Vec<K::Function>) -> Result<Self, Limit> {
+        let (forward, backward) = relations(&self.m, &parts, &self.now, &self.next)?;
+        Ok(Self {
+            parts,
+            forward,
+            backward,
+            ..self.clone()
+        })
+    }
+}
+
+fn relations<K: Kernel>(
+    m: &K,
+    parts: &[K::Function],
+    now: &BitSet,
+    next: &BitSet,
+) -> Result<(Relation<K>, Relation<K>), Limit> {
+    let heuristics = Heuristics::default();
+    Ok((
+        Relation::new(m, parts, now, CLUSTERING, heuristics)?,
+        Relation::new(m, parts, next, CLUSTERING, heuristics)?,
+    ))
+}
+
+impl<K: Kernel> Board<K> {
+    /// A board without functions.
+    pub fn new(
+        specification: &Specification,
+        order: &Order,
+        limits: &Limits,
+    ) -> Result<Self, Limit> {
+        Ok(Self {
+            m: K::new(order, limits)?,
+            encoding: Encoding::new(specification),
+            variables: specification.variables.clone(),
+            functions: FxHashMap::default(),
+            reached: Vec::new(),
+        })
+    }
+
+    /// The conjuncts of a rule.
+    fn conjuncts(&mut self, rules: &[Rule], index: usize) -> Result<Vec<K::Function>, Limit> {
+        if let Some(known) = self.functions.get(&index) {
+            return Ok(known.clone());
+        }
+        let rule = &rules[index];
+        let conjuncts = match rule.kind {
+            RuleKind::Safety | RuleKind::Invariant => rule.expr.conjuncts(),
+            RuleKind::Initial | RuleKind::Justice => vec![&rule.expr],
+        };
+        let encoded: Vec<K::Function> = conjuncts
+            .into_iter()
+            .map(|part| self.encode(part))
+            .collect::<Result<_, _>>()?;
+        self.functions.insert(index, encoded.clone());
+        Ok(encoded)
+    }
+
+    /// A formula, confined to codes that have a value.
+    fn encode(&self, part: &Expr) -> Result<K::Function, Limit> {
+        let mut function = self.encoding.formula(&self.m, part)?;
+        let mut mentioned = BTreeSet::new();
+        part.for_each_var(&mut |v, t| {
+            mentioned.insert((v, t));
+        });
+        for (v, t) in mentioned {
+            let within = self.encoding.in_domain(&self.m, v, t)?;
+            function = self.m.and(&function, &within)?;
+        }
+        Ok(function)
+    }
+
+    /// A rule in one piece.
+    pub fn function(&mut self, rules: &[Rule], index: usize) -> Result<K::Function, Limit> {
+        let conjuncts = self.conjuncts(rules, index)?;
+        self.m.all(&conjuncts)
+    }
+
+    /// Where a rule is broken, by values that there are.
+    fn broken(&mut self, rules: &[Rule], index: usize) -> Result<K::Function, Limit> {
+        let function = self.function(rules, index)?;
+        self.m.not(&function)
+    }
+
+    /// The variables that some rules mention.
+    fn mentioned(rules: &[Rule], of: impl IntoIterator<Item = usize>) -> BTreeSet<VarId> {
+        let mut found = BTreeSet::new();
+        for index in of {
+            rules[index].expr.for_each_var(&mut |v, _| {
+                found.insert(v);
+            });
+        }
+        found
+    }
+
+    /// These rules as steps over these variables.
+    fn steps(
+        &mut self,
+        rules: &[Rule],
+        keep: &[usize],
+        variables: &BTreeSet<VarId>,
+    ) -> Result<Steps<K>, Limit> {
+        let m = self.m.clone();
+        let now = self.encoding.bit_set(variables.iter().copied(), Time::Now);
+        let next = self.encoding.bit_set(variables.iter().copied(), Time::Next);
+        let mut states = m.constant(true);
+        for v in variables.iter().rev() {
+            let within = self.encoding.in_domain(&m, *v, Time::Now)?;
+            states = m.and(&states, &within)?;
+        }
+        let mut parts = vec![m.prime(&states)?];
+        let mut initial = m.constant(true);
+        for index in keep {
+            let conjuncts = self.conjuncts(rules, *index)?;
+            match rules[*index].kind {
+                RuleKind::Initial => initial = m.and(&initial, &m.all(&conjuncts)?)?,
+                RuleKind::Invariant => {
+                    for part in &conjuncts {
+                        states = m.and(&states, part)?;
+                        parts.push(m.prime(part)?);
+                    }
+                }
+                RuleKind::Safety => parts.extend(conjuncts),
+                RuleKind::Justice => {}
+            }
+        }
+        let initial = m.and(&states, &initial)?;
+        let (forward, backward) = relations(&m, &parts, &now, &next)?;
+        Ok(Steps {
+            m,
+            states,
+            initial,
+            parts,
+            forward,
+            backward,
+            now,
+            next,
+        })
+    }
+
+    /// What can be reached under these rules. `variables` are those of the whole question.
+    fn reach(
+        &mut self,
+        rules: &[Rule],
+        keep: &[usize],
+        variables: &BTreeSet<VarId>,
+    ) -> Result<Reached<K>, Limit> {
+        let mut key: Vec<usize> = keep.to_vec();
+        key.sort_unstable();
+        key.push(usize::MAX);
+        key.extend(variables.iter().map(|v| v.index()));
+        if let Some(place) = self.reached.iter().position(|(k, _)| *k == key) {
+            self.reached[place..].rotate_left(1);
+            return Ok(self.reached[self.reached.len() - 1].1.clone());
+        }
+        let steps = self.steps(rules, keep, variables)?;
+        let m = &steps.m;
+        let mut rings = vec![steps.initial.clone()];
+        let mut all = steps.initial.clone();
+        loop {
+            let last = &rings[rings.len() - 1];
+            let new = m.and_not(&steps.after(last)?, &all)?;
+            if m.is_false(&new) {
+                break;
+            }
+            all = m.or(&all, &new)?;
+            rings.push(new);
+            m.safe_point()?;
+        }
+        let reached = Reached { steps, rings, all };
+        if self.reached.len() >= REMEMBERED {
+            self.reached.remove(0);
+        }
+        self.reached.push((key, reached.clone()));
+        Ok(reached)
+    }
+
+    /// See [`super::Runs::lasso`].
+    pub fn find_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+        let all = { wanted.keep.iter() }
+            .chain(&wanted.again)
+            .chain(&wanted.never_again);
+        let variables = Self::mentioned(rules, all.copied());
+        let reached = self.reach(rules, &wanted.keep, &variables)?;
+        let m = self.m.clone();
+        let mut settled = m.constant(true);
+        for index in &wanted.never_again {
+            let broken = self.broken(rules, *index)?;
+            settled = m.and(&settled, &broken)?;
+        }
+        let mut again = Vec::new();
+        for index in &wanted.again {
+            again.push(self.function(rules, *index)?);
+        }
+        let steps = reached.steps.only(&settled)?;
+        let fair = fair::fair(&steps, &reached.all, &again)?;
+        if m.is_false(&fair) {
+            return Ok(None);
+        }
+        let path = Path {
+            encoding: &self.encoding,
+            variables: &variables,
+            smallest: &smallest(&self.variables),
+        };
+        path.lasso(&reached, &steps, &fair, &again).map(Some)
+    }
+
+    /// See [`super::Runs::step`].
+    pub fn find_slip(
+        &mut self,
+        rules: &[Rule],
+        slip: &Slip,
+    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+        let all = slip.before.iter().chain(&slip.last).chain([&slip.broken]);
+        let variables = Self::mentioned(rules, all.copied());
+        let last = self.steps(rules, &slip.last, &variables)?;
+        let broken = self.broken(rules, slip.broken)?;
+        let m = self.m.clone();
+        let bad = match rules[slip.broken].kind {
+            RuleKind::Safety | RuleKind::Justice => broken,
+            RuleKind::Initial | RuleKind::Invariant => {
+                let at_once = m.and(&last.initial, &broken)?;
+                let path = Path {
+                    encoding: &self.encoding,
+                    variables: &variables,
+                    smallest: &smallest(&self.variables),
+                };
+                if let Some(first) = path.state(&m, &at_once)? {
+                    return Ok(Some(vec![first.0]));
+                }
+                if rules[slip.broken].kind == RuleKind::Initial {
+                    return Ok(None);
+                }
+                m.prime(&broken)?
+            }
+        };
+        let reached = self.reach(rules, &slip.before, &variables)?;
+        // An invariant that only the last step keeps says nothing of the states before it.
+        let from = last.backward.product(&m, &bad)?;
+        for (ring, states) in reached.rings.iter().enumerate() {
+            let here = m.and(states, &from)?;
+            if m.is_false(&here) {
+                continue;
+            }
+            let path = Path {
+                encoding: &self.encoding,
+                variables: &variables,
+                smallest: &smallest(&self.variables),
+            };
+            let mut run = path.back_to_start(&reached, ring, &here)?;
+            let (_, at) = run
+                .pop()
+                .expect("the state that was found; please report this");
+            let mut values: Vec<Vec<i64>> = run.into_iter().map(|(v, _)| v).collect();
+            let (at_values, _) = path.state(&m, &at)?.expect("a state; please report this");
+            values.push(at_values);
+            let steps = last.with_parts({
+                let mut parts = last.parts.clone();
+                parts.push(bad.clone());
+                parts
+            })?;
+            let target = steps.after(&at)?;
+            let (end, _) = path
+                .state(&m, &target)?
+                .expect("a step; please report this");
+            values.push(end);
+            return Ok(Some(values));
+        }
+        Ok(None)
+    }
+}
