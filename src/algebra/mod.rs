@@ -7,5 +7,21 @@
 //! Sangiovanni-Vincentelli, "Coherent extension, composition, and merging operators in contract models" (2019), and Íncer Romeo et al., "Quotient for
 //! assume-guarantee contracts" (2018).
 
+//!
+//! ```text
+//! Specification... ─join→ System ─prove→ Proof (discharges, or counterexamples) ─replay→ accepted
+//!                          System, Contract (an expression over its parts) ─Decider→ included, or a Lasso ─replay→ accepted
+//! ```
+//!
+//! Composition, conjunction, quotient and merging lead out of GR(1) in general. So a result stays what it is, an expression over the parts
+//! it was made of ([`contract::Contract`]), and questions about it are decided exactly on infinite runs ([`decide`]). The proof of a composition
+//! ([`proof`]) is another thing: it follows the strict semantics, in which nobody's guarantee counts on what others break later.
+
+pub mod contract;
+pub mod decide;
+pub mod join;
+pub mod machine;
 pub mod proof;
+pub mod refine;
+pub mod replay;
 pub mod system;

@@ -51,12 +51,12 @@ pub fn assumptions_that_matter<K: Kernel>(
 
 /// The smallest part of `candidates` that makes `holds` true together with `kept`, for a property that more formulas never
 /// make false. `grown` says that `kept` has changed since it was last found not to be enough.
-pub fn quick_xplain(
-    holds: &mut impl FnMut(&[GuaranteeRef]) -> Result<bool, Limit>,
-    kept: &[GuaranteeRef],
+pub fn quick_xplain<T: Clone>(
+    holds: &mut impl FnMut(&[T]) -> Result<bool, Limit>,
+    kept: &[T],
     grown: bool,
-    candidates: &[GuaranteeRef],
-) -> Result<Vec<GuaranteeRef>, Limit> {
+    candidates: &[T],
+) -> Result<Vec<T>, Limit> {
     if grown && holds(kept)? {
         return Ok(Vec::new());
     }
@@ -64,7 +64,7 @@ pub fn quick_xplain(
         return Ok(Vec::new());
     }
     if let [single] = candidates {
-        return Ok(vec![*single]);
+        return Ok(vec![single.clone()]);
     }
     let (left, right) = candidates.split_at(candidates.len() / 2);
     let with_left = [kept, left].concat();

@@ -33,6 +33,7 @@ mod tests;
 mod workbench;
 
 pub use self::attack::{Attack, Ending, Play, reduced};
+pub use self::core::quick_xplain;
 pub use self::explore::{Explicit, Row};
 pub use self::findings::requests::Request;
 pub use self::findings::shape::{Shape, Unframed};

@@ -294,6 +294,53 @@ impl<K: Kernel> Board<K> {
         path.lasso(&reached, &steps, &fair, &again).map(Some)
     }
 
+    /// See [`super::Runs::depends`].
+    pub fn find_dependencies(
+        &mut self,
+        rules: &[Rule],
+        keep: &[usize],
+        answer: VarId,
+        own: &[VarId],
+    ) -> Result<Vec<VarId>, Limit> {
+        let variables = Self::mentioned(rules, keep.iter().copied());
+        if !variables.contains(&answer) {
+            return Ok(Vec::new());
+        }
+        let steps = self.steps(rules, keep, &variables)?;
+        let m = self.m.clone();
+        let others = own.iter().copied().filter(|v| *v != answer);
+        let others: Vec<VarId> = others.collect();
+        let at = |time| self.encoding.bit_set(others.iter().copied(), time);
+        let first = m.exists(&steps.initial, &at(Time::Now))?;
+        let later = m.exists(&m.all(&steps.parts)?, &at(Time::Next))?;
+        let mut found = Vec::new();
+        for v in variables {
+            if v == answer || own.contains(&v) {
+                continue;
+            }
+            let matters = |f: &K::Function, time: Time| {
+                let mut bits = self.encoding.bits(v, time);
+                // A domain that is no power of two is mentioned, and does not matter.
+                bits.any(|bit| m.depends_on(f, bit))
+            };
+            let within = |time: Time| self.encoding.in_domain(&m, v, time);
+            // Compared where the variable has a value: the answers are the same for all of them, or they are not.
+            let differs = |f: &K::Function, time: Time| -> Result<bool, Limit> {
+                if !matters(f, time) {
+                    return Ok(false);
+                }
+                let bits = self.encoding.bit_set([v], time);
+                let some = m.and_exists(f, &within(time)?, &bits)?;
+                let all = m.implies_forall(&within(time)?, f, &bits)?;
+                Ok(some != all)
+            };
+            if differs(&first, Time::Now)? || differs(&later, Time::Next)? {
+                found.push(v);
+            }
+        }
+        Ok(found)
+    }
+
     /// See [`super::Runs::step`].
     pub fn find_slip(
         &mut self,

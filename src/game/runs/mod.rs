@@ -14,7 +14,7 @@ mod fair;
 mod path;
 
 use super::structure;
-use crate::gr1::{Domain, Expr, Formula, Side, Specification, Timing, Variable};
+use crate::gr1::{Domain, Expr, Formula, Side, Specification, Timing, VarId, Variable};
 use crate::source::Span;
 use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, Order, OxiDd};
 use board::Board;
@@ -91,6 +91,13 @@ const SMALL_PAIRS: usize = 24;
 trait Ask: Debug + Send {
     fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit>;
     fn step(&mut self, rules: &[Rule], slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit>;
+    fn depends(
+        &mut self,
+        rules: &[Rule],
+        keep: &[usize],
+        answer: VarId,
+        own: &[VarId],
+    ) -> Result<Vec<VarId>, Limit>;
 }
 
 impl Runs {
@@ -127,14 +134,38 @@ impl Runs {
         &self.specification.variables
     }
 
+    /// One more rule, over the same variables; gives its place.
+    pub fn add(&mut self, rule: Rule) -> usize {
+        self.rules.push(rule);
+        self.rules.len() - 1
+    }
+
+    /// The variables whose values in a step what these rules allow of `answer` in that step depends on, whatever came before. `own` are
+    /// set together with it and do not count. Kept rules are as in [`Wanted::keep`].
+    ///
+    /// # Errors
+    /// When a limit was reached.
+    pub fn depends(
+        &mut self,
+        keep: &[usize],
+        answer: VarId,
+        own: &[VarId],
+    ) -> Result<Vec<VarId>, Limit> {
+        match self.asked.depends(&self.rules, keep, answer, own) {
+            Err(Limit::Memory) if self.grow()? => {
+                self.asked.depends(&self.rules, keep, answer, own)
+            }
+            found => found,
+        }
+    }
+
     /// A run as it is wanted, or `None` when there is none. The shortest way into a cycle is taken, the cycle itself need not be
     /// the shortest. Variables that no rule of the question mentions have the smallest value of their domain.
     ///
     /// # Errors
     /// When a limit was reached.
     pub fn lasso(&mut self, wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
-        let (rules, wanted_again) = (&self.rules, wanted);
-        match self.asked.lasso(rules, wanted_again) {
+        match self.asked.lasso(&self.rules, wanted) {
             Err(Limit::Memory) if self.grow()? => self.asked.lasso(&self.rules, wanted),
             answer => answer,
         }
@@ -172,6 +203,16 @@ impl<K: Kernel> Ask for Board<K> {
 
     fn step(&mut self, rules: &[Rule], slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         self.find_slip(rules, slip)
+    }
+
+    fn depends(
+        &mut self,
+        rules: &[Rule],
+        keep: &[usize],
+        answer: VarId,
+        own: &[VarId],
+    ) -> Result<Vec<VarId>, Limit> {
+        self.find_dependencies(rules, keep, answer, own)
     }
 }
 

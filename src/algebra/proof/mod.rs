@@ -1,4 +1,24 @@
 //! The proof that parts discharge one another's assumptions, and keep what is claimed of them together.
+//!
+//! Parts rely on one another in circles, the coordinator and its actions first of all, so that "each assumption follows from
+//! guarantees" proves nothing by itself. What is sound:
+//!
+//! - **Safety, step by step.** No assumption is the first to be broken: up to the step before everything was kept, and in this step an
+//!   assumption may rest on guarantees of parts that answer without waiting for it (Abadi and Lamport, "Conjoining
+//!   Specifications", TOPLAS 17, 1995). Parts are brought into an order for that; outputs that wait for one another within a step are
+//!   refused.
+//! - **Justice, in an order.** That each of two parts comes true again and again because the other does is no reason for either
+//!   (McMillan, "Circular compositional reasoning about liveness", CHARME 1999). So a part's justice guarantees are relied on only after all its own justice
+//!   assumptions were discharged, turn by turn; what is left waits in circles, which are reported.
+//!
+//! What a proof rests on is a minimal set: it is first looked for near the obligation, by asking who sets what occurs, and then
+//! `QuickXplain` leaves away what is not needed.
+
+mod book;
+mod loops;
+mod prover;
+
+pub use book::latest;
 
 use super::system::{FormulaRef, System};
 use crate::game::{Lasso, Limit, Limits};
@@ -111,6 +131,6 @@ impl Proof {
 ///
 /// # Errors
 /// When a limit was reached.
-pub fn prove(_system: &System, _claim: &Claim, _limits: &Limits) -> Result<Proof, Limit> {
-    Ok(Proof::default())
+pub fn prove(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, Limit> {
+    prover::Prover::new(system, claim, limits)?.prove()
 }

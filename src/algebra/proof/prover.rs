@@ -1,0 +1,750 @@
+//! Obligation by obligation: what it follows from, or how it is broken.
+
+use super::super::system::{FormulaRef, Half, System};
+use super::book::{Book, latest};
+use super::loops::Waits;
+use super::{Broken, Circle, Claim, Discharge, Discharged, Exports, Open, Proof};
+use crate::game::{Lasso, Limit, Limits, Rule, RuleKind, Slip, Wanted, quick_xplain};
+use crate::gr1::{Expr, Time};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The state of a proof.
+pub struct Prover<'a> {
+    book: Book<'a>,
+    claim: &'a Claim,
+    /// Who answers before whom in a step.
+    order: Order,
+    /// Assumptions that were handed on to the environment, by rule.
+    exported: Vec<usize>,
+    proof: Proof,
+}
+
+/// The parts in an order in which they may answer within a step.
+#[derive(Debug, Default)]
+struct Order {
+    /// The place of every part. Parts of one place wait for one another, or may do so.
+    places: Vec<usize>,
+    /// Of parts of one place, those that were found to come before others.
+    sooner: BTreeMap<usize, BTreeSet<usize>>,
+}
+
+impl Order {
+    /// Whether the answer of one part may be relied on when another's inputs are looked at.
+    fn is_before(&self, first: usize, second: usize) -> bool {
+        self.places[first] < self.places[second]
+            || self.sooner.get(&second).is_some_and(|s| s.contains(&first))
+    }
+}
+
+/// What came out of one obligation.
+enum Found {
+    /// It follows from these rules.
+    Follows(Vec<usize>),
+    /// It does not.
+    Fails(Broken),
+}
+
+impl<'a> Prover<'a> {
+    /// Ready to begin.
+    pub fn new(system: &'a System, claim: &'a Claim, limits: &Limits) -> Result<Self, Limit> {
+        Ok(Self {
+            book: Book::new(system, claim, limits)?,
+            claim,
+            order: Order::default(),
+            exported: Vec::new(),
+            proof: Proof::default(),
+        })
+    }
+
+    /// Does it all.
+    pub fn prove(mut self) -> Result<Proof, Limit> {
+        let waits = Waits::new(&mut self.book)?;
+        self.proof.loops = waits.loops();
+        if !self.proof.loops.is_empty() {
+            return Ok(self.proof);
+        }
+        self.order = self.order_of(&waits);
+        self.safety()?;
+        let reliable = self.justice()?;
+        self.goal(&reliable)?;
+        self.proof.discharges.sort_by_key(|d| place(d.what));
+        self.proof.open.sort_by_key(|o| place(o.what));
+        Ok(self.proof)
+    }
+
+    // ---- who answers before whom -----------------------------------------------------------------------------------
+
+    /// A part comes after those whose answers its own wait for, and after those that its assumptions speak of.
+    fn order_of(&self, waits: &Waits) -> Order {
+        let system = self.book.system;
+        let mut edges = waits.parts.clone();
+        for (i, part) in system.parts.iter().enumerate() {
+            for (kind, _, formula) in super::super::system::formulas(&part.assumptions) {
+                if kind != RuleKind::Justice {
+                    let drivers = latest(&formula.expr, kind);
+                    let drivers = drivers.iter().filter_map(|v| system.driver(*v));
+                    edges[i].extend(drivers.filter(|j| *j != i));
+                }
+            }
+        }
+        let reach: Vec<BTreeSet<usize>> = (0..edges.len()).map(|i| reachable(&edges, i)).collect();
+        // Depth in the graph of components: whoever reaches more parts comes later.
+        let together =
+            |i: usize, j: usize| i == j || (reach[i].contains(&j) && reach[j].contains(&i));
+        let mut places = vec![usize::MAX; edges.len()];
+        let mut place = 0;
+        while let Some(i) = (0..edges.len()).find(|i| {
+            let ready = |j: &usize| places[*j] != usize::MAX || together(*i, *j);
+            places[*i] == usize::MAX && reach[*i].iter().all(ready)
+        }) {
+            for j in (0..edges.len()).filter(|j| together(i, *j)) {
+                places[j] = place;
+            }
+            place += 1;
+        }
+        Order {
+            places,
+            sooner: BTreeMap::new(),
+        }
+    }
+
+    /// Whether a rule may be relied on in the step in which an assumption of a part is looked at.
+    fn is_usable(&self, rule: usize, part: usize) -> bool {
+        let entry = &self.book.entries[rule];
+        entry.unconditional
+            || self.exported.contains(&rule)
+            || entry.part.is_some_and(|p| self.order.is_before(p, part))
+    }
+
+    // ---- safety ----------------------------------------------------------------------------------------------------
+
+    /// Rules that hold from the beginning: what is given, what was handed on, and what parts guarantee.
+    fn hypotheses(&self) -> Vec<usize> {
+        let mut found = self.book.numbers(|at| is_given(*at));
+        found.extend(&self.exported);
+        found.extend(self.book.numbers(|at| is_guarantee(*at)));
+        found.retain(|i| !self.book.is_justice(*i));
+        found
+    }
+
+    /// Initial conditions, invariants and safety that parts assume.
+    fn safety(&mut self) -> Result<(), Limit> {
+        let assumed = self.book.numbers(|at| is_assumption(*at));
+        let mut left: Vec<usize> = assumed;
+        left.retain(|i| !self.book.is_justice(*i));
+        loop {
+            let mut failed = Vec::new();
+            for rule in std::mem::take(&mut left) {
+                match self.assumption(rule)? {
+                    Found::Follows(by) => self.discharged(rule, &by),
+                    Found::Fails(why) => failed.push((rule, why)),
+                }
+            }
+            // What only the environment can keep is its business; with it, more may follow.
+            let mut moved = false;
+            let mut open = Vec::new();
+            for (rule, why) in failed {
+                match self.export(rule)? {
+                    Some(by) => {
+                        self.hand_on(rule, &by);
+                        moved = true;
+                    }
+                    None => open.push((rule, why)),
+                }
+            }
+            if moved {
+                left = open.into_iter().map(|(rule, _)| rule).collect();
+                continue;
+            }
+            return self.within_a_step(open);
+        }
+    }
+
+    /// What failed without the answers of parts that may wait for one another: with them, if that can be put into an order.
+    fn within_a_step(&mut self, failed: Vec<(usize, Broken)>) -> Result<(), Limit> {
+        let mut needs: Vec<(usize, BTreeSet<usize>, Vec<usize>)> = Vec::new();
+        let mut open = Vec::new();
+        for (rule, why) in failed {
+            let part = self.part_of(rule);
+            let same: BTreeSet<usize> = (0..self.order.places.len())
+                .filter(|j| *j != part && self.order.places[*j] == self.order.places[part])
+                .collect();
+            let found = if same.is_empty() {
+                None
+            } else {
+                self.order.sooner.insert(part, same.clone());
+                let found = self.step_minimal(rule, rule, Some(part))?;
+                self.order.sooner.remove(&part);
+                found
+            };
+            match found {
+                Some(by) => {
+                    let mut needed = BTreeSet::new();
+                    for j in same {
+                        let rests = by.iter().any(|i| self.book.entries[*i].part == Some(j));
+                        self.order.sooner.insert(part, self.same_place(part, j));
+                        if rests && !self.step_holds(&by, rule, Some(part))? {
+                            needed.insert(j);
+                        }
+                        self.order.sooner.remove(&part);
+                    }
+                    needs.push((rule, needed, by));
+                }
+                None => open.push((rule, why)),
+            }
+        }
+        // Who needs whom, over all of them.
+        let mut edges = vec![BTreeSet::new(); self.order.places.len()];
+        for (rule, needed, _) in &needs {
+            edges[self.part_of(*rule)].extend(needed.iter().copied());
+        }
+        for (rule, needed, by) in needs {
+            let part = self.part_of(rule);
+            let circle = needed.iter().any(|j| reachable(&edges, *j).contains(&part));
+            if circle {
+                let variables = self.loop_of(rule, &needed);
+                if !self.proof.loops.iter().any(|l| l.variables == variables) {
+                    self.proof.loops.push(super::SameStepLoop { variables });
+                }
+            } else {
+                self.discharged(rule, &by);
+            }
+        }
+        for (rule, why) in open {
+            let what = self.at(rule);
+            self.proof.open.push(Open { what, why });
+        }
+        Ok(())
+    }
+
+    /// The parts of the same place, but for two of them.
+    fn same_place(&self, part: usize, without: usize) -> BTreeSet<usize> {
+        let place = self.order.places[part];
+        (0..self.order.places.len())
+            .filter(|j| *j != part && *j != without && self.order.places[*j] == place)
+            .collect()
+    }
+
+    /// The variables of other parts that an assumption waits for within its step.
+    fn loop_of(&self, rule: usize, needed: &BTreeSet<usize>) -> Vec<crate::gr1::VarId> {
+        let Rule { kind, expr } = self.book.rule(rule);
+        let mut variables: Vec<_> = latest(expr, *kind)
+            .into_iter()
+            .filter(|v| {
+                self.book
+                    .system
+                    .driver(*v)
+                    .is_some_and(|j| needed.contains(&j))
+            })
+            .collect();
+        let part = self.part_of(rule);
+        variables.extend(self.book.system.parts[part].drives.iter().filter(|v| {
+            needed.iter().any(|j| {
+                let other = &self.book.system.parts[*j];
+                other
+                    .assumptions
+                    .all()
+                    .any(|f| super::book::mentions(&f.expr).contains(v))
+            })
+        }));
+        variables.sort_unstable();
+        variables.dedup();
+        variables
+    }
+
+    /// An assumption of a part, by induction over time.
+    fn assumption(&mut self, rule: usize) -> Result<Found, Limit> {
+        let part = self.part_of(rule);
+        if let Some(by) = self.step_minimal(rule, rule, Some(part))? {
+            return Ok(Found::Follows(by));
+        }
+        // Other assumptions were kept so far as well; they follow from guarantees, unless one of them is open.
+        let mut all = self.hypotheses();
+        let assumed = self.book.numbers(|at| is_assumption(*at));
+        all.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
+        all.sort_unstable();
+        all.dedup();
+        match self.step(&all, rule, Some(part))? {
+            Some(trace) => Ok(Found::Fails(Broken::Trace(trace))),
+            None => {
+                let mut holds = |kept: &[usize]| self.step_holds(kept, rule, Some(part));
+                Ok(Found::Follows(quick_xplain(&mut holds, &[], false, &all)?))
+            }
+        }
+    }
+
+    /// The smallest part of the hypotheses from which a rule follows step by step, those near `like` first; `None` when it does not
+    /// follow.
+    fn step_minimal(
+        &mut self,
+        rule: usize,
+        like: usize,
+        part: Option<usize>,
+    ) -> Result<Option<Vec<usize>>, Limit> {
+        let candidates = self.hypotheses();
+        self.minimal(like, &candidates, &mut |p, kept| {
+            p.step_holds(kept, rule, part)
+        })
+    }
+
+    /// The smallest part of some candidates that is enough: what is given alone, a single guarantee, and then ring by ring.
+    fn minimal(
+        &mut self,
+        goal: usize,
+        candidates: &[usize],
+        holds: &mut impl FnMut(&mut Self, &[usize]) -> Result<bool, Limit>,
+    ) -> Result<Option<Vec<usize>>, Limit> {
+        if holds(self, &[])? {
+            return Ok(Some(Vec::new()));
+        }
+        let rings = self.book.rings(&[goal], candidates);
+        let environment: Vec<usize> = { rings.iter().flatten().copied() }
+            .filter(|i| self.is_environments(*i))
+            .collect();
+        if !environment.is_empty() && holds(self, &environment)? {
+            return self.fewest(&environment, holds).map(Some);
+        }
+        for single in rings.first().into_iter().flatten() {
+            if !self.is_environments(*single) && holds(self, &[*single])? {
+                return Ok(Some(vec![*single]));
+            }
+        }
+        let mut kept = Vec::new();
+        for ring in rings {
+            kept.extend(ring);
+            if holds(self, &kept)? {
+                return self.fewest(&kept, holds).map(Some);
+            }
+        }
+        // What nothing leads to matters where it cannot be kept at all.
+        if kept.len() < candidates.len() && holds(self, candidates)? {
+            return self.fewest(candidates, holds).map(Some);
+        }
+        Ok(None)
+    }
+
+    /// Leaves away what is not needed.
+    fn fewest(
+        &mut self,
+        enough: &[usize],
+        holds: &mut impl FnMut(&mut Self, &[usize]) -> Result<bool, Limit>,
+    ) -> Result<Vec<usize>, Limit> {
+        let mut asked = |kept: &[usize]| holds(self, kept);
+        let mut found = quick_xplain(&mut asked, &[], false, enough)?;
+        found.sort_unstable();
+        Ok(found)
+    }
+
+    fn is_environments(&self, rule: usize) -> bool {
+        self.exported.contains(&rule) || self.book.entries[rule].at.is_some_and(is_given)
+    }
+
+    fn step_holds(
+        &mut self,
+        kept: &[usize],
+        rule: usize,
+        part: Option<usize>,
+    ) -> Result<bool, Limit> {
+        Ok(self.step(kept, rule, part)?.is_none())
+    }
+
+    /// A run up to the first step that breaks a rule, kept to some others. Of a part's assumption the last step is only held to what can be
+    /// relied on when the part's inputs are there.
+    fn step(
+        &mut self,
+        kept: &[usize],
+        rule: usize,
+        part: Option<usize>,
+    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+        let definitions = self.book.definitions(kept.iter().copied().chain([rule]));
+        let usable = |i: &usize| part.is_none_or(|part| self.is_usable(*i, part));
+        let last = kept.iter().copied().filter(usable);
+        let slip = Slip {
+            last: last.chain(definitions.iter().copied()).collect(),
+            before: [kept, &definitions].concat(),
+            broken: rule,
+        };
+        self.book.runs.step(&slip)
+    }
+
+    // ---- what is handed on -----------------------------------------------------------------------------------------
+
+    /// Whether an assumption that is not discharged may be handed on to the environment, and on what that rests.
+    fn export(&mut self, rule: usize) -> Result<Option<Vec<usize>>, Limit> {
+        let Rule { kind, expr } = self.book.rule(rule).clone();
+        let mut latest = latest(&expr, kind).into_iter();
+        let outside = latest.any(|v| self.book.system.driver(v).is_none());
+        let after = match &self.claim.exports {
+            Exports::Never => return Ok(None),
+            _ if !outside => return Ok(None),
+            Exports::Always => return Ok(Some(Vec::new())),
+            Exports::After(_) if kind == RuleKind::Initial => return Ok(Some(Vec::new())),
+            Exports::After(_) if kind == RuleKind::Justice => return Ok(None),
+            Exports::After(after) => after.clone(),
+        };
+        let next = match kind {
+            RuleKind::Invariant => expr.substitute(&mut |v, _| Expr::Var(v, Time::Next)),
+            _ => expr,
+        };
+        // The assumption itself held in the steps before: it is either handed on or shown here.
+        let weaker = self.book.add(Rule {
+            kind: RuleKind::Safety,
+            expr: after.or(next),
+        });
+        let part = self.part_of(rule);
+        let mut candidates = self.hypotheses();
+        candidates.push(rule);
+        let found = self.minimal(weaker, &candidates, &mut |p, kept| {
+            // Of the last step it is what is to be shown.
+            let definitions = p.book.definitions(kept.iter().copied().chain([weaker]));
+            let last = { kept.iter().copied() }.filter(|i| *i != rule && p.is_usable(*i, part));
+            let slip = Slip {
+                last: last.chain(definitions.iter().copied()).collect(),
+                before: [kept, &definitions].concat(),
+                broken: weaker,
+            };
+            Ok(p.book.runs.step(&slip)?.is_none())
+        })?;
+        Ok(found.map(|by| by.into_iter().filter(|i| *i != rule).collect()))
+    }
+
+    fn hand_on(&mut self, rule: usize, by: &[usize]) {
+        self.exported.push(rule);
+        let what = self.at(rule);
+        let by = by.iter().map(|i| self.at(*i)).collect();
+        self.proof.discharges.push(Discharge {
+            what,
+            rule: Discharged::Exported,
+            by,
+        });
+    }
+
+    fn discharged(&mut self, rule: usize, by: &[usize]) {
+        let of_the_environment = by.iter().all(|i| self.is_environments(*i));
+        let kind = if of_the_environment {
+            Discharged::Environment
+        } else {
+            Discharged::Induction
+        };
+        self.record(rule, kind, by);
+    }
+
+    fn record(&mut self, rule: usize, kind: Discharged, by: &[usize]) {
+        let what = self.at(rule);
+        let by = by.iter().map(|i| self.at(*i)).collect();
+        self.proof.discharges.push(Discharge {
+            what,
+            rule: kind,
+            by,
+        });
+    }
+
+    fn at(&self, rule: usize) -> FormulaRef {
+        let at = self.book.entries[rule].at;
+        at.expect("a formula that somebody wrote; please report this")
+    }
+
+    fn part_of(&self, rule: usize) -> usize {
+        let part = self.book.entries[rule].part;
+        part.expect("an assumption of a part; please report this")
+    }
+
+    // ---- justice ---------------------------------------------------------------------------------------------------
+
+    /// Justice that parts assume, turn by turn. Gives the parts whose justice guarantees can be relied on in the end.
+    fn justice(&mut self) -> Result<BTreeSet<usize>, Limit> {
+        let assumed = self.book.numbers(|at| is_assumption(*at));
+        let mut left: Vec<usize> = assumed;
+        left.retain(|i| self.book.is_justice(*i));
+        let mut turn = 0;
+        let mut exported = false;
+        loop {
+            let reliable = self.reliable(&left);
+            if left.is_empty() {
+                return Ok(reliable);
+            }
+            let mut waiting = Vec::new();
+            let mut met = false;
+            for rule in std::mem::take(&mut left) {
+                match self.again_minimal(rule, &reliable)? {
+                    Some(by) => {
+                        met = true;
+                        let environments = by.iter().all(|i| self.is_environments(*i));
+                        let kind = match (environments, by.iter().any(|i| self.book.is_justice(*i)))
+                        {
+                            (true, _) => Discharged::Environment,
+                            (false, false) => Discharged::Induction,
+                            (false, true) => Discharged::Justice { turn },
+                        };
+                        self.record(rule, kind, &by);
+                    }
+                    None => waiting.push(rule),
+                }
+            }
+            left = waiting;
+            if met {
+                turn += 1;
+                continue;
+            }
+            if !exported {
+                exported = true;
+                let mut open = Vec::new();
+                for rule in std::mem::take(&mut left) {
+                    match self.export(rule)? {
+                        Some(by) => self.hand_on(rule, &by),
+                        None => open.push(rule),
+                    }
+                }
+                left = open;
+                continue;
+            }
+            for rule in &left {
+                if let Some(lasso) = self.never_again(*rule, &reliable)? {
+                    let what = self.at(*rule);
+                    let why = Broken::Lasso(lasso);
+                    self.proof.open.push(Open { what, why });
+                }
+            }
+            self.proof.circles = self.circles(&left);
+            return Ok(reliable);
+        }
+    }
+
+    /// The parts none of whose justice assumptions is left.
+    fn reliable(&self, left: &[usize]) -> BTreeSet<usize> {
+        let waiting: BTreeSet<usize> = left.iter().map(|i| self.part_of(*i)).collect();
+        (0..self.book.system.parts.len())
+            .filter(|p| !waiting.contains(p))
+            .collect()
+    }
+
+    /// Rules that justice may rest on: safety, and the justice of the environment and of these parts.
+    fn reasons(&self, reliable: &BTreeSet<usize>) -> Vec<usize> {
+        let mut found = self.hypotheses();
+        found.extend(self.book.numbers(|at| {
+            at.kind == RuleKind::Justice
+                && (is_given(*at)
+                    || (is_guarantee(*at) && at.part.is_some_and(|p| reliable.contains(&p))))
+        }));
+        found.extend(self.exported.iter().filter(|i| self.book.is_justice(**i)));
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    fn again_minimal(
+        &mut self,
+        rule: usize,
+        reliable: &BTreeSet<usize>,
+    ) -> Result<Option<Vec<usize>>, Limit> {
+        let candidates = self.reasons(reliable);
+        self.minimal(rule, &candidates, &mut |p, kept| {
+            Ok(p.starved(kept, rule)?.is_none())
+        })
+    }
+
+    /// A run that keeps everything and from some step on never meets a justice again.
+    fn never_again(
+        &mut self,
+        rule: usize,
+        reliable: &BTreeSet<usize>,
+    ) -> Result<Option<Lasso>, Limit> {
+        let mut all = self.reasons(reliable);
+        let assumed = self.book.numbers(|at| is_assumption(*at));
+        all.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
+        all.sort_unstable();
+        all.dedup();
+        self.starved(&all, rule)
+    }
+
+    fn starved(&mut self, kept: &[usize], rule: usize) -> Result<Option<Lasso>, Limit> {
+        let wanted = self.wanted(kept, &[rule]);
+        self.book.runs.lasso(&Wanted {
+            never_again: vec![rule],
+            ..wanted
+        })
+    }
+
+    /// Runs that keep these rules; the monitors of `others` are defined as well.
+    fn wanted(&self, kept: &[usize], others: &[usize]) -> Wanted {
+        let all = kept.iter().chain(others).copied();
+        let mut keep = self.book.definitions(all);
+        let (again, safe): (Vec<usize>, Vec<usize>) =
+            kept.iter().copied().partition(|i| self.book.is_justice(*i));
+        keep.extend(safe);
+        Wanted {
+            keep,
+            again,
+            never_again: Vec::new(),
+        }
+    }
+
+    /// Circles among justice assumptions that were not met: one waits for those that the part whose variables it speaks of makes.
+    fn circles(&self, left: &[usize]) -> Vec<Circle> {
+        let waits_for = |a: usize| -> BTreeSet<usize> {
+            let own = self.part_of(a);
+            let drivers = self.book.entries[a].mentions.iter();
+            let drivers: BTreeSet<usize> = drivers
+                .filter_map(|v| self.book.system.driver(*v))
+                .filter(|p| *p != own)
+                .collect();
+            (0..left.len())
+                .filter(|i| drivers.contains(&self.part_of(left[*i])))
+                .collect()
+        };
+        let edges: Vec<BTreeSet<usize>> = left.iter().map(|a| waits_for(*a)).collect();
+        let mut told: BTreeSet<usize> = BTreeSet::new();
+        let mut circles = Vec::new();
+        for start in 0..left.len() {
+            if told.contains(&start) {
+                continue;
+            }
+            if let Some(way) = way_back(&edges, start) {
+                told.extend(&way);
+                circles.push(Circle {
+                    assumptions: way.into_iter().map(|i| self.at(left[i])).collect(),
+                });
+            }
+        }
+        circles
+    }
+
+    // ---- the goal --------------------------------------------------------------------------------------------------
+
+    /// What the parts are to keep together.
+    fn goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
+        for rule in self.book.numbers(|at| is_goal(*at)) {
+            let found = if self.book.is_justice(rule) {
+                match self.again_minimal(rule, reliable)? {
+                    Some(by) => Found::Follows(by),
+                    None => match self.starved(&self.reasons(reliable), rule)? {
+                        Some(lasso) => Found::Fails(Broken::Lasso(lasso)),
+                        None => unreachable!("what follows was found; please report this"),
+                    },
+                }
+            } else {
+                match self.step_minimal(rule, rule, None)? {
+                    Some(by) => Found::Follows(by),
+                    None => self.fairly(rule, reliable)?,
+                }
+            };
+            match found {
+                Found::Follows(by) => {
+                    let environments = by.iter().all(|i| self.is_environments(*i));
+                    let kind = match (environments, by.iter().any(|i| self.book.is_justice(*i))) {
+                        (true, _) => Discharged::Environment,
+                        (false, false) => Discharged::Induction,
+                        (false, true) => Discharged::Justice { turn: 0 },
+                    };
+                    self.record(rule, kind, &by);
+                }
+                Found::Fails(why) => {
+                    let what = self.at(rule);
+                    self.proof.open.push(Open { what, why });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Safety of the goal once more, of infinite runs only: a step that leads to where no run goes on breaks nothing.
+    fn fairly(&mut self, rule: usize, reliable: &BTreeSet<usize>) -> Result<Found, Limit> {
+        let slipped = self.book.slipped;
+        let Rule { kind, expr } = self.book.rule(rule).clone();
+        let first = match kind {
+            RuleKind::Safety | RuleKind::Justice => Expr::FALSE,
+            RuleKind::Initial | RuleKind::Invariant => expr.clone().not(),
+        };
+        let later = match kind {
+            RuleKind::Initial | RuleKind::Justice => Expr::FALSE,
+            RuleKind::Invariant => {
+                let next = expr.substitute(&mut |v, _| Expr::Var(v, Time::Next));
+                next.not()
+            }
+            RuleKind::Safety => expr.clone().not(),
+        };
+        let start = self.book.add(Rule {
+            kind: RuleKind::Initial,
+            expr: Expr::now(slipped).equals(first),
+        });
+        let on = self.book.add(Rule {
+            kind: RuleKind::Safety,
+            expr: Expr::next(slipped).equals(Expr::now(slipped).or(later)),
+        });
+        let seen = self.book.add(Rule {
+            kind: RuleKind::Justice,
+            expr: Expr::now(slipped),
+        });
+        let candidates = self.reasons(reliable);
+        let slips = |p: &mut Self, kept: &[usize]| -> Result<Option<Lasso>, Limit> {
+            let mut wanted = p.wanted(kept, &[rule]);
+            wanted.keep.extend([start, on]);
+            wanted.again.push(seen);
+            p.book.runs.lasso(&wanted)
+        };
+        match slips(self, &candidates)? {
+            None => {
+                let mut holds = |p: &mut Self, kept: &[usize]| Ok(slips(p, kept)?.is_none());
+                Ok(Found::Follows(self.fewest(&candidates, &mut holds)?))
+            }
+            Some(lasso) => {
+                let mut steps = [lasso.prefix, lasso.cycle].concat();
+                let first = steps.iter().position(|s| s[slipped.index()] != 0);
+                steps.truncate(first.map_or(steps.len(), |i| i + 1));
+                Ok(Found::Fails(Broken::Trace(steps)))
+            }
+        }
+    }
+}
+
+fn is_given(at: FormulaRef) -> bool {
+    at.part.is_none() && at.half == Half::Assumptions
+}
+
+fn is_goal(at: FormulaRef) -> bool {
+    at.part.is_none() && at.half == Half::Guarantees
+}
+
+fn is_guarantee(at: FormulaRef) -> bool {
+    at.part.is_some() && at.half == Half::Guarantees
+}
+
+fn is_assumption(at: FormulaRef) -> bool {
+    at.part.is_some() && at.half == Half::Assumptions
+}
+
+/// Parts in order, the goal last.
+fn place(at: FormulaRef) -> (usize, RuleKind, usize) {
+    (at.part.unwrap_or(usize::MAX), at.kind, at.index)
+}
+
+/// What can be reached in a graph, by at least one edge.
+fn reachable(edges: &[BTreeSet<usize>], from: usize) -> BTreeSet<usize> {
+    let mut seen = BTreeSet::new();
+    let mut open: Vec<usize> = edges[from].iter().copied().collect();
+    while let Some(at) = open.pop() {
+        if seen.insert(at) {
+            open.extend(&edges[at]);
+        }
+    }
+    seen
+}
+
+/// A shortest way from a node back to itself.
+pub fn way_back(edges: &[BTreeSet<usize>], start: usize) -> Option<Vec<usize>> {
+    let mut ways = vec![vec![start]];
+    let mut seen = BTreeSet::new();
+    let mut next = 0;
+    while let Some(way) = ways.get(next).cloned() {
+        next += 1;
+        for on in &edges[way[way.len() - 1]] {
+            if *on == start {
+                return Some(way);
+            }
+            if seen.insert(*on) {
+                ways.push([&way[..], &[*on]].concat());
+            }
+        }
+    }
+    None
+}
