@@ -19,11 +19,11 @@ pub fn of_machine(machine: &Machine) -> (System, Claim) {
     for (index, component) in machine.components.iter().enumerate() {
         let first = machine.first_wire(index);
         let specification = &component.specification;
-        system
-            .parts
-            .push(Part::mapped(specification, &component.name, &mut |v, time| {
-                over_wires(specification, &component.bindings, first, v, time)
-            }));
+        system.parts.push(Part::mapped(
+            specification,
+            &component.name,
+            &mut |v, time| over_wires(specification, &component.bindings, first, v, time),
+        ));
     }
     let claim = match &machine.done {
         Some(done) => Claim {
@@ -76,7 +76,9 @@ fn wire_variable(machine: &Machine, wire: usize) -> Variable {
     Variable {
         name,
         owner: Owner::System,
-        ..own.expect("a wire of this machine; please report this").clone()
+        ..own
+            .expect("a wire of this machine; please report this")
+            .clone()
     }
 }
 
@@ -105,7 +107,10 @@ fn facts(machine: &Machine, done: &Expr, system: &mut System) -> Side {
             }
         }
         if matches!(input.source, PlantSource::Operation) {
-            let one = machine.operations.iter().map(|o| Expr::now(wire).equals(Expr::Const(o.value)));
+            let one = machine
+                .operations
+                .iter()
+                .map(|o| Expr::now(wire).equals(Expr::Const(o.value)));
             let names: Vec<&str> = machine.operations.iter().map(|o| o.name.as_str()).collect();
             side.invariants.push(at(
                 format!("{} is known", input.name),
@@ -144,7 +149,11 @@ fn signal(
         side.invariants.push(formula(expr, text));
         return;
     }
-    let text = format!("{} = {} in turn, from the first with every call", input.name, shown.join(", "));
+    let text = format!(
+        "{} = {} in turn, from the first with every call",
+        input.name,
+        shown.join(", ")
+    );
     let place = VarId(system.variables.len() as u32);
     let last = script.len() as i64 - 1;
     system.variables.push(Variable {
@@ -165,14 +174,20 @@ fn signal(
             Expr::Const(1),
         )),
     );
-    let value = script.iter().enumerate().rev().fold(Expr::Const(*first), |rest, (i, v)| {
-        Expr::If(
-            Box::new(Expr::now(place).equals(Expr::Const(i as i64))),
-            Box::new(Expr::Const(*v)),
-            Box::new(rest),
-        )
-    });
+    let value = script
+        .iter()
+        .enumerate()
+        .rev()
+        .fold(Expr::Const(*first), |rest, (i, v)| {
+            Expr::If(
+                Box::new(Expr::now(place).equals(Expr::Const(i as i64))),
+                Box::new(Expr::Const(*v)),
+                Box::new(rest),
+            )
+        });
     side.initial.push(formula(start, text.clone()));
-    side.safety.push(formula(Expr::next(place).equals(on), text.clone()));
-    side.invariants.push(formula(Expr::now(wire).equals(value), text));
+    side.safety
+        .push(formula(Expr::next(place).equals(on), text.clone()));
+    side.invariants
+        .push(formula(Expr::now(wire).equals(value), text));
 }

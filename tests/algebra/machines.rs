@@ -22,7 +22,12 @@ fn table(system: &System, claim: &Claim, proof: &Proof) -> String {
         text += &format!("{} | {:?} | {}\n", name(d.what), d.rule, by.join(", "));
     }
     for o in &proof.open {
-        text += &format!("{} | OPEN {:?} | {:?}\n", name(o.what), o.why, replay::accepts(system, claim, proof, o));
+        text += &format!(
+            "{} | OPEN {:?} | {:?}\n",
+            name(o.what),
+            o.why,
+            replay::accepts(system, claim, proof, o)
+        );
     }
     text
 }
@@ -36,6 +41,11 @@ fn tables() {
         let clock = std::time::Instant::now();
         let (system, claim) = of_machine(machine);
         let proof = prove(&system, &claim, &Limits::default()).unwrap();
-        println!("==== {} {:?}\n{}", machine.name, clock.elapsed(), table(&system, &claim, &proof));
+        println!(
+            "==== {} {:?}\n{}",
+            machine.name,
+            clock.elapsed(),
+            table(&system, &claim, &proof)
+        );
     }
 }

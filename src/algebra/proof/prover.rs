@@ -262,6 +262,10 @@ impl<'a> Prover<'a> {
         let mut all = self.hypotheses();
         let assumed = self.book.numbers(|at| is_assumption(*at));
         all.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
+        if self.book.rule(rule).kind == RuleKind::Initial {
+            let first = [RuleKind::Initial, RuleKind::Invariant];
+            all.retain(|i| first.contains(&self.book.rule(*i).kind));
+        }
         all.sort_unstable();
         all.dedup();
         match self.step(&all, rule, Some(part))? {
@@ -281,7 +285,12 @@ impl<'a> Prover<'a> {
         like: usize,
         part: Option<usize>,
     ) -> Result<Option<Vec<usize>>, Limit> {
-        let candidates = self.hypotheses();
+        let mut candidates = self.hypotheses();
+        if self.book.rule(like).kind == RuleKind::Initial {
+            // Nothing else is about step 0.
+            let first = [RuleKind::Initial, RuleKind::Invariant];
+            candidates.retain(|i| first.contains(&self.book.rule(*i).kind));
+        }
         self.minimal(like, &candidates, &mut |p, kept| {
             p.step_holds(kept, rule, part)
         })
@@ -311,7 +320,11 @@ impl<'a> Prover<'a> {
         }
         let mut kept = Vec::new();
         for ring in rings {
-            kept.extend(ring);
+            // Justice where it is enough, since it is what the reader looks for; then what stands nearest.
+            let (justice, safety): (Vec<usize>, Vec<usize>) =
+                ring.into_iter().partition(|i| self.book.is_justice(*i));
+            kept.splice(0..0, justice);
+            kept.extend(safety);
             if holds(self, &kept)? {
                 return self.fewest(&kept, holds).map(Some);
             }
@@ -463,27 +476,13 @@ impl<'a> Prover<'a> {
             if left.is_empty() {
                 return Ok(reliable);
             }
-            let mut waiting = Vec::new();
-            let mut met = false;
-            for rule in std::mem::take(&mut left) {
-                match self.again_minimal(rule, &reliable)? {
-                    Some(by) => {
-                        met = true;
-                        let environments = by.iter().all(|i| self.is_environments(*i));
-                        let kind = match (environments, by.iter().any(|i| self.book.is_justice(*i)))
-                        {
-                            (true, _) => Discharged::Environment,
-                            (false, false) => Discharged::Induction,
-                            (false, true) => Discharged::Justice { turn },
-                        };
-                        self.record(rule, kind, &by);
-                    }
-                    None => waiting.push(rule),
-                }
+            let before = left.len();
+            left = self.by_the_environment(&left)?;
+            if left.len() == before {
+                left = self.by_justice(&left, &reliable, turn)?;
+                turn += usize::from(left.len() < before);
             }
-            left = waiting;
-            if met {
-                turn += 1;
+            if left.len() < before {
                 continue;
             }
             if !exported {
@@ -508,6 +507,59 @@ impl<'a> Prover<'a> {
             self.proof.circles = self.circles(&left);
             return Ok(reliable);
         }
+    }
+
+    /// Tries what is known of the environment; gives the justice assumptions that were not met.
+    fn by_the_environment(&mut self, left: &[usize]) -> Result<Vec<usize>, Limit> {
+        let environments: Vec<usize> = { self.reasons(&BTreeSet::new()) }
+            .into_iter()
+            .filter(|i| self.is_environments(*i))
+            .collect();
+        let mut waiting = Vec::new();
+        for rule in left {
+            let found = self.minimal(*rule, &environments, &mut |p, kept| {
+                Ok(p.starved(kept, *rule)?.is_none())
+            })?;
+            match found {
+                Some(by) => self.record_again(*rule, &by, 0),
+                None => waiting.push(*rule),
+            }
+        }
+        Ok(waiting)
+    }
+
+    /// Meets one justice assumption with what these parts guarantee, one that speaks of few parts if it can; gives the others.
+    fn by_justice(
+        &mut self,
+        left: &[usize],
+        reliable: &BTreeSet<usize>,
+        turn: usize,
+    ) -> Result<Vec<usize>, Limit> {
+        let parts = |rule: &usize| {
+            let drivers = self.book.entries[*rule].mentions.iter();
+            let drivers = drivers.filter_map(|v| self.book.system.driver(*v));
+            drivers.collect::<BTreeSet<usize>>().len()
+        };
+        let mut order = left.to_vec();
+        order.sort_by_key(parts);
+        for rule in order {
+            if let Some(by) = self.again_minimal(rule, reliable)? {
+                self.record_again(rule, &by, turn);
+                return Ok(left.iter().copied().filter(|i| *i != rule).collect());
+            }
+        }
+        Ok(left.to_vec())
+    }
+
+    /// Records a discharge that may rest on justice.
+    fn record_again(&mut self, rule: usize, by: &[usize], turn: usize) {
+        let environments = by.iter().all(|i| self.is_environments(*i));
+        let kind = match (environments, by.iter().any(|i| self.book.is_justice(*i))) {
+            (true, _) => Discharged::Environment,
+            (false, false) => Discharged::Induction,
+            (false, true) => Discharged::Justice { turn },
+        };
+        self.record(rule, kind, by);
     }
 
     /// The parts none of whose justice assumptions is left.
@@ -613,6 +665,14 @@ impl<'a> Prover<'a> {
 
     /// What the parts are to keep together.
     fn goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
+        // After everybody's assumptions.
+        let turns = { self.proof.discharges.iter() }
+            .map(|d| match d.rule {
+                Discharged::Justice { turn } => turn + 1,
+                _ => 0,
+            })
+            .max();
+        let turns = turns.unwrap_or(0);
         for rule in self.book.numbers(|at| is_goal(*at)) {
             let found = if self.book.is_justice(rule) {
                 match self.again_minimal(rule, reliable)? {
@@ -629,15 +689,7 @@ impl<'a> Prover<'a> {
                 }
             };
             match found {
-                Found::Follows(by) => {
-                    let environments = by.iter().all(|i| self.is_environments(*i));
-                    let kind = match (environments, by.iter().any(|i| self.book.is_justice(*i))) {
-                        (true, _) => Discharged::Environment,
-                        (false, false) => Discharged::Induction,
-                        (false, true) => Discharged::Justice { turn: 0 },
-                    };
-                    self.record(rule, kind, &by);
-                }
+                Found::Follows(by) => self.record_again(rule, &by, turns),
                 Found::Fails(why) => {
                     let what = self.at(rule);
                     self.proof.open.push(Open { what, why });
