@@ -8,6 +8,12 @@ use crate::game::{Lasso, Limit, Limits, Rule, RuleKind, Slip, Wanted, quick_xpla
 use crate::gr1::{Expr, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// So many rings of rules are near.
+const NEAR: usize = 1;
+
+/// As many rings as there are.
+const ALL: usize = usize::MAX;
+
 /// The state of a proof.
 pub struct Prover<'a> {
     book: Book<'a>,
@@ -135,6 +141,17 @@ impl<'a> Prover<'a> {
         loop {
             let mut failed = Vec::new();
             for rule in std::mem::take(&mut left) {
+                // Where the caller chooses, what does not follow from what stands near is handed on, and not looked for further.
+                if matches!(self.claim.exports, Exports::After(_)) && self.is_about_outside(rule) {
+                    if let Some(by) = self.step_minimal(rule, Some(rule), NEAR)? {
+                        self.discharged(rule, &by);
+                        continue;
+                    }
+                    if let Some(by) = self.export(rule)? {
+                        self.hand_on(rule, &by);
+                        continue;
+                    }
+                }
                 match self.assumption(rule)? {
                     Found::Follows(by) => self.discharged(rule, &by),
                     Found::Fails(why) => failed.push((rule, why)),
@@ -173,7 +190,7 @@ impl<'a> Prover<'a> {
                 None
             } else {
                 self.order.sooner.insert(part, same.clone());
-                let found = self.step_minimal(rule, rule, Some(part))?;
+                let found = self.step_minimal(rule, Some(rule), ALL)?;
                 self.order.sooner.remove(&part);
                 found
             };
@@ -255,7 +272,7 @@ impl<'a> Prover<'a> {
     /// An assumption of a part, by induction over time.
     fn assumption(&mut self, rule: usize) -> Result<Found, Limit> {
         let part = self.part_of(rule);
-        if let Some(by) = self.step_minimal(rule, rule, Some(part))? {
+        if let Some(by) = self.step_minimal(rule, Some(rule), ALL)? {
             return Ok(Found::Follows(by));
         }
         // Other assumptions were kept so far as well; they follow from guarantees, unless one of them is open.
@@ -277,30 +294,33 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// The smallest part of the hypotheses from which a rule follows step by step, those near `like` first; `None` when it does not
-    /// follow.
+    /// The smallest part of the hypotheses from which a rule follows step by step, as far as so many rings of them are looked at; `None`
+    /// when it does not follow. `assumed` says that it is an assumption of a part.
     fn step_minimal(
         &mut self,
         rule: usize,
-        like: usize,
-        part: Option<usize>,
+        assumed: Option<usize>,
+        rings: usize,
     ) -> Result<Option<Vec<usize>>, Limit> {
+        let part = assumed.map(|rule| self.part_of(rule));
         let mut candidates = self.hypotheses();
-        if self.book.rule(like).kind == RuleKind::Initial {
+        if self.book.rule(rule).kind == RuleKind::Initial {
             // Nothing else is about step 0.
             let first = [RuleKind::Initial, RuleKind::Invariant];
             candidates.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
-        self.minimal(like, &candidates, &mut |p, kept| {
+        self.minimal(rule, &candidates, rings, &mut |p, kept| {
             p.step_holds(kept, rule, part)
         })
     }
 
-    /// The smallest part of some candidates that is enough: what is given alone, a single guarantee, and then ring by ring.
+    /// The smallest part of some candidates that is enough: what is given alone, a single guarantee, and then ring by ring, up to so many
+    /// rings.
     fn minimal(
         &mut self,
         goal: usize,
         candidates: &[usize],
+        most_rings: usize,
         holds: &mut impl FnMut(&mut Self, &[usize]) -> Result<bool, Limit>,
     ) -> Result<Option<Vec<usize>>, Limit> {
         if holds(self, &[])? {
@@ -319,7 +339,7 @@ impl<'a> Prover<'a> {
             }
         }
         let mut kept = Vec::new();
-        for ring in rings {
+        for ring in rings.into_iter().take(most_rings) {
             // Justice where it is enough, since it is what the reader looks for; then what stands nearest.
             let (justice, safety): (Vec<usize>, Vec<usize>) =
                 ring.into_iter().partition(|i| self.book.is_justice(*i));
@@ -330,7 +350,7 @@ impl<'a> Prover<'a> {
             }
         }
         // What nothing leads to matters where it cannot be kept at all.
-        if kept.len() < candidates.len() && holds(self, candidates)? {
+        if most_rings == ALL && kept.len() < candidates.len() && holds(self, candidates)? {
             return self.fewest(candidates, holds).map(Some);
         }
         Ok(None)
@@ -382,11 +402,17 @@ impl<'a> Prover<'a> {
 
     // ---- what is handed on -----------------------------------------------------------------------------------------
 
+    /// Whether what a rule says of the last step that it speaks of is about what comes from outside, too.
+    fn is_about_outside(&self, rule: usize) -> bool {
+        let Rule { kind, expr } = self.book.rule(rule);
+        let mut latest = latest(expr, *kind).into_iter();
+        latest.any(|v| self.book.system.driver(v).is_none())
+    }
+
     /// Whether an assumption that is not discharged may be handed on to the environment, and on what that rests.
     fn export(&mut self, rule: usize) -> Result<Option<Vec<usize>>, Limit> {
         let Rule { kind, expr } = self.book.rule(rule).clone();
-        let mut latest = latest(&expr, kind).into_iter();
-        let outside = latest.any(|v| self.book.system.driver(v).is_none());
+        let outside = self.is_about_outside(rule);
         let after = match &self.claim.exports {
             Exports::Never => return Ok(None),
             _ if !outside => return Ok(None),
@@ -407,7 +433,7 @@ impl<'a> Prover<'a> {
         let part = self.part_of(rule);
         let mut candidates = self.hypotheses();
         candidates.push(rule);
-        let found = self.minimal(weaker, &candidates, &mut |p, kept| {
+        let found = self.minimal(weaker, &candidates, ALL, &mut |p, kept| {
             // Of the last step it is what is to be shown.
             let definitions = p.book.definitions(kept.iter().copied().chain([weaker]));
             let last = { kept.iter().copied() }.filter(|i| *i != rule && p.is_usable(*i, part));
@@ -517,7 +543,7 @@ impl<'a> Prover<'a> {
             .collect();
         let mut waiting = Vec::new();
         for rule in left {
-            let found = self.minimal(*rule, &environments, &mut |p, kept| {
+            let found = self.minimal(*rule, &environments, ALL, &mut |p, kept| {
                 Ok(p.starved(kept, *rule)?.is_none())
             })?;
             match found {
@@ -590,7 +616,7 @@ impl<'a> Prover<'a> {
         reliable: &BTreeSet<usize>,
     ) -> Result<Option<Vec<usize>>, Limit> {
         let candidates = self.reasons(reliable);
-        self.minimal(rule, &candidates, &mut |p, kept| {
+        self.minimal(rule, &candidates, ALL, &mut |p, kept| {
             Ok(p.starved(kept, rule)?.is_none())
         })
     }
@@ -683,7 +709,7 @@ impl<'a> Prover<'a> {
                     },
                 }
             } else {
-                match self.step_minimal(rule, rule, None)? {
+                match self.step_minimal(rule, None, ALL)? {
                     Some(by) => Found::Follows(by),
                     None => self.fairly(rule, reliable)?,
                 }
