@@ -83,6 +83,8 @@ fn text(told: Told<'_>, proof: &Proof, synth: bool) -> String {
         text.push_str(&told.table(&proof.discharges));
     }
     let exported = told.exported(proof);
+    let semantics =
+        "Semantics: strict, step by step: who keeps its assumptions so far keeps its guarantees.\n";
     if proof.holds() {
         let what = match exported.len() {
             0 => "nothing is assumed of the outside".to_owned(),
@@ -90,6 +92,7 @@ fn text(told: Told<'_>, proof: &Proof, synth: bool) -> String {
             n => format!("{n} assumptions are handed on to the outside"),
         };
         let _ = writeln!(text, "All assumptions are met; {what}.");
+        text.push_str(semantics);
     } else {
         let open = proof.open.len();
         let _ = writeln!(

@@ -165,6 +165,7 @@ pub fn told(
             format!("`{new}` does not refine `{old}`.")
         }
     );
+    text.push_str("Semantics: inclusion of infinite runs.\n");
     (findings, text)
 }
 

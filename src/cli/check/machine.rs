@@ -36,10 +36,16 @@ pub(super) fn proved(machine: &Machine, walked: Composition, limits: &Limits) ->
                 claim: &claim,
                 whole: &machine.name,
             };
-            let others = walked.findings.into_iter();
-            let others = others.filter(|f| f.code != codes::ASSUMPTION_OPEN);
+            // What the walk shows of one assumption relies on all others.
+            let (open, others): (Vec<_>, Vec<_>) =
+                { walked.findings.into_iter() }.partition(|f| f.code == codes::ASSUMPTION_OPEN);
             result.findings.extend(others);
-            components(machine, told, proof, &walked.discharges, &mut result);
+            let walked = if open.is_empty() {
+                walked.discharges
+            } else {
+                Vec::new()
+            };
+            components(machine, told, proof, &walked, &mut result);
         }
         Err(limit) => {
             // What the coordinator's states show is then all that there is.
