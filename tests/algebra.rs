@@ -1,4 +1,9 @@
-//! The algebra of contracts: proofs of composition, and the exact decisions, each against what does not share its code.
+//! The algebra of contracts on the contracts and machines that ship: discharge tables, what happens when a guarantee that one of them names is
+//! taken away, the paper's own pair, and circles that are sound or not.
 
 #[path = "algebra/machines.rs"]
 mod machines;
+#[path = "algebra/pairs.rs"]
+mod pairs;
+#[path = "algebra/tables.rs"]
+mod tables;

@@ -206,7 +206,8 @@ fn entry(
     if defines.is_empty() {
         defines.clone_from(&mentions);
     }
-    let answers_first = part.is_some_and(|p| {
+    let guarantee = part.filter(|_| half != Some(Half::Assumptions));
+    let answers_first = guarantee.is_some_and(|p| {
         let part = &system.parts[p];
         part.timing == Timing::Moore && latest(expr, kind).iter().all(|v| part.drives.contains(v))
     });

@@ -22,6 +22,8 @@ pub struct Prover<'a> {
     order: Order,
     /// Assumptions that were handed on to the environment, by rule.
     exported: Vec<usize>,
+    /// Of assumptions that were to be handed on: what would have to be shown of them even so.
+    left_of_export: BTreeMap<usize, usize>,
     proof: Proof,
 }
 
@@ -46,6 +48,8 @@ impl Order {
 enum Found {
     /// It follows from these rules.
     Follows(Vec<usize>),
+    /// It is the environment's business where it may choose, and follows from these rules elsewhere.
+    HandedOn(Vec<usize>),
     /// It does not.
     Fails(Broken),
 }
@@ -58,6 +62,7 @@ impl<'a> Prover<'a> {
             claim,
             order: Order::default(),
             exported: Vec::new(),
+            left_of_export: BTreeMap::new(),
             proof: Proof::default(),
         })
     }
@@ -154,6 +159,7 @@ impl<'a> Prover<'a> {
                 }
                 match self.assumption(rule)? {
                     Found::Follows(by) => self.discharged(rule, &by),
+                    Found::HandedOn(by) => self.hand_on(rule, &by),
                     Found::Fails(why) => failed.push((rule, why)),
                 }
             }
@@ -161,7 +167,9 @@ impl<'a> Prover<'a> {
             let mut moved = false;
             let mut open = Vec::new();
             for (rule, why) in failed {
-                match self.export(rule)? {
+                // Where that was tried before, it is not tried again.
+                let tried = self.left_of_export.contains_key(&rule);
+                match if tried { None } else { self.export(rule)? } {
                     Some(by) => {
                         self.hand_on(rule, &by);
                         moved = true;
@@ -285,13 +293,17 @@ impl<'a> Prover<'a> {
         }
         all.sort_unstable();
         all.dedup();
-        match self.step(&all, rule, Some(part))? {
-            Some(trace) => Ok(Found::Fails(Broken::Trace(trace))),
-            None => {
-                let mut holds = |kept: &[usize]| self.step_holds(kept, rule, Some(part));
-                Ok(Found::Follows(quick_xplain(&mut holds, &[], false, &all)?))
-            }
+        let weaker = self.left_of_export.get(&rule).copied();
+        let wanted = weaker.unwrap_or(rule);
+        if let Some(trace) = self.step(&all, wanted, Some(part))? {
+            return Ok(Found::Fails(Broken::Trace(trace)));
         }
+        let mut holds = |kept: &[usize]| self.step_holds(kept, wanted, Some(part));
+        let by = quick_xplain(&mut holds, &[], false, &all)?;
+        Ok(match weaker {
+            None => Found::Follows(by),
+            Some(_) => Found::HandedOn(by),
+        })
     }
 
     /// The smallest part of the hypotheses from which a rule follows step by step, as far as so many rings of them are looked at; `None`
@@ -411,6 +423,7 @@ impl<'a> Prover<'a> {
 
     /// Whether an assumption that is not discharged may be handed on to the environment, and on what that rests.
     fn export(&mut self, rule: usize) -> Result<Option<Vec<usize>>, Limit> {
+        self.left_of_export.remove(&rule);
         let Rule { kind, expr } = self.book.rule(rule).clone();
         let outside = self.is_about_outside(rule);
         let after = match &self.claim.exports {
@@ -430,6 +443,7 @@ impl<'a> Prover<'a> {
             kind: RuleKind::Safety,
             expr: after.or(next),
         });
+        self.left_of_export.insert(rule, weaker);
         let part = self.part_of(rule);
         let mut candidates = self.hypotheses();
         candidates.push(rule);
@@ -715,7 +729,7 @@ impl<'a> Prover<'a> {
                 }
             };
             match found {
-                Found::Follows(by) => self.record_again(rule, &by, turns),
+                Found::Follows(by) | Found::HandedOn(by) => self.record_again(rule, &by, turns),
                 Found::Fails(why) => {
                     let what = self.at(rule);
                     self.proof.open.push(Open { what, why });

@@ -13,6 +13,12 @@ use std::collections::BTreeSet;
 /// How the parts of a relation are put together.
 const CLUSTERING: Clustering = Clustering::ByBits(3_000);
 
+/// After so many rings a cycle is looked for, although there may be more rings.
+const FIRST_LOOK: usize = 6;
+
+/// It is looked for again after so many times as many.
+const LOOK_AGAIN: usize = 6;
+
 /// So many sets of reachable states are remembered.
 const REMEMBERED: usize = 24;
 
@@ -58,6 +64,28 @@ pub struct Reached<K: Kernel> {
     pub rings: Vec<K::Function>,
     /// All of them.
     pub all: K::Function,
+    /// Whether there are no more.
+    pub complete: bool,
+}
+
+impl<K: Kernel> Reached<K> {
+    /// One ring more; says whether there was one.
+    fn grow(&mut self) -> Result<bool, Limit> {
+        if self.complete {
+            return Ok(false);
+        }
+        let m = &self.steps.m;
+        let last = &self.rings[self.rings.len() - 1];
+        let new = m.and_not(&self.steps.after(last)?, &self.all)?;
+        if m.is_false(&new) {
+            self.complete = true;
+            return Ok(false);
+        }
+        self.all = m.or(&self.all, &new)?;
+        self.rings.push(new);
+        self.steps.m.safe_point()?;
+        Ok(true)
+    }
 }
 
 impl<K: Kernel> Steps<K> {
@@ -227,41 +255,37 @@ impl<K: Kernel> Board<K> {
         })
     }
 
-    /// What can be reached under these rules. `variables` are those of the whole question.
+    /// What can be reached under these rules, as far as it was looked at before; at least the initial states. `variables` are those of the
+    /// whole question. Whoever goes on with it gives it back ([`Self::remember`]).
     fn reach(
         &mut self,
         rules: &[Rule],
         keep: &[usize],
         variables: &BTreeSet<VarId>,
-    ) -> Result<Reached<K>, Limit> {
+    ) -> Result<(Vec<usize>, Reached<K>), Limit> {
         let mut key: Vec<usize> = keep.to_vec();
         key.sort_unstable();
         key.push(usize::MAX);
         key.extend(variables.iter().map(|v| v.index()));
         if let Some(place) = self.reached.iter().position(|(k, _)| *k == key) {
-            self.reached[place..].rotate_left(1);
-            return Ok(self.reached[self.reached.len() - 1].1.clone());
+            return Ok(self.reached.remove(place));
         }
         let steps = self.steps(rules, keep, variables)?;
-        let m = &steps.m;
-        let mut rings = vec![steps.initial.clone()];
-        let mut all = steps.initial.clone();
-        loop {
-            let last = &rings[rings.len() - 1];
-            let new = m.and_not(&steps.after(last)?, &all)?;
-            if m.is_false(&new) {
-                break;
-            }
-            all = m.or(&all, &new)?;
-            rings.push(new);
-            m.safe_point()?;
-        }
-        let reached = Reached { steps, rings, all };
+        let first = steps.initial.clone();
+        let reached = Reached {
+            all: first.clone(),
+            rings: vec![first],
+            complete: false,
+            steps,
+        };
+        Ok((key, reached))
+    }
+
+    fn remember(&mut self, key: Vec<usize>, reached: Reached<K>) {
         if self.reached.len() >= REMEMBERED {
             self.reached.remove(0);
         }
-        self.reached.push((key, reached.clone()));
-        Ok(reached)
+        self.reached.push((key, reached));
     }
 
     /// See [`super::Runs::lasso`].
@@ -270,7 +294,7 @@ impl<K: Kernel> Board<K> {
             .chain(&wanted.again)
             .chain(&wanted.never_again);
         let variables = Self::mentioned(rules, all.copied());
-        let reached = self.reach(rules, &wanted.keep, &variables)?;
+        let (key, mut reached) = self.reach(rules, &wanted.keep, &variables)?;
         let m = self.m.clone();
         let mut settled = m.constant(true);
         for index in &wanted.never_again {
@@ -282,16 +306,31 @@ impl<K: Kernel> Board<K> {
             again.push(self.function(rules, *index)?);
         }
         let steps = reached.steps.only(&settled)?;
-        let fair = fair::fair(&steps, &reached.all, &again)?;
-        if m.is_false(&fair) {
-            return Ok(None);
+        // What there is is often near the beginning.
+        let mut next_look = FIRST_LOOK;
+        let mut fair = m.constant(false);
+        loop {
+            let more = reached.grow()?;
+            if !more || reached.rings.len() == next_look {
+                next_look *= LOOK_AGAIN;
+                fair = fair::fair(&steps, &reached.all, &again)?;
+            }
+            if !more || !m.is_false(&fair) {
+                break;
+            }
         }
-        let path = Path {
-            encoding: &self.encoding,
-            variables: &variables,
-            smallest: &smallest(&self.variables),
+        let found = if m.is_false(&fair) {
+            None
+        } else {
+            let path = Path {
+                encoding: &self.encoding,
+                variables: &variables,
+                smallest: &smallest(&self.variables),
+            };
+            Some(path.lasso(&reached, &steps, &fair, &again)?)
         };
-        path.lasso(&reached, &steps, &fair, &again).map(Some)
+        self.remember(key, reached);
+        Ok(found)
     }
 
     /// See [`super::Runs::depends`].
@@ -370,38 +409,50 @@ impl<K: Kernel> Board<K> {
                 m.prime(&broken)?
             }
         };
-        let reached = self.reach(rules, &slip.before, &variables)?;
+        let (key, mut reached) = self.reach(rules, &slip.before, &variables)?;
         // An invariant that only the last step keeps says nothing of the states before it.
         let from = last.backward.product(&m, &bad)?;
-        for (ring, states) in reached.rings.iter().enumerate() {
-            let here = m.and(states, &from)?;
-            if m.is_false(&here) {
-                continue;
+        let mut ring = 0;
+        let found = loop {
+            let here = m.and(&reached.rings[ring], &from)?;
+            if !m.is_false(&here) {
+                break Some((ring, here));
             }
-            let path = Path {
-                encoding: &self.encoding,
-                variables: &variables,
-                smallest: &smallest(&self.variables),
-            };
-            let mut run = path.back_to_start(&reached, ring, &here)?;
-            let (_, at) = run
-                .pop()
-                .expect("the state that was found; please report this");
-            let mut values: Vec<Vec<i64>> = run.into_iter().map(|(v, _)| v).collect();
-            let (at_values, _) = path.state(&m, &at)?.expect("a state; please report this");
-            values.push(at_values);
-            let steps = last.with_parts({
-                let mut parts = last.parts.clone();
-                parts.push(bad.clone());
-                parts
-            })?;
-            let target = steps.after(&at)?;
-            let (end, _) = path
-                .state(&m, &target)?
-                .expect("a step; please report this");
-            values.push(end);
-            return Ok(Some(values));
-        }
-        Ok(None)
+            ring += 1;
+            if ring == reached.rings.len() && !reached.grow()? {
+                break None;
+            }
+        };
+        let run = match found {
+            Some((ring, here)) => {
+                let last = last.only(&bad)?;
+                Some(self.up_to(&variables, &reached, (ring, &here), &last)?)
+            }
+            None => None,
+        };
+        self.remember(key, reached);
+        Ok(run)
+    }
+
+    /// A run to a state in a ring, and one step more.
+    fn up_to(
+        &self,
+        variables: &BTreeSet<VarId>,
+        reached: &Reached<K>,
+        (ring, here): (usize, &K::Function),
+        last: &Steps<K>,
+    ) -> Result<Vec<Vec<i64>>, Limit> {
+        let path = Path {
+            encoding: &self.encoding,
+            variables,
+            smallest: &smallest(&self.variables),
+        };
+        let run = path.back_to_start(reached, ring, here)?;
+        let (_, at) = &run[run.len() - 1];
+        let end = path.state(&self.m, &last.after(at)?)?;
+        let (end, _) = end.expect("a step out of what was found; please report this");
+        let mut values: Vec<Vec<i64>> = run.into_iter().map(|(v, _)| v).collect();
+        values.push(end);
+        Ok(values)
     }
 }

@@ -1,0 +1,55 @@
+//! Proofs as text, for snapshots.
+
+use linewright::algebra::proof::{Broken, Claim, Discharged, Proof};
+use linewright::algebra::replay;
+use linewright::algebra::system::{FormulaRef, System};
+
+/// `cell: pick_open`
+pub fn name(system: &System, claim: &Claim, at: FormulaRef) -> String {
+    let formula = replay::formula(system, claim, at);
+    match at.part {
+        Some(part) => format!("{}: {}", system.parts[part].name, formula.name),
+        None => formula.name.clone(),
+    }
+}
+
+/// One obligation a line. Every counterexample has to be accepted by the evaluator.
+#[track_caller]
+pub fn table(system: &System, claim: &Claim, proof: &Proof) -> String {
+    let mut text = String::new();
+    for d in &proof.discharges {
+        let by: Vec<String> = d.by.iter().map(|b| name(system, claim, *b)).collect();
+        let rule = match d.rule {
+            Discharged::Environment => "environment".to_owned(),
+            Discharged::Exported => "exported".to_owned(),
+            Discharged::Induction => "induction".to_owned(),
+            Discharged::Justice { turn } => format!("justice {}", turn + 1),
+        };
+        text += &format!(
+            "{} | {rule} | {}\n",
+            name(system, claim, d.what),
+            by.join(", ")
+        );
+    }
+    for o in &proof.open {
+        assert_eq!(replay::accepts(system, claim, proof, o), Ok(()), "{o:?}");
+        let how = match &o.why {
+            Broken::Trace(steps) => format!("a trace of {} steps", steps.len()),
+            Broken::Lasso(run) => format!("a cycle of {} steps", run.cycle.len()),
+        };
+        text += &format!("{} | OPEN | {how}\n", name(system, claim, o.what));
+    }
+    for circle in &proof.circles {
+        let names: Vec<String> = { circle.assumptions.iter() }
+            .map(|a| name(system, claim, *a))
+            .collect();
+        text += &format!("circle: {}\n", names.join(" -> "));
+    }
+    for found in &proof.loops {
+        let names: Vec<&str> = { found.variables.iter() }
+            .map(|v| system.variables[v.index()].name.as_str())
+            .collect();
+        text += &format!("loop: {}\n", names.join(" -> "));
+    }
+    text
+}
