@@ -16,6 +16,8 @@ mod contracts;
 #[path = "oracle/game.rs"]
 #[allow(dead_code, reason = "only its evaluator and its fixpoint are used")]
 mod game;
+#[path = "algebra_oracle/graph.rs"]
+mod graph;
 #[path = "algebra_oracle/lassos.rs"]
 mod lassos;
 #[path = "algebra_oracle/laws.rs"]
@@ -25,3 +27,5 @@ mod operations;
 #[path = "oracle/random.rs"]
 #[allow(dead_code, reason = "only its generator is used")]
 mod random;
+#[path = "algebra_oracle/refinement.rs"]
+mod refinement;
