@@ -11,6 +11,8 @@
 //! | `compatibility` | environments exist where a naive solver of the swapped game finds one |
 //! | `circles` | what a proof of a composition promises holds of all machines that keep the parts' contracts |
 
+#[path = "algebra_oracle/compatibility.rs"]
+mod compatibility;
 #[path = "algebra_oracle/contracts.rs"]
 mod contracts;
 #[path = "oracle/game.rs"]
@@ -29,3 +31,5 @@ mod operations;
 mod random;
 #[path = "algebra_oracle/refinement.rs"]
 mod refinement;
+#[path = "algebra_oracle/wired.rs"]
+mod wired;

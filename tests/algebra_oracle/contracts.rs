@@ -125,7 +125,12 @@ fn side(r: &mut Random, variables: &[Variable], chances: &Chances) -> Side {
         add(&mut side.invariants, chances.invariants, &now, "invariant");
         add(&mut side.safety, chances.safety, &step, "safety");
         add(&mut side.justice, chances.justice, &now, "justice");
-        add(&mut side.justice, chances.step_justice, &step, "step justice");
+        add(
+            &mut side.justice,
+            chances.step_justice,
+            &step,
+            "step justice",
+        );
     }
     side
 }
@@ -186,7 +191,11 @@ pub fn stronger(r: &mut Random, variables: &[Variable], of: &Side) -> Side {
 /// A contract that refines another: it assumes less, and guarantees more.
 pub fn refining(r: &mut Random, variables: &[Variable], of: &Part) -> Part {
     let assumptions = weaker(r, variables, &of.assumptions);
-    part("refining", assumptions, stronger(r, variables, &of.guarantees))
+    part(
+        "refining",
+        assumptions,
+        stronger(r, variables, &of.guarantees),
+    )
 }
 
 /// A contract that another refines.

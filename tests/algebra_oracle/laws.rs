@@ -112,8 +112,16 @@ fn refinement_is_a_preorder() {
     let (mut chains, mut strict, mut others) = (0, 0, 0);
     let make = |r: &mut Random, variables: &[Variable]| {
         let b = any(r, variables);
-        let a = if r.chance(70) { refining(r, variables, &b) } else { akin(r, variables, &b) };
-        let c = if r.chance(70) { refined(r, variables, &b) } else { akin(r, variables, &b) };
+        let a = if r.chance(70) {
+            refining(r, variables, &b)
+        } else {
+            akin(r, variables, &b)
+        };
+        let c = if r.chance(70) {
+            refined(r, variables, &b)
+        } else {
+            akin(r, variables, &b)
+        };
         vec![a, b, c]
     };
     rounds(10_000, make, |bench| {
@@ -138,7 +146,9 @@ fn refinement_is_a_preorder() {
             }
         }
     });
-    println!("{ROUNDS} triples: {chains} chains, {strict} of them strict, {others} of three in another order");
+    println!(
+        "{ROUNDS} triples: {chains} chains, {strict} of them strict, {others} of three in another order"
+    );
     assert!(chains >= 300 && strict >= 150 && others >= 300);
 }
 
@@ -222,8 +232,12 @@ fn conjunction_is_the_greatest_lower_bound() {
             let other = if r.chance(50) { &a } else { &b };
             x.assumptions = linewright::gr1::Side::default();
             x.guarantees.safety.extend(other.guarantees.safety.clone());
-            x.guarantees.justice.extend(other.guarantees.justice.clone());
-            x.guarantees.initial.extend(other.guarantees.initial.clone());
+            x.guarantees
+                .justice
+                .extend(other.guarantees.justice.clone());
+            x.guarantees
+                .initial
+                .extend(other.guarantees.initial.clone());
             let invariants = other.guarantees.invariants.clone();
             x.guarantees.invariants.extend(invariants);
         }
@@ -263,7 +277,10 @@ fn merging_is_dual_to_composition() {
         let [weaker, a, b, c] = [0, 1, 2, 3].map(|i| bench.part(i));
         let dual = |a: &Both, b: &Both| a.reciprocal().compose(&b.reciprocal()).reciprocal();
         bench.same(&a.merge(&b), &dual(&a, &b));
-        bench.same(&a.compose(&b), &a.reciprocal().merge(&b.reciprocal()).reciprocal());
+        bench.same(
+            &a.compose(&b),
+            &a.reciprocal().merge(&b.reciprocal()).reciprocal(),
+        );
         bench.same(&a.merge(&b), &b.merge(&a));
         bench.same(&a.merge(&b).merge(&c), &a.merge(&b.merge(&c)));
         // Exchanging the halves turns refinement round.

@@ -120,7 +120,13 @@ fn operations_are_what_they_are_defined_as() {
     for ((name, ..), o) in OPERATIONS.iter().zip(outcomes) {
         let all = o.refines + o.assumptions + o.guarantees;
         assert_eq!(u64::from(all), 2 * PAIRS);
-        assert!(o.refines * 5 >= all && o.refines * 5 <= 4 * all, "{name}: {o:?}");
-        assert!(o.assumptions * 20 >= all && o.guarantees * 20 >= all, "{name}: {o:?}");
+        assert!(
+            o.refines * 5 >= all && o.refines * 5 <= 4 * all,
+            "{name}: {o:?}"
+        );
+        assert!(
+            o.assumptions * 20 >= all && o.guarantees * 20 >= all,
+            "{name}: {o:?}"
+        );
     }
 }

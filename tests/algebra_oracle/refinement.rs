@@ -65,8 +65,8 @@ fn a_step_breaks(board: &Board, kept: &Side, broken: &Side) -> bool {
     let right = board.steps([broken]);
     let reached = runs.reach(runs.start);
     let everything = 0..board.valuations.len();
-    runs.start & !right.start != 0
-        || { everything }.any(|s| reached >> s & 1 == 1 && runs.step[s] & !right.step[s] != 0)
+    runs.start & !right.start != 0 || { everything }
+        .any(|s| reached >> s & 1 == 1 && runs.step[s] & !right.step[s] != 0)
 }
 
 /// The reasons of a discharge are enough, and none can be left out.
@@ -110,7 +110,11 @@ fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, cou
 /// A counterexample is one: by the evaluator of the algebra, and by the definitions. Of a trace: it keeps what is known, its last step
 /// breaks the formula, and from there a run goes on for ever and keeps what is known, justice included.
 fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
-    let Question { system, claim, proof } = question;
+    let Question {
+        system,
+        claim,
+        proof,
+    } = question;
     assert_eq!(replay::accepts(system, claim, proof, open), Ok(()));
     let what = only(question, &[open.what]);
     let known: Vec<&Side> = { [&claim.given].into_iter() }
@@ -132,8 +136,9 @@ fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
                 .collect();
             let follows = |steps: &crate::graph::Steps, states: &[usize]| {
                 let pairs = states.windows(2);
-                states.first().is_none_or(|s| steps.start >> s & 1 == 1)
-                    && { pairs }.into_iter().all(|p| steps.step[p[0]] >> p[1] & 1 == 1)
+                states.first().is_none_or(|s| steps.start >> s & 1 == 1) && { pairs }
+                    .into_iter()
+                    .all(|p| steps.step[p[0]] >> p[1] & 1 == 1)
             };
             let kept = board.steps(known.iter().copied());
             assert!(follows(&kept, &states), "{steps:?}");
@@ -195,7 +200,10 @@ fn refinement_is_explained_right() {
         let [a1, a2] = [0, 1].map(|i| Words::Side(i, Half::Assumptions));
         let [g1, g2] = [0, 1].map(|i| Words::Side(i, Half::Guarantees));
         let assumed = decider.difference(&a2, &a1).expect("no limit").is_none();
-        let promised = decider.difference(&a2.and(g1), &g2).expect("no limit").is_none();
+        let promised = decider
+            .difference(&a2.and(g1), &g2)
+            .expect("no limit")
+            .is_none();
         assert_eq!(found.assumptions.proof.holds(), assumed, "seed {seed}");
         assert_eq!(found.guarantees.proof.holds(), promised, "seed {seed}");
         counts.refines += u32::from(found.holds());
