@@ -11,6 +11,8 @@
 //! | `compatibility` | environments exist where a naive solver of the swapped game finds one |
 //! | `circles` | what a proof of a composition promises holds of all machines that keep the parts' contracts |
 
+#[path = "algebra_oracle/circles.rs"]
+mod circles;
 #[path = "algebra_oracle/compatibility.rs"]
 mod compatibility;
 #[path = "algebra_oracle/contracts.rs"]

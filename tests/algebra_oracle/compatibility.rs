@@ -16,7 +16,7 @@ use linewright::algebra::system::{Part, System, formulas};
 use linewright::game::Limits;
 use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId};
 
-const SYSTEMS: u64 = 2_000;
+const SYSTEMS: u64 = 5_000;
 
 /// The game, with explicit states.
 struct Swapped {
@@ -212,8 +212,9 @@ fn environments_exist_where_the_swapped_game_is_won() {
             moore: if r.chance(40) { 90 } else { 20 },
             derived: 25,
             demanding: r.chance(90),
+            sees: 40,
         };
-        let system = wired::system(&mut r, &plan);
+        let system = wired::system(&mut r, &plan, &|_, _| ());
         let assumptions = together(system.parts.iter().map(|p| &p.assumptions));
         let mut game = Swapped::new(&system, &assumptions);
         let found = compatible(&system, &limits).expect("no limit");

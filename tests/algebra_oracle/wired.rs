@@ -18,6 +18,8 @@ pub struct Plan {
     pub derived: u64,
     /// Whether more is assumed, and less guaranteed.
     pub demanding: bool,
+    /// How many in a hundred guarantees of a part that answers second speak of the inputs of the step.
+    pub sees: u64,
 }
 
 fn domain(r: &mut Random, wide: bool) -> Domain {
@@ -87,7 +89,7 @@ fn guarantees(
         }
         // Of the step's inputs only who sees them speaks, as a rule.
         let sees = match timing {
-            Timing::Mealy => r.chance(40),
+            Timing::Mealy => r.chance(plan.sees),
             Timing::Moore => r.chance(4),
         };
         let mut latest = vec![own];
@@ -169,8 +171,9 @@ fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Sid
     side
 }
 
-/// A system whose parts drive one variable each; the last variables come from outside.
-pub fn system(r: &mut Random, plan: &Plan) -> System {
+/// A system whose parts drive one variable each; the last variables come from outside. `mend` may change it once the guarantees stand, and
+/// once the assumptions do.
+pub fn system(r: &mut Random, plan: &Plan, mend: &dyn Fn(&mut Random, &mut System)) -> System {
     let count = plan.parts + plan.outside;
     let wide = r.below(2 * count);
     let domains: Vec<Domain> = (0..count).map(|i| domain(r, i == wide)).collect();
@@ -194,8 +197,10 @@ pub fn system(r: &mut Random, plan: &Plan) -> System {
         });
     }
     let mut system = System { variables, parts };
+    mend(r, &mut system);
     for i in 0..plan.parts as usize {
         system.parts[i].assumptions = assumptions(r, &system, i, plan);
     }
+    mend(r, &mut system);
     system
 }

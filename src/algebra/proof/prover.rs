@@ -127,6 +127,15 @@ impl<'a> Prover<'a> {
         found
     }
 
+    /// These, and the safety that parts assume: it was kept so far. It follows from the others unless one of the assumptions is open.
+    fn with_assumptions(&self, mut rules: Vec<usize>) -> Vec<usize> {
+        let assumed = self.book.numbers(|at| is_assumption(*at));
+        rules.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
+        rules.sort_unstable();
+        rules.dedup();
+        rules
+    }
+
     /// Initial conditions, invariants and safety that parts assume.
     fn safety(&mut self) -> Result<(), Limit> {
         let assumed = self.book.numbers(|at| is_assumption(*at));
@@ -145,11 +154,11 @@ impl<'a> Prover<'a> {
             let mut open = Vec::new();
             for (rule, why) in failed {
                 match self.export(rule)? {
-                    Some(by) => {
+                    Ok(by) => {
                         self.hand_on(rule, &by);
                         moved = true;
                     }
-                    None => open.push((rule, why)),
+                    Err(worse) => open.push((rule, worse.unwrap_or(why))),
                 }
             }
             if moved {
@@ -258,16 +267,12 @@ impl<'a> Prover<'a> {
         if let Some(by) = self.step_minimal(rule, rule, Some(part))? {
             return Ok(Found::Follows(by));
         }
-        // Other assumptions were kept so far as well; they follow from guarantees, unless one of them is open.
-        let mut all = self.hypotheses();
-        let assumed = self.book.numbers(|at| is_assumption(*at));
-        all.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
+        // Other assumptions were kept so far as well.
+        let mut all = self.with_assumptions(self.hypotheses());
         if self.book.rule(rule).kind == RuleKind::Initial {
             let first = [RuleKind::Initial, RuleKind::Invariant];
             all.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
-        all.sort_unstable();
-        all.dedup();
         match self.step(&all, rule, Some(part))? {
             Some(trace) => Ok(Found::Fails(Broken::Trace(trace))),
             None => {
@@ -382,17 +387,18 @@ impl<'a> Prover<'a> {
 
     // ---- what is handed on -----------------------------------------------------------------------------------------
 
-    /// Whether an assumption that is not discharged may be handed on to the environment, and on what that rests.
-    fn export(&mut self, rule: usize) -> Result<Option<Vec<usize>>, Limit> {
+    /// Whether an assumption that is not discharged may be handed on to the environment, and on what that rests; if not, how it is broken
+    /// where it would not be the environment's own choice, if it may be handed on at all.
+    fn export(&mut self, rule: usize) -> Result<Result<Vec<usize>, Option<Broken>>, Limit> {
         let Rule { kind, expr } = self.book.rule(rule).clone();
         let mut latest = latest(&expr, kind).into_iter();
         let outside = latest.any(|v| self.book.system.driver(v).is_none());
         let after = match &self.claim.exports {
-            Exports::Never => return Ok(None),
-            _ if !outside => return Ok(None),
-            Exports::Always => return Ok(Some(Vec::new())),
-            Exports::After(_) if kind == RuleKind::Initial => return Ok(Some(Vec::new())),
-            Exports::After(_) if kind == RuleKind::Justice => return Ok(None),
+            Exports::Never => return Ok(Err(None)),
+            _ if !outside => return Ok(Err(None)),
+            Exports::Always => return Ok(Ok(Vec::new())),
+            Exports::After(_) if kind == RuleKind::Initial => return Ok(Ok(Vec::new())),
+            Exports::After(_) if kind == RuleKind::Justice => return Ok(Err(None)),
             Exports::After(after) => after.clone(),
         };
         let next = match kind {
@@ -407,7 +413,7 @@ impl<'a> Prover<'a> {
         let part = self.part_of(rule);
         let mut candidates = self.hypotheses();
         candidates.push(rule);
-        let found = self.minimal(weaker, &candidates, &mut |p, kept| {
+        let slips = |p: &mut Self, kept: &[usize]| {
             // Of the last step it is what is to be shown.
             let definitions = p.book.definitions(kept.iter().copied().chain([weaker]));
             let last = { kept.iter().copied() }.filter(|i| *i != rule && p.is_usable(*i, part));
@@ -416,9 +422,19 @@ impl<'a> Prover<'a> {
                 before: [kept, &definitions].concat(),
                 broken: weaker,
             };
-            Ok(p.book.runs.step(&slip)?.is_none())
-        })?;
-        Ok(found.map(|by| by.into_iter().filter(|i| *i != rule).collect()))
+            p.book.runs.step(&slip)
+        };
+        let mut holds = |p: &mut Self, kept: &[usize]| Ok(slips(p, kept)?.is_none());
+        let by = if let Some(by) = self.minimal(weaker, &candidates, &mut holds)? {
+            by
+        } else {
+            let all = self.with_assumptions(candidates);
+            if let Some(trace) = slips(self, &all)? {
+                return Ok(Err(Some(Broken::Trace(trace))));
+            }
+            self.fewest(&all, &mut holds)?
+        };
+        Ok(Ok(by.into_iter().filter(|i| *i != rule).collect()))
     }
 
     fn hand_on(&mut self, rule: usize, by: &[usize]) {
@@ -490,8 +506,8 @@ impl<'a> Prover<'a> {
                 let mut open = Vec::new();
                 for rule in std::mem::take(&mut left) {
                     match self.export(rule)? {
-                        Some(by) => self.hand_on(rule, &by),
-                        None => open.push(rule),
+                        Ok(by) => self.hand_on(rule, &by),
+                        Err(_) => open.push(rule),
                     }
                 }
                 left = open;
@@ -590,9 +606,15 @@ impl<'a> Prover<'a> {
         reliable: &BTreeSet<usize>,
     ) -> Result<Option<Vec<usize>>, Limit> {
         let candidates = self.reasons(reliable);
-        self.minimal(rule, &candidates, &mut |p, kept| {
-            Ok(p.starved(kept, rule)?.is_none())
-        })
+        let mut holds = |p: &mut Self, kept: &[usize]| Ok(p.starved(kept, rule)?.is_none());
+        if let Some(by) = self.minimal(rule, &candidates, &mut holds)? {
+            return Ok(Some(by));
+        }
+        let all = self.with_assumptions(candidates);
+        if holds(self, &all)? {
+            return self.fewest(&all, &mut holds).map(Some);
+        }
+        Ok(None)
     }
 
     /// A run that keeps everything and from some step on never meets a justice again.
@@ -601,11 +623,7 @@ impl<'a> Prover<'a> {
         rule: usize,
         reliable: &BTreeSet<usize>,
     ) -> Result<Option<Lasso>, Limit> {
-        let mut all = self.reasons(reliable);
-        let assumed = self.book.numbers(|at| is_assumption(*at));
-        all.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
-        all.sort_unstable();
-        all.dedup();
+        let all = self.with_assumptions(self.reasons(reliable));
         self.starved(&all, rule)
     }
 
@@ -677,7 +695,7 @@ impl<'a> Prover<'a> {
             let found = if self.book.is_justice(rule) {
                 match self.again_minimal(rule, reliable)? {
                     Some(by) => Found::Follows(by),
-                    None => match self.starved(&self.reasons(reliable), rule)? {
+                    None => match self.never_again(rule, reliable)? {
                         Some(lasso) => Found::Fails(Broken::Lasso(lasso)),
                         None => unreachable!("what follows was found; please report this"),
                     },
@@ -727,7 +745,7 @@ impl<'a> Prover<'a> {
             kind: RuleKind::Justice,
             expr: Expr::now(slipped),
         });
-        let candidates = self.reasons(reliable);
+        let candidates = self.with_assumptions(self.reasons(reliable));
         let slips = |p: &mut Self, kept: &[usize]| -> Result<Option<Lasso>, Limit> {
             let mut wanted = p.wanted(kept, &[rule]);
             wanted.keep.extend([start, on]);
