@@ -273,13 +273,11 @@ impl<'a> Prover<'a> {
             let first = [RuleKind::Initial, RuleKind::Invariant];
             all.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
-        match self.step(&all, rule, Some(part))? {
-            Some(trace) => Ok(Found::Fails(Broken::Trace(trace))),
-            None => {
-                let mut holds = |kept: &[usize]| self.step_holds(kept, rule, Some(part));
-                Ok(Found::Follows(quick_xplain(&mut holds, &[], false, &all)?))
-            }
+        if let Some(trace) = self.step(&all, rule, Some(part))? {
+            return Ok(Found::Fails(Broken::Trace(trace)));
         }
+        let mut holds = |kept: &[usize]| self.step_holds(kept, rule, Some(part));
+        Ok(Found::Follows(quick_xplain(&mut holds, &[], false, &all)?))
     }
 
     /// The smallest part of the hypotheses from which a rule follows step by step, those near `like` first; `None` when it does not
