@@ -2,8 +2,10 @@
 
 use super::proof::{Claim, Exports};
 use super::system::{Part, System};
-use crate::contract::machine::{Machine, PlantInput, PlantSource};
-use crate::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Time, VarId, Variable};
+use crate::contract::machine::{Machine, PlantInput, PlantSource, Promised};
+use crate::gr1::{
+    Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
+};
 use crate::source::Span;
 
 /// A machine's components side by side, and what is to be shown of them: that they discharge one another's assumptions.
@@ -12,6 +14,84 @@ use crate::source::Span;
 /// what is read of the part stay until the operation is done. Assumptions about those may be handed on to whoever calls the machine,
 /// for the first step of a call. A machine without operations is only stepped: everything from outside is the caller's.
 pub fn of_machine(machine: &Machine) -> (System, Claim) {
+    let mut system = components(machine);
+    let rules = &machine.guarantees;
+    system.variables.extend(rules.monitors.iter().cloned());
+    if !rules.monitors.is_empty() {
+        let first = machine.wire_count() as u32;
+        let monitors = (0..rules.monitors.len() as u32).map(|i| VarId(first + i));
+        system.parts.push(monitors_alone(
+            monitors.collect(),
+            rules.definitions.clone(),
+        ));
+    }
+    let goal = rules.side.clone();
+    let claim = match &machine.done {
+        Some(done) => Claim {
+            given: facts(machine, done, &mut system),
+            goal,
+            exports: Exports::After(done.clone()),
+        },
+        None => Claim {
+            given: Side::default(),
+            goal,
+            exports: Exports::Always,
+        },
+    };
+    (system, claim)
+}
+
+/// A machine's components side by side, and the claim that they refine a contract together: under what it assumes, and nothing else, they
+/// discharge one another's assumptions and keep what it guarantees.
+pub fn of_promise(machine: &Machine, promised: &Promised) -> (System, Claim) {
+    let mut system = components(machine);
+    let specification = &promised.specification;
+    let mut monitors = Vec::new();
+    let places: Vec<Expr> = { promised.bindings.iter().zip(&specification.variables) }
+        .map(|(binding, variable)| match binding {
+            Some(expr) => expr.clone(),
+            None => {
+                let id = VarId(system.variables.len() as u32);
+                let name = system.fresh_name(&variable.name);
+                system.variables.push(Variable {
+                    name,
+                    ..variable.clone()
+                });
+                monitors.push(id);
+                Expr::now(id)
+            }
+        })
+        .collect();
+    let whole = Part::mapped(specification, &promised.contract, &mut |v, time| {
+        places[v.index()].substitute(&mut |w, _| Expr::Var(w, time))
+    });
+    if !monitors.is_empty() {
+        system
+            .parts
+            .push(monitors_alone(monitors, whole.definitions));
+    }
+    let claim = Claim {
+        given: whole.assumptions,
+        goal: whole.guarantees,
+        exports: Exports::Never,
+    };
+    (system, claim)
+}
+
+/// A part that only remembers.
+fn monitors_alone(drives: Vec<VarId>, definitions: Side) -> Part {
+    Part {
+        name: "monitors".to_owned(),
+        timing: Timing::Moore,
+        drives,
+        assumptions: Side::default(),
+        guarantees: Side::default(),
+        definitions,
+    }
+}
+
+/// A machine's components, over its wires.
+fn components(machine: &Machine) -> System {
     let mut system = System::default();
     for wire in 0..machine.wire_count() {
         system.variables.push(wire_variable(machine, wire));
@@ -25,18 +105,7 @@ pub fn of_machine(machine: &Machine) -> (System, Claim) {
             &mut |v, time| over_wires(specification, &component.bindings, first, v, time),
         ));
     }
-    let claim = match &machine.done {
-        Some(done) => Claim {
-            given: facts(machine, done, &mut system),
-            goal: Side::default(),
-            exports: Exports::After(done.clone()),
-        },
-        None => Claim {
-            exports: Exports::Always,
-            ..Claim::default()
-        },
-    };
-    (system, claim)
+    system
 }
 
 /// A component's variable over wires: an input is what it is bound to, an output its wire.

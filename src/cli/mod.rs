@@ -4,6 +4,7 @@
 //! gives an [`exit::ExitCode`] for everything the user can cause, and an `anyhow` error, printed and answered with 2, for what
 //! keeps it from running at all.
 
+pub mod algebra;
 pub mod build;
 pub mod cache;
 pub mod check;
@@ -73,6 +74,18 @@ pub enum Command {
     Run(run::Arguments),
     /// Lay files out in the one way that all files are laid out
     Fmt(fmt::Arguments),
+    /// Prove that contracts discharge one another's assumptions
+    Compose(algebra::ComposeArguments),
+    /// Say whether one contract, or a whole library, can stand in for another
+    Refine(algebra::RefineArguments),
+    /// Say whether some environment fits contracts
+    Compat(algebra::CompatArguments),
+    /// Two viewpoints of one component as one contract
+    Conjoin(algebra::ConjoinArguments),
+    /// What is missing beside one contract to keep another
+    Quotient(algebra::QuotientArguments),
+    /// Requirements that hold at once
+    Merge(algebra::MergeArguments),
     /// Print another tool's specification as a contract
     Import(import::Arguments),
     /// Say what a finding means, with a minimal contract that shows it
@@ -124,6 +137,12 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Build(a) => build::run(a, options),
         Command::Run(a) => run::run(a, options),
         Command::Fmt(a) => fmt::run(a, options),
+        Command::Compose(a) => algebra::compose(a, options),
+        Command::Refine(a) => algebra::refine(a, options),
+        Command::Compat(a) => algebra::compat(a, options),
+        Command::Conjoin(a) => algebra::conjoin(a, options),
+        Command::Quotient(a) => algebra::quotient(a, options),
+        Command::Merge(a) => algebra::merge(a, options),
         Command::Import(a) => import::run(a, options),
         Command::Explain(a) => explain::run(a, options),
         Command::Din(a) => din::run(a, options),

@@ -18,7 +18,7 @@
 //! A broken assumption ends the step with an error and changes nothing.
 
 use super::TaxonomyCode;
-use crate::gr1::{Domain, Expr, Specification, described};
+use crate::gr1::{Domain, Expr, Side, Specification, Variable, described};
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -54,8 +54,36 @@ pub struct Machine {
     pub step_limit: u64,
     /// Breakdowns, if any.
     pub failures: Option<Failures>,
+    /// The contracts that it is said to refine.
+    pub refines: Vec<Promised>,
+    /// What it guarantees as a whole, over wires.
+    pub guarantees: Rules,
     /// Where its name stands.
     pub span: Span,
+}
+
+/// A contract that a machine is said to refine: whatever uses the contract may use the machine.
+#[derive(Debug, Clone)]
+pub struct Promised {
+    /// The contract's name.
+    pub contract: String,
+    /// Its formulas with these arguments.
+    pub specification: Arc<Specification>,
+    /// For every variable, in order, what it is in the machine, over wires; `None` for the variables of monitors.
+    pub bindings: Vec<Option<Expr>>,
+    /// Where its name stands.
+    pub span: Span,
+}
+
+/// Formulas over wires, and over the variables of monitors that they need.
+#[derive(Debug, Clone, Default)]
+pub struct Rules {
+    /// The formulas.
+    pub side: Side,
+    /// Variables of monitors; they are numbered after the wires.
+    pub monitors: Vec<Variable>,
+    /// What defines them.
+    pub definitions: Side,
 }
 
 /// A contract in its place in a machine.

@@ -191,7 +191,7 @@ pub(super) fn machine<'a>(
     let mut used = Mentions::default();
     used.machine(machine);
     for item in &machine.items {
-        if let MachineItem::Component(component) = item {
+        if let MachineItem::Component(component) | MachineItem::Refines(component) = item {
             let name = &component.contract.text;
             let of_name = contracts.iter().filter(|c| c.header.name.text == *name);
             let bound = |name: &str| {

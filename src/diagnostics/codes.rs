@@ -118,6 +118,10 @@ codes! {
     OPERATION = "LW306", "an operation does not fit its coordinator";
     COORDINATOR_KIND = "LW307", "a coordinator must be a moore contract";
     PROPERTY = "LW308", "a property of the part is used wrongly";
+    JUSTICE_CIRCLE = "LW309", "assumptions of justice wait for one another";
+    PROMISE_BROKEN = "LW310", "what is promised as a whole is not kept";
+    PORTS = "LW311", "the ports of contracts do not fit together";
+    INCOMPATIBLE = "LW312", "no environment fits the contracts";
 
     LINE_UNKNOWN = "LW401", "a station, part type or route end is not declared";
     LINE_ROUTE = "LW402", "a part has no way onward";

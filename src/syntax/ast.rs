@@ -560,6 +560,17 @@ pub enum MachineItem {
         /// The value.
         value: Expr,
     },
+    /// `refines Contract(...) { ... }`: a component that is called like its contract.
+    Refines(Component),
+    /// `guarantee ...`
+    Guarantee {
+        /// Its name.
+        name: Option<Name>,
+        /// Its requirement.
+        requirement: Option<String>,
+        /// The formula.
+        expr: Expr,
+    },
     /// `const ...`
     Const(ConstDecl),
     /// `type ...`

@@ -120,7 +120,8 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         (
             Rule::bad_machine_item,
             "step" | "idle" | "power" | "limit" | "failures" | "property" | "parameter" | "signal"
-            | "abstract" | "coordinator" | "action" | "operation" | "done" | "write",
+            | "abstract" | "coordinator" | "action" | "operation" | "done" | "write" | "refines"
+            | "guarantee",
         ) => Some(Rule::only_machine_item),
         (
             Rule::bad_line_item,
@@ -251,6 +252,8 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
                 "operation",
                 "done",
                 "write",
+                "refines",
+                "guarantee",
                 "step",
                 "power",
                 "idle power",

@@ -142,7 +142,15 @@ fn machine(m: &mut Machine) {
             | MachineItem::Parameter(t)
             | MachineItem::Signal(t)
             | MachineItem::Abstract(t) => typed(t),
-            MachineItem::Component(c) => component(c),
+            MachineItem::Component(c) | MachineItem::Refines(c) => component(c),
+            MachineItem::Guarantee {
+                name: label,
+                expr: e,
+                ..
+            } => {
+                names(label);
+                expr(e);
+            }
             MachineItem::Operation {
                 name: n,
                 codes,

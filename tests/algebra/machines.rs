@@ -37,7 +37,25 @@ fn tables() {
     for file in ["printer", "milling", "camera", "belt", "cell"] {
         let path = format!("{}/examples/ice-lab/{file}.lw", env!("CARGO_MANIFEST_DIR"));
         let loaded = files::load(&[path], &StandardLibrary::default());
+        let all: Vec<_> = loaded
+            .findings
+            .iter()
+            .map(|f| (f.code.id, &f.message))
+            .collect();
+        assert_eq!(all, []);
         let machine = &loaded.library.machines[0];
+        for promised in &machine.refines {
+            let clock = std::time::Instant::now();
+            let (system, claim) = linewright::algebra::machine::of_promise(machine, promised);
+            let proof = prove(&system, &claim, &Limits::default()).unwrap();
+            println!(
+                "==== {} refines {} {:?}\n{}",
+                machine.name,
+                promised.contract,
+                clock.elapsed(),
+                table(&system, &claim, &proof)
+            );
+        }
         let clock = std::time::Instant::now();
         let (system, claim) = of_machine(machine);
         let proof = prove(&system, &claim, &Limits::default()).unwrap();

@@ -8,6 +8,12 @@ use crate::game::{Lasso, Limit, Limits, Rule, RuleKind, Slip, Wanted, quick_xpla
 use crate::gr1::{Expr, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// So many rings of rules are near.
+const NEAR: usize = 1;
+
+/// As many rings as there are.
+const ALL: usize = usize::MAX;
+
 /// The state of a proof.
 pub struct Prover<'a> {
     book: Book<'a>,
@@ -143,14 +149,26 @@ impl<'a> Prover<'a> {
         left.retain(|i| !self.book.is_justice(*i));
         loop {
             let mut failed = Vec::new();
+            let mut moved = false;
             for rule in std::mem::take(&mut left) {
+                // Where the caller chooses, what does not follow from what stands near is handed on, and not looked for further.
+                if matches!(self.claim.exports, Exports::After(_)) && self.is_about_outside(rule) {
+                    if let Some(by) = self.step_minimal(rule, Some(rule), NEAR)? {
+                        self.discharged(rule, &by);
+                        continue;
+                    }
+                    if let Ok(by) = self.export(rule)? {
+                        self.hand_on(rule, &by);
+                        moved = true;
+                        continue;
+                    }
+                }
                 match self.assumption(rule)? {
                     Found::Follows(by) => self.discharged(rule, &by),
                     Found::Fails(why) => failed.push((rule, why)),
                 }
             }
             // What only the environment can keep is its business; with it, more may follow.
-            let mut moved = false;
             let mut open = Vec::new();
             for (rule, why) in failed {
                 match self.export(rule)? {
@@ -182,7 +200,7 @@ impl<'a> Prover<'a> {
                 None
             } else {
                 self.order.sooner.insert(part, same.clone());
-                let found = self.step_minimal(rule, rule, Some(part))?;
+                let found = self.step_minimal(rule, Some(rule), ALL)?;
                 self.order.sooner.remove(&part);
                 found
             };
@@ -264,7 +282,7 @@ impl<'a> Prover<'a> {
     /// An assumption of a part, by induction over time.
     fn assumption(&mut self, rule: usize) -> Result<Found, Limit> {
         let part = self.part_of(rule);
-        if let Some(by) = self.step_minimal(rule, rule, Some(part))? {
+        if let Some(by) = self.step_minimal(rule, Some(rule), ALL)? {
             return Ok(Found::Follows(by));
         }
         // Other assumptions were kept so far as well.
@@ -280,30 +298,33 @@ impl<'a> Prover<'a> {
         Ok(Found::Follows(quick_xplain(&mut holds, &[], false, &all)?))
     }
 
-    /// The smallest part of the hypotheses from which a rule follows step by step, those near `like` first; `None` when it does not
-    /// follow.
+    /// The smallest part of the hypotheses from which a rule follows step by step, as far as so many rings of them are looked at; `None`
+    /// when it does not follow. `assumed` says that it is an assumption of a part.
     fn step_minimal(
         &mut self,
         rule: usize,
-        like: usize,
-        part: Option<usize>,
+        assumed: Option<usize>,
+        rings: usize,
     ) -> Result<Option<Vec<usize>>, Limit> {
+        let part = assumed.map(|rule| self.part_of(rule));
         let mut candidates = self.hypotheses();
-        if self.book.rule(like).kind == RuleKind::Initial {
+        if self.book.rule(rule).kind == RuleKind::Initial {
             // Nothing else is about step 0.
             let first = [RuleKind::Initial, RuleKind::Invariant];
             candidates.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
-        self.minimal(like, &candidates, &mut |p, kept| {
+        self.minimal(rule, &candidates, rings, &mut |p, kept| {
             p.step_holds(kept, rule, part)
         })
     }
 
-    /// The smallest part of some candidates that is enough: what is given alone, a single guarantee, and then ring by ring.
+    /// The smallest part of some candidates that is enough: what is given alone, a single guarantee, and then ring by ring, up to so many
+    /// rings.
     fn minimal(
         &mut self,
         goal: usize,
         candidates: &[usize],
+        most_rings: usize,
         holds: &mut impl FnMut(&mut Self, &[usize]) -> Result<bool, Limit>,
     ) -> Result<Option<Vec<usize>>, Limit> {
         if holds(self, &[])? {
@@ -322,7 +343,7 @@ impl<'a> Prover<'a> {
             }
         }
         let mut kept = Vec::new();
-        for ring in rings {
+        for ring in rings.into_iter().take(most_rings) {
             // Justice where it is enough, since it is what the reader looks for; then what stands nearest.
             let (justice, safety): (Vec<usize>, Vec<usize>) =
                 ring.into_iter().partition(|i| self.book.is_justice(*i));
@@ -333,7 +354,7 @@ impl<'a> Prover<'a> {
             }
         }
         // What nothing leads to matters where it cannot be kept at all.
-        if kept.len() < candidates.len() && holds(self, candidates)? {
+        if most_rings == ALL && kept.len() < candidates.len() && holds(self, candidates)? {
             return self.fewest(candidates, holds).map(Some);
         }
         Ok(None)
@@ -385,12 +406,18 @@ impl<'a> Prover<'a> {
 
     // ---- what is handed on -----------------------------------------------------------------------------------------
 
+    /// Whether what a rule says of the last step that it speaks of is about what comes from outside, too.
+    fn is_about_outside(&self, rule: usize) -> bool {
+        let Rule { kind, expr } = self.book.rule(rule);
+        let mut latest = latest(expr, *kind).into_iter();
+        latest.any(|v| self.book.system.driver(v).is_none())
+    }
+
     /// Whether an assumption that is not discharged may be handed on to the environment, and on what that rests; if not, how it is broken
     /// where it would not be the environment's own choice, if it may be handed on at all.
     fn export(&mut self, rule: usize) -> Result<Result<Vec<usize>, Option<Broken>>, Limit> {
         let Rule { kind, expr } = self.book.rule(rule).clone();
-        let mut latest = latest(&expr, kind).into_iter();
-        let outside = latest.any(|v| self.book.system.driver(v).is_none());
+        let outside = self.is_about_outside(rule);
         let after = match &self.claim.exports {
             Exports::Never => return Ok(Err(None)),
             _ if !outside => return Ok(Err(None)),
@@ -423,7 +450,7 @@ impl<'a> Prover<'a> {
             p.book.runs.step(&slip)
         };
         let mut holds = |p: &mut Self, kept: &[usize]| Ok(slips(p, kept)?.is_none());
-        let by = if let Some(by) = self.minimal(weaker, &candidates, &mut holds)? {
+        let by = if let Some(by) = self.minimal(weaker, &candidates, ALL, &mut holds)? {
             by
         } else {
             let all = self.with_assumptions(candidates);
@@ -531,7 +558,7 @@ impl<'a> Prover<'a> {
             .collect();
         let mut waiting = Vec::new();
         for rule in left {
-            let found = self.minimal(*rule, &environments, &mut |p, kept| {
+            let found = self.minimal(*rule, &environments, ALL, &mut |p, kept| {
                 Ok(p.starved(kept, *rule)?.is_none())
             })?;
             match found {
@@ -605,7 +632,7 @@ impl<'a> Prover<'a> {
     ) -> Result<Option<Vec<usize>>, Limit> {
         let candidates = self.reasons(reliable);
         let mut holds = |p: &mut Self, kept: &[usize]| Ok(p.starved(kept, rule)?.is_none());
-        if let Some(by) = self.minimal(rule, &candidates, &mut holds)? {
+        if let Some(by) = self.minimal(rule, &candidates, ALL, &mut holds)? {
             return Ok(Some(by));
         }
         let all = self.with_assumptions(candidates);
@@ -699,7 +726,7 @@ impl<'a> Prover<'a> {
                     },
                 }
             } else {
-                match self.step_minimal(rule, rule, None)? {
+                match self.step_minimal(rule, None, ALL)? {
                     Some(by) => Found::Follows(by),
                     None => self.fairly(rule, reliable)?,
                 }

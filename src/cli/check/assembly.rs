@@ -1,10 +1,8 @@
 //! From what is known of every contract and machine to the document.
 
-use super::document::{
-    ComponentEntry, ContractEntry, DischargeEntry, Document, LineEntry, MachineEntry, Summary,
-};
-use super::explained;
+use super::document::{ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, Summary};
 use super::view::FileView;
+use super::{explained, machine};
 use crate::cli::console::schema;
 use crate::cli::files::Loaded;
 use crate::cli::findings::lost;
@@ -14,8 +12,8 @@ use crate::cli::outline::{Declaration, Kind};
 use crate::cli::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
+use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
-use crate::station::composition::By;
 use std::path::Path;
 
 /// All that the document is made from.
@@ -26,6 +24,7 @@ pub(super) struct Assembly<'a> {
     pub(super) machines: &'a [Planned<'a>],
     pub(super) jobs: &'a Jobs,
     pub(super) checked: &'a [CheckedContract],
+    pub(super) limits: Limits,
     pub(super) timing: bool,
     pub(super) statistics: bool,
 }
@@ -56,6 +55,9 @@ impl Assembly<'_> {
             loose.extend(file.outside());
             for declaration in &file.declarations {
                 let mut findings = file.within(declaration);
+                if self.is_left_out(declaration) && findings.is_empty() {
+                    continue;
+                }
                 match declaration.kind {
                     Kind::Contract => {
                         let entry = self.contract(file, declaration, &mut findings);
@@ -99,6 +101,14 @@ impl Assembly<'_> {
         }
         document.summary.findings = all.len();
         (document, all)
+    }
+
+    /// Whether a declaration is a contract that was imported to be refined, and for nothing else.
+    fn is_left_out(&self, declaration: &Declaration) -> bool {
+        let mut contracts = self.loaded.library.contracts.iter();
+        declaration.kind == Kind::Contract
+            && contracts
+                .any(|c| declaration.holds(c.span) && super::is_only_refined(self.loaded, c))
     }
 
     /// A line is as valid as its machines.
@@ -206,12 +216,12 @@ impl Assembly<'_> {
         if let Some(planned) = planned {
             findings.extend(planned.findings(self.jobs, self.checked));
         }
-        let composition = planned
+        let proved = planned
             .and_then(|p| p.controlled(self.checked))
-            .map(|c| libraries::compose(&c))
+            .map(|c| machine::proved(c.machine, libraries::compose(&c), &self.limits))
             .unwrap_or_default();
-        let fits = !has_errors(&composition.findings);
-        findings.extend(composition.findings);
+        let fits = !has_errors(&proved.findings);
+        findings.extend(proved.findings);
         let verdict = match planned {
             Some(planned) if fits => planned.verdict(self.checked),
             _ => Verdict::Invalid,
@@ -233,20 +243,8 @@ impl Assembly<'_> {
                         .collect()
                 })
                 .unwrap_or_default(),
-            discharges: composition
-                .discharges
-                .into_iter()
-                .map(|d| DischargeEntry {
-                    by: match d.by {
-                        By::Guarantee(name) => name,
-                        By::Coordinator => "the coordinator's reachable states".to_owned(),
-                        By::Plant => "what the machine's file fixes".to_owned(),
-                        By::Line => "the line, checked at every call".to_owned(),
-                    },
-                    component: d.component,
-                    assumption: d.assumption,
-                })
-                .collect(),
+            discharges: proved.discharges,
+            refines: proved.refines,
             findings: json::findings(&self.loaded.library.sources, findings),
         }
     }

@@ -110,6 +110,9 @@ pub(super) struct MachineEntry {
     pub(super) components: Vec<ComponentEntry>,
     /// How each assumption of a component is met, where the composition was checked.
     pub(super) discharges: Vec<DischargeEntry>,
+    /// The contracts that it is said to refine.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) refines: Vec<RefinesEntry>,
     pub(super) findings: Vec<json::Finding>,
 }
 
@@ -122,9 +125,26 @@ pub(super) struct ComponentEntry {
 
 #[derive(Debug, Serialize)]
 pub(super) struct DischargeEntry {
+    /// The component, or the machine or contract whose guarantee it is.
     pub(super) component: String,
+    /// The assumption, or that guarantee.
     pub(super) assumption: String,
+    /// `environment`, `exported`, `induction`, `justice`, or `controllers` where only the synthesized ones show it.
+    pub(super) rule: &'static str,
+    /// Of justice: the turn, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) turn: Option<usize>,
     pub(super) by: String,
+}
+
+/// A contract that a machine is said to refine.
+#[derive(Debug, Serialize)]
+pub(super) struct RefinesEntry {
+    pub(super) contract: String,
+    /// `refined`, `broken` or `gave_up`.
+    pub(super) verdict: &'static str,
+    /// How each assumption of a component and each guarantee of the contract is met.
+    pub(super) discharges: Vec<DischargeEntry>,
 }
 
 #[derive(Debug, Serialize)]

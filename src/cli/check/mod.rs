@@ -3,6 +3,7 @@
 mod assembly;
 mod document;
 mod explained;
+mod machine;
 mod table;
 mod view;
 mod watch;
@@ -17,6 +18,7 @@ use super::output;
 use super::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
 use super::proof;
 use crate::contract::Contract;
+use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
 use crate::interchange::inquiries;
 use assembly::Assembly;
@@ -114,6 +116,7 @@ fn check(
         .contracts
         .iter()
         .filter(|c| view(&files, c.span.file).is_some_and(|f| f.is_sound(c.span)))
+        .filter(|c| !is_only_refined(&loaded, c))
         .map(|c| match loaded.foreign(c.span.file) {
             Some(foreign) => {
                 let inquiries = inquiries(&foreign.reading);
@@ -139,6 +142,7 @@ fn check(
         machines: &machines,
         jobs: &jobs,
         checked: &checked,
+        limits: options.limits(),
         timing: !options.no_timing,
         statistics: arguments.stats,
     }
@@ -179,6 +183,18 @@ fn check(
         findings,
         loaded,
     })
+}
+
+/// Whether a contract was imported to be refined, and for nothing else: that it can be kept is shown by what refines it.
+fn is_only_refined(loaded: &Loaded, contract: &Contract) -> bool {
+    let library = &loaded.library;
+    let own = &library.sources.file(contract.span.file).name;
+    let name = &contract.name;
+    let refined = |m: &Machine| m.refines.iter().any(|r| r.contract == *name);
+    let used = |m: &Machine| m.components.iter().any(|c| c.contract == *name);
+    !loaded.roots.contains(own)
+        && library.machines.iter().any(refined)
+        && !library.machines.iter().any(used)
 }
 
 /// Writes the proof of the only contract; the findings say why there is none.

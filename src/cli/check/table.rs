@@ -188,32 +188,50 @@ fn verdicts_only(document: &Document) -> String {
     lines.collect()
 }
 
-/// For every machine, how the assumptions of its components are met.
+/// For every machine, how the assumptions of its components are met, and how it refines its contracts.
 fn discharges(document: &Document) -> String {
     let mut text = String::new();
-    for machine in document
-        .machines
-        .iter()
-        .filter(|m| !m.discharges.is_empty())
-    {
-        let _ = writeln!(text, "\n{}: how each assumption is met", machine.name);
-        let name = |d: &DischargeEntry| format!("{}: {}", d.component, d.assumption);
-        let width = machine
-            .discharges
-            .iter()
-            .map(|d| name(d).chars().count())
-            .max();
-        for d in &machine.discharges {
-            let _ = writeln!(
-                text,
-                "  {:width$}  {}",
-                name(d),
-                d.by,
-                width = width.unwrap_or(0)
-            );
+    for machine in &document.machines {
+        if !machine.discharges.is_empty() {
+            let _ = writeln!(text, "\n{}: how each assumption is met", machine.name);
+            text.push_str(&discharged(&machine.discharges));
+        }
+        for refined in &machine.refines {
+            let (machine, contract) = (&machine.name, &refined.contract);
+            let _ = match refined.verdict {
+                "refined" => writeln!(text, "\n{machine} refines {contract}"),
+                "broken" => writeln!(
+                    text,
+                    "\n{machine} does not refine {contract}; what holds of it"
+                ),
+                _ => writeln!(
+                    text,
+                    "\nwhether {machine} refines {contract} was not decided"
+                ),
+            };
+            text.push_str(&discharged(&refined.discharges));
         }
     }
     text
+}
+
+fn discharged(discharges: &[DischargeEntry]) -> String {
+    let name = |d: &DischargeEntry| format!("{}: {}", d.component, d.assumption);
+    let how = |d: &DischargeEntry| match (d.rule, d.turn) {
+        ("induction", _) => "step by step".to_owned(),
+        ("exported", _) => "environment".to_owned(),
+        (rule, Some(turn)) => format!("{rule}, turn {turn}"),
+        (rule, None) => rule.to_owned(),
+    };
+    let width = |text: &dyn Fn(&DischargeEntry) -> String| {
+        let widths = discharges.iter().map(|d| text(d).chars().count());
+        widths.max().unwrap_or(0)
+    };
+    let (first, second) = (width(&name), width(&how));
+    let lines = discharges
+        .iter()
+        .map(|d| format!("  {:first$}  {:second$}  {}\n", name(d), how(d), d.by));
+    lines.collect()
 }
 
 fn count(n: usize, what: &str) -> String {

@@ -20,7 +20,7 @@ fn situation(specification: &Specification, values: &[i64]) -> String {
 }
 
 /// `a`, `a` and `b`, `a`, `b` and `c`
-fn list(names: &[String]) -> String {
+pub fn list(names: &[String]) -> String {
     match names {
         [] => String::new(),
         [one] => one.clone(),

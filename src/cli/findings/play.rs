@@ -11,32 +11,57 @@ const WIDTH: usize = 96;
 /// Of a play that is not shorter than this, only the beginning and the end are shown.
 const MOST_STEPS: usize = 40;
 
+/// One row of a table: whose variable it is, its name, and its value in every step.
+pub struct Row {
+    /// `plant`, `machine`, or a component's name.
+    pub side: String,
+    /// The variable's name.
+    pub name: String,
+    /// A value a step.
+    pub cells: Vec<String>,
+}
+
 /// The table, and a sentence on how the play ends.
 pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> String {
     let s = specification;
     let last = play.steps.len() - 1;
     let clash = matches!(play.ending, Ending::Clash(_));
-    let cell = |v: VarId, step: usize| -> String {
-        let variable = s.variable(v);
-        // No answer is possible there.
-        let unknown =
-            clash && step == last && variable.owner == Owner::System && s.timing == Timing::Mealy;
-        if unknown {
-            "?".to_owned()
-        } else {
-            variable.domain.show(play.steps[step][v.index()])
-        }
-    };
-    let label = |v: VarId| {
-        let variable = s.variable(v);
-        let side = match variable.owner {
-            Owner::Environment => "plant",
-            Owner::System => "machine",
+    let rows = shown.iter().map(|v| {
+        let variable = s.variable(*v);
+        let cell = |(step, values): (usize, &Vec<i64>)| -> String {
+            // No answer is possible there.
+            let unknown = clash
+                && step == last
+                && variable.owner == Owner::System
+                && s.timing == Timing::Mealy;
+            if unknown {
+                "?".to_owned()
+            } else {
+                variable.domain.show(values[v.index()])
+            }
         };
-        (side, variable.name.clone())
-    };
-    let names = shown.iter().map(|v| label(*v).1.chars().count());
-    let names = names.max().unwrap_or(0).max("step".len());
+        Row {
+            side: match variable.owner {
+                Owner::Environment => "plant".to_owned(),
+                Owner::System => "machine".to_owned(),
+            },
+            name: variable.name.clone(),
+            cells: play.steps.iter().enumerate().map(cell).collect(),
+        }
+    });
+    let rows: Vec<Row> = rows.collect();
+    grid(&rows, last) + &ending(s, play)
+}
+
+/// Rows over steps, broken into pieces that are not too wide.
+pub fn grid(rows: &[Row], last: usize) -> String {
+    let widest = |texts: &mut dyn Iterator<Item = &String>| texts.map(|t| t.chars().count()).max();
+    let sides = widest(&mut rows.iter().map(|r| &r.side))
+        .unwrap_or(0)
+        .max("machine".len());
+    let names = widest(&mut rows.iter().map(|r| &r.name))
+        .unwrap_or(0)
+        .max("step".len());
     let steps = columns(last);
     let widths: Vec<usize> = steps
         .iter()
@@ -44,21 +69,21 @@ pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> Str
             let Some(step) = *step else {
                 return "...".len();
             };
-            let cells = shown.iter().map(|v| cell(*v, step).chars().count());
+            let cells = rows.iter().map(|r| r.cells[step].chars().count());
             cells.max().unwrap_or(0).max(step.to_string().len())
         })
         .collect();
     let mut text = String::new();
     let mut from = 0;
     while from < steps.len() {
-        let mut width = "machine  ".len() + names;
+        let mut width = sides + 2 + names;
         let mut to = from;
         while to < steps.len() && (to == from || width + 2 + widths[to] <= WIDTH) {
             width += 2 + widths[to];
             to += 1;
         }
         let mut row = |side: &str, name: &str, cells: &dyn Fn(usize) -> String| {
-            let mut line = format!("{side:<7}  {name:<names$}");
+            let mut line = format!("{side:<sides$}  {name:<names$}");
             for (step, width) in steps[from..to].iter().zip(&widths[from..to]) {
                 let cell = step.map_or("...".to_owned(), cells);
                 let _ = write!(line, "  {cell:<width$}");
@@ -67,16 +92,14 @@ pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> Str
             text.push('\n');
         };
         row("", "step", &|step| step.to_string());
-        for v in shown {
-            let (side, name) = label(*v);
-            row(side, &name, &|step| cell(*v, step));
+        for r in rows {
+            row(&r.side, &r.name, &|step| r.cells[step].clone());
         }
         from = to;
         if from < steps.len() {
             text.push('\n');
         }
     }
-    text.push_str(&ending(s, play));
     text
 }
 

@@ -3,6 +3,7 @@
 mod component;
 mod jobs;
 mod plant;
+mod promises;
 mod properties;
 mod settings;
 
@@ -13,7 +14,7 @@ pub(super) use settings::{failures, positive};
 
 use super::elaborate::{Elaborator, nearest};
 use super::instantiate::{self, Arguments, instantiate};
-use super::machine::{Machine, PlantInput, Property, PropertyKind};
+use super::machine::{Machine, PlantInput, Property, PropertyKind, Rules};
 use super::scope::{self, Decl, Scope, double};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{Domain, Specification, Timing};
@@ -102,6 +103,8 @@ fn build<'a>(
         idle_watts: 0.0,
         step_limit: DEFAULT_STEP_LIMIT,
         failures: None,
+        refines: Vec::new(),
+        guarantees: Rules::default(),
         span: machine.header.name.span,
     };
     settings::numbers(e, machine, &mut model);
@@ -135,6 +138,8 @@ fn build<'a>(
     model.properties = parts.properties.iter().map(|(p, _)| p.clone()).collect();
     model.operations = operations;
     settings(e, parts, &mut model, &mut wires, properties);
+    model.refines = promises::refined(e, &mut wires, parts, scope, sources);
+    model.guarantees = promises::guarantees(&mut wires, parts, &model, sources);
     e.tainted |= wires.tainted;
     e.findings.append(&mut wires.findings);
     let says_done = machine
@@ -179,6 +184,10 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
             | MachineItem::Signal(t)
             | MachineItem::Abstract(t) => &t.name,
             MachineItem::Component(c) => &c.name,
+            MachineItem::Guarantee { name: None, .. } | MachineItem::Refines(_) => continue,
+            MachineItem::Guarantee {
+                name: Some(name), ..
+            } => name,
             MachineItem::Const(c) => &c.name,
             MachineItem::Type(t) => &t.name,
             MachineItem::Operation { name, .. } => {
@@ -255,6 +264,72 @@ fn declare_properties<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
     }
 }
 
+/// A component's contract with the component's arguments; what is wrong with the call is reported.
+fn instance<'a>(
+    e: &mut Elaborator<'a>,
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+    c: &'a ast::Component,
+) -> Option<Arc<Specification>> {
+    let Some(contract) = scope.contracts.get(c.contract.text.as_str()) else {
+        let known = scope.contracts.keys().copied();
+        let help = match nearest(&c.contract.text, known) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "import the file that declares it".to_owned(),
+        };
+        e.error_with(
+            codes::NAME_UNKNOWN,
+            c.contract.span,
+            format!("there is no contract `{}`", c.contract.text),
+            help,
+        );
+        return None;
+    };
+    let given = instantiate::arguments(
+        e,
+        &contract.header.parameters,
+        &c.arguments,
+        &c.contract.text,
+    );
+    // What is wrong within the contract is reported once, with the contract; here only what the call gets wrong.
+    let mut found = Vec::new();
+    let instance = instantiate(
+        scope,
+        sources,
+        contract,
+        &given,
+        Some(c.contract.span),
+        &mut found,
+    );
+    let calls = found.into_iter().filter(|d| {
+        let argument = |s: Span| c.arguments.iter().any(|a| a.value.span == s);
+        d.code == codes::ARGUMENT && d.span.is_some_and(|s| s == c.contract.span || argument(s))
+    });
+    let before = e.findings.len();
+    e.findings.extend(calls);
+    if let Some(instance) = instance {
+        return Some(instance.specification);
+    }
+    // Without arguments the contract is wrong by itself.
+    if c.arguments.is_empty() {
+        e.tainted = true;
+    } else if e.findings.len() == before {
+        e.error_with(
+            codes::NAME_UNKNOWN,
+            c.contract.span,
+            format!(
+                "the contract `{}` cannot be used with these arguments",
+                c.contract.text
+            ),
+            format!(
+                "see the findings of `{}`, or other arguments",
+                c.contract.text
+            ),
+        );
+    }
+    None
+}
+
 fn instantiate_components<'a>(
     e: &mut Elaborator<'a>,
     parts: &mut Parts<'a>,
@@ -276,59 +351,8 @@ fn instantiate_components<'a>(
         );
     }
     for c in ordered {
-        let Some(contract) = scope.contracts.get(c.contract.text.as_str()) else {
-            let known = scope.contracts.keys().copied();
-            let help = match nearest(&c.contract.text, known) {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => "import the file that declares it".to_owned(),
-            };
-            e.error_with(
-                codes::NAME_UNKNOWN,
-                c.contract.span,
-                format!("there is no contract `{}`", c.contract.text),
-                help,
-            );
-            continue;
-        };
-        let given = instantiate::arguments(
-            e,
-            &contract.header.parameters,
-            &c.arguments,
-            &c.contract.text,
-        );
-        // What is wrong within the contract is reported once, with the contract; here only what the call gets wrong.
-        let mut found = Vec::new();
-        let instance = instantiate(
-            scope,
-            sources,
-            contract,
-            &given,
-            Some(c.contract.span),
-            &mut found,
-        );
-        let calls = found.into_iter().filter(|d| {
-            let argument = |s: Span| c.arguments.iter().any(|a| a.value.span == s);
-            d.code == codes::ARGUMENT && d.span.is_some_and(|s| s == c.contract.span || argument(s))
-        });
-        let before = e.findings.len();
-        e.findings.extend(calls);
-        match instance {
-            Some(instance) => parts.components.push((c, instance.specification)),
-            // Then the contract is wrong by itself.
-            None if c.arguments.is_empty() => e.tainted = true,
-            None if e.findings.len() == before => e.error_with(
-                codes::NAME_UNKNOWN,
-                c.contract.span,
-                format!(
-                    "the contract `{}` cannot be used with these arguments",
-                    c.contract.text
-                ),
-                format!(
-                    "see the findings of `{}`, or other arguments",
-                    c.contract.text
-                ),
-            ),
-            None => {}
+        if let Some(specification) = instance(e, scope, sources, c) {
+            parts.components.push((c, specification));
         }
     }
     for (c, s) in &parts.components {

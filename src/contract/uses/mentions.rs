@@ -143,13 +143,14 @@ impl<'a> Mentions<'a> {
                 | MachineItem::IdlePower(e)
                 | MachineItem::Power(e)
                 | MachineItem::Limit(e)
-                | MachineItem::Done(e) => self.expr(e),
+                | MachineItem::Done(e)
+                | MachineItem::Guarantee { expr: e, .. } => self.expr(e),
                 MachineItem::Failures(a, b) => self.exprs([a, b]),
                 MachineItem::Property(t)
                 | MachineItem::Parameter(t)
                 | MachineItem::Signal(t)
                 | MachineItem::Abstract(t) => self.typed(t),
-                MachineItem::Component(c) => {
+                MachineItem::Component(c) | MachineItem::Refines(c) => {
                     self.name(&c.contract.text);
                     self.arguments(&c.arguments);
                     self.exprs(&c.when);

@@ -1,6 +1,6 @@
 //! Contracts: variables, defines, formulas.
 
-use super::super::ast::{Contract, ContractItem, Counter, Ownership};
+use super::super::ast::{Contract, ContractItem, Counter, Name, Ownership};
 use super::super::parser::{Rule, begins_with_operator};
 use super::{Builder, Children};
 use pest::iterators::Pair;
@@ -69,18 +69,24 @@ impl Builder {
         }
     }
 
+    /// A formula's name and requirement.
+    pub(super) fn label(&mut self, c: &mut Children<'_>) -> (Option<Name>, Option<String>) {
+        let Some(label) = c.take(Rule::label) else {
+            return (None, None);
+        };
+        let mut label = Children::of(label);
+        let name = label.take(Rule::name).map(|n| self.name(&n));
+        let requirement = label
+            .take(Rule::requirement_id)
+            .map(|r| Children::of(r).next().as_str().trim().to_owned());
+        (name, requirement)
+    }
+
     pub(super) fn formula(&mut self, pair: Pair<'_, Rule>) -> ContractItem {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
         let guarantee = c.next().as_str().trim() == "guarantee";
-        let (mut name, mut requirement) = (None, None);
-        if let Some(label) = c.take(Rule::label) {
-            let mut label = Children::of(label);
-            name = label.take(Rule::name).map(|n| self.name(&n));
-            requirement = label
-                .take(Rule::requirement_id)
-                .map(|r| Children::of(r).next().as_str().trim().to_owned());
-        }
+        let (name, requirement) = self.label(&mut c);
         ContractItem::Formula {
             guarantee,
             name,

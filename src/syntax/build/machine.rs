@@ -27,6 +27,7 @@ impl Builder {
     pub(super) fn machine_item(&mut self, rule: Rule, item: Pair<'_, Rule>) -> MachineItem {
         match rule {
             Rule::m_component => return MachineItem::Component(self.component(item)),
+            Rule::m_refines => return MachineItem::Refines(self.refines(item)),
             Rule::m_property => return MachineItem::Property(self.typed(item)),
             Rule::m_parameter => return MachineItem::Parameter(self.typed(item)),
             Rule::m_signal => return MachineItem::Signal(self.typed(item)),
@@ -52,6 +53,15 @@ impl Builder {
                     name,
                     codes,
                     sequence,
+                }
+            }
+            Rule::m_guarantee => {
+                Self::doc(&mut c);
+                let (name, requirement) = self.label(&mut c);
+                MachineItem::Guarantee {
+                    name,
+                    requirement,
+                    expr: self.expr(c.next()),
                 }
             }
             Rule::m_write => {
@@ -105,6 +115,50 @@ impl Builder {
         }
     }
 
+    /// The contract that a machine refines, and which of its wires the contract's variables are.
+    fn refines(&mut self, pair: Pair<'_, Rule>) -> Component {
+        let mut c = Children::of(pair);
+        Self::doc(&mut c);
+        let contract = self.name(&c.next());
+        let arguments = c.take(Rule::arguments);
+        let mut refines = Component {
+            coordinator: false,
+            name: contract.clone(),
+            contract,
+            arguments: self.arguments(arguments),
+            when: None,
+            time: None,
+            power: None,
+            bindings: Vec::new(),
+            broken: false,
+        };
+        for item in c.rest() {
+            self.place(&item);
+            if item.as_rule() == Rule::c_binding {
+                let binding = self.binding(item);
+                refines.bindings.push(binding);
+            } else {
+                refines.broken = true;
+                self.bad(&item);
+            }
+        }
+        refines
+    }
+
+    /// `h[0].x = e`
+    fn binding(&mut self, item: Pair<'_, Rule>) -> Binding {
+        let mut c = Children::of(item);
+        let name = self.name(&c.next());
+        let index = c.take(Rule::integer).map(|i| self.integer(&i));
+        let member = c.take(Rule::path).map(|p| self.name(&p));
+        Binding {
+            name,
+            index,
+            member,
+            value: self.expr(c.next()),
+        }
+    }
+
     pub(super) fn component(&mut self, pair: Pair<'_, Rule>) -> Component {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
@@ -139,16 +193,8 @@ impl Builder {
                     component.power = Some(self.expr(Children::of(item).next()));
                 }
                 Rule::c_binding => {
-                    let mut c = Children::of(item);
-                    let name = self.name(&c.next());
-                    let index = c.take(Rule::integer).map(|i| self.integer(&i));
-                    let member = c.take(Rule::path).map(|p| self.name(&p));
-                    component.bindings.push(Binding {
-                        name,
-                        index,
-                        member,
-                        value: self.expr(c.next()),
-                    });
+                    let binding = self.binding(item);
+                    component.bindings.push(binding);
                 }
                 _ => {
                     component.broken = true;

@@ -345,6 +345,8 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_probability
             | Rule::k_product
             | Rule::k_record
+            | Rule::k_refines
+            | Rule::k_guarantee
             | Rule::k_property
             | Rule::k_reorder
             | Rule::k_resets

@@ -137,6 +137,21 @@ impl Printer<'_> {
         self.block(place, &c.items, true, |p, _, item| p.contract_item(item));
     }
 
+    /// A formula's name and requirement.
+    pub(super) fn label(&mut self, name: Option<&Name>, requirement: Option<&str>) {
+        if let Some(name) = name {
+            self.name(name);
+        }
+        if let Some(requirement) = requirement {
+            self.put(if name.is_some() { " [" } else { "[" });
+            self.put(requirement);
+            self.put("]");
+        }
+        if name.is_some() || requirement.is_some() {
+            self.put(": ");
+        }
+    }
+
     fn contract_item(&mut self, item: &ContractItem) {
         match item {
             ContractItem::Variables {
@@ -162,17 +177,7 @@ impl Printer<'_> {
                 expr,
             } => {
                 self.put(if *guarantee { "guarantee " } else { "assume " });
-                if let Some(name) = name {
-                    self.name(name);
-                }
-                if let Some(requirement) = requirement {
-                    self.put(if name.is_some() { " [" } else { "[" });
-                    self.put(requirement);
-                    self.put("]");
-                }
-                if name.is_some() || requirement.is_some() {
-                    self.put(": ");
-                }
+                self.label(name.as_ref(), requirement.as_deref());
                 self.expression(expr);
             }
             ContractItem::Type(t) => self.type_decl(t),

@@ -60,6 +60,23 @@ impl Printer<'_> {
                 }
                 self.value(before, value);
             }
+            MachineItem::Refines(c) => {
+                self.put("refines ");
+                self.name(&c.contract);
+                self.arguments(c.contract.span, &c.arguments);
+                if !c.bindings.is_empty() {
+                    self.block(place, &c.bindings, true, |p, _, b| p.binding(b));
+                }
+            }
+            MachineItem::Guarantee {
+                name,
+                requirement,
+                expr,
+            } => {
+                self.put("guarantee ");
+                self.label(name.as_ref(), requirement.as_deref());
+                self.expression(expr);
+            }
             MachineItem::Const(c) => self.const_decl(c),
             MachineItem::Type(t) => self.type_decl(t),
         }

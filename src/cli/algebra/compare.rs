@@ -1,0 +1,207 @@
+//! Two states of a library: which contracts still keep what they promised.
+
+use super::document::{self, Compared, Document};
+use super::operand::Operand;
+use super::refine::{of_question, told};
+use super::{Common, Outcome, tell};
+use crate::algebra::join::{Member, Sharing, join};
+use crate::algebra::refine::refine;
+use crate::cli::console::schema;
+use crate::cli::exit::ExitCode;
+use crate::cli::files::{self, Loaded, StandardLibrary};
+use crate::cli::options::GlobalOptions;
+use crate::contract::Contract;
+use crate::diagnostics::{Diagnostic, Severity, codes, has_errors};
+use crate::game::Limits;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The path of an operand that stands for all contracts in it: a folder, as far as the disk says.
+pub fn library(operand: &Operand) -> Option<String> {
+    match operand {
+        Operand::Contract {
+            name: None,
+            selection,
+        } if selection.name.is_none() && Path::new(&selection.path).is_dir() => {
+            Some(selection.path.clone())
+        }
+        _ => None,
+    }
+}
+
+/// Compares two folders.
+pub fn run(
+    old: &str,
+    new: &str,
+    common: &Common,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
+    if !common.rename.is_empty() {
+        anyhow::bail!("--rename is for single contracts, and these are two libraries");
+    }
+    let standard = StandardLibrary::new(options.library.clone());
+    let paths = [old.to_owned(), new.to_owned()];
+    let loaded = files::load(&paths, &standard);
+    if has_errors(&loaded.findings) {
+        let sources = &loaded.library.sources;
+        options
+            .console()
+            .failed("refine", sources, &loaded.findings)?;
+        return Ok(options.exit_code(&loaded.findings).and(loaded.exit_code()));
+    }
+    let (before, after) = (within(&loaded, old), within(&loaded, new));
+    let limits = options.limits();
+    let mut outcome = Outcome {
+        document: Document {
+            schema: schema("refine"),
+            verdict: "refined",
+            semantics: "runs",
+            pairs: Vec::new(),
+            proofs: BTreeMap::new(),
+            counterexample: None,
+            contracts: Vec::new(),
+            findings: Vec::new(),
+        },
+        text: String::new(),
+        findings: Vec::new(),
+    };
+    let mut names: Vec<&String> = before.keys().chain(after.keys()).collect();
+    names.sort();
+    names.dedup();
+    let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
+    let mut gave_up = false;
+    for name in names {
+        let compared = match (before.get(name), after.get(name)) {
+            (Some(old), Some(new)) => pair(name, old, new, &limits, &mut outcome.findings),
+            (Some(old), None) => {
+                outcome.findings.push(
+                    Diagnostic::error(
+                        codes::PROMISE_BROKEN,
+                        old.span,
+                        format!("the contract `{name}` is gone"),
+                    )
+                    .with_help("keep it, or publish the change as one that is not compatible"),
+                );
+                entry(name, "removed")
+            }
+            _ => entry(name, "added"),
+        };
+        gave_up |= compared.verdict == "gave_up";
+        let word = compared.verdict.replace('_', " ");
+        let _ = writeln!(outcome.text, "{name:<width$}  {word}");
+        if matches!(compared.verdict, "broken" | "removed") {
+            outcome.document.verdict = "broken";
+        }
+        outcome.document.contracts.push(compared);
+    }
+    let code = tell(outcome, &loaded, options)?;
+    Ok(if gave_up {
+        code.and(ExitCode::GaveUp)
+    } else {
+        code
+    })
+}
+
+fn entry(name: &str, verdict: &'static str) -> Compared {
+    Compared {
+        name: name.to_owned(),
+        verdict,
+        open: Vec::new(),
+    }
+}
+
+/// The contracts of a folder by name.
+fn within<'a>(loaded: &'a Loaded, folder: &str) -> BTreeMap<String, &'a Contract> {
+    let sources = &loaded.library.sources;
+    let inside = |c: &&Contract| Path::new(&sources.file(c.span.file).name).starts_with(folder);
+    let own = loaded.library.contracts.iter().filter(inside);
+    own.map(|c| (c.name.clone(), c)).collect()
+}
+
+/// One contract of both.
+fn pair(
+    name: &str,
+    old: &Contract,
+    new: &Contract,
+    limits: &Limits,
+    findings: &mut Vec<Diagnostic>,
+) -> Compared {
+    if alike(old, new) {
+        return entry(name, "same");
+    }
+    let (was, is) = (format!("{name} (old)"), format!("{name} (new)"));
+    let members = [(old, &was), (new, &is)].map(|(contract, called)| Member {
+        specification: &contract.specification,
+        name: called.clone(),
+        renamed: Vec::new(),
+    });
+    let system = match join(&members, Sharing::SeveralViews) {
+        Ok(system) => system,
+        Err(mismatches) => {
+            findings.extend(mismatches.iter().map(super::found::of_mismatch));
+            return entry(name, "broken");
+        }
+    };
+    match refine(&system, 1, 0, limits) {
+        Err(limit) => {
+            let mut finding = Diagnostic::error(
+                codes::GAVE_UP,
+                new.span,
+                format!("whether `{name}` was refined was not decided: {limit}"),
+            )
+            .with_help("give it more with --timeout SECONDS and --memory MIB");
+            finding.severity = Severity::Warning;
+            findings.push(finding);
+            entry(name, "gave_up")
+        }
+        Ok(refinement) => {
+            let (found, _) = told(&refinement, &was, &is, &|_| Some(new.span));
+            findings.extend(found);
+            let mut compared = entry(
+                name,
+                if refinement.holds() {
+                    "refined"
+                } else {
+                    "broken"
+                },
+            );
+            for (question, whole) in [
+                (&refinement.assumptions, &is),
+                (&refinement.guarantees, &was),
+            ] {
+                let told = of_question(question, whole);
+                let open = question.proof.open.iter();
+                compared.open.extend(open.map(|o| document::open(told, o)));
+            }
+            compared
+        }
+    }
+}
+
+/// Whether two contracts say the same in the same words, wherever they stand.
+fn alike(old: &Contract, new: &Contract) -> bool {
+    let (a, b) = (&old.specification, &new.specification);
+    let variables = |s: &crate::gr1::Specification| -> Vec<_> {
+        let all = s.variables.iter();
+        all.map(|v| {
+            (
+                v.name.clone(),
+                v.owner,
+                v.internal,
+                v.domain.clone(),
+                v.unit.clone(),
+            )
+        })
+        .collect()
+    };
+    let formulas = |side: &crate::gr1::Side| -> Vec<_> {
+        crate::algebra::system::formulas(side)
+            .map(|(kind, _, f)| (kind, f.expr.clone()))
+            .collect()
+    };
+    a.timing == b.timing
+        && variables(a) == variables(b)
+        && formulas(&a.assumptions) == formulas(&b.assumptions)
+        && formulas(&a.guarantees) == formulas(&b.guarantees)
+}

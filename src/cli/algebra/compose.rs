@@ -1,0 +1,296 @@
+//! Composition with its discharge table, one controller of all parts, and compatibility.
+
+use super::document::{self, Document};
+use super::words::Told;
+use super::{
+    CompatArguments, ComposeArguments, Joined, Outcome, bring_together, found, gave_up, load, tell,
+};
+use crate::algebra::compat::{Compatibility, compatible};
+use crate::algebra::join::Sharing;
+use crate::algebra::proof::{Broken, Claim, Exports, Proof, prove};
+use crate::algebra::system::{System, list};
+use crate::cli::console::schema;
+use crate::cli::exit::ExitCode;
+use crate::cli::findings;
+use crate::cli::options::GlobalOptions;
+use crate::cli::pipeline::Jobs;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::gr1::{Owner, Side, Specification, Timing, VarId, Variable};
+use crate::mealy;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+/// Runs `compose`.
+pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let operands: Vec<_> = arguments.contracts.iter().collect();
+    let loaded = match load("compose", &operands, options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let common = &arguments.common;
+    let joined = bring_together(
+        "compose",
+        &loaded,
+        &operands,
+        common,
+        Sharing::OneDriver,
+        options,
+    )?;
+    let joined = match joined {
+        Ok(joined) => joined,
+        Err(code) => return Ok(code),
+    };
+    let claim = Claim {
+        exports: Exports::Always,
+        ..Claim::default()
+    };
+    let proof = match prove(&joined.system, &claim, &options.limits()) {
+        Ok(proof) => proof,
+        Err(limit) => return gave_up(limit, "compose", &loaded, options),
+    };
+    let told = Told {
+        system: &joined.system,
+        claim: &claim,
+        whole: "",
+    };
+    let findings = found::of_proof(told, &proof, &|part| part.map(|p| joined.spans[p]));
+    if arguments.synth && proof.holds() {
+        return synth(&joined, &claim, &proof, options);
+    }
+    let outcome = Outcome {
+        text: text(told, &proof, arguments.synth),
+        document: Document {
+            schema: schema("compose"),
+            verdict: if proof.holds() { "composed" } else { "open" },
+            semantics: "strict",
+            pairs: document::pairs(&joined.system),
+            proofs: BTreeMap::from([("proof", document::proof(told, &proof))]),
+            counterexample: None,
+            contracts: Vec::new(),
+            findings: Vec::new(),
+        },
+        findings,
+    };
+    tell(outcome, &loaded, options)
+}
+
+/// The table, what the whole assumes and guarantees, and the verdict in a sentence.
+fn text(told: Told<'_>, proof: &Proof, synth: bool) -> String {
+    let names: Vec<&str> = told.system.parts.iter().map(|p| p.name.as_str()).collect();
+    let mut text = format!("{}\n", names.join(" ⊗ "));
+    if !proof.discharges.is_empty() {
+        text.push_str(&told.table(&proof.discharges));
+    }
+    let exported = told.exported(proof);
+    let semantics =
+        "Semantics: strict, step by step: who keeps its assumptions so far keeps its guarantees.\n";
+    if proof.holds() {
+        let what = match exported.len() {
+            0 => "nothing is assumed of the outside".to_owned(),
+            1 => "one assumption is handed on to the outside".to_owned(),
+            n => format!("{n} assumptions are handed on to the outside"),
+        };
+        let _ = writeln!(text, "All assumptions are met; {what}.");
+        text.push_str(semantics);
+    } else {
+        let open = proof.open.len();
+        let _ = writeln!(
+            text,
+            "{}{}{}",
+            match open {
+                0 => "Not composed".to_owned(),
+                1 => "1 assumption is not met".to_owned(),
+                n => format!("{n} assumptions are not met"),
+            },
+            match proof.circles.len() {
+                0 => String::new(),
+                1 => "; 1 circle".to_owned(),
+                n => format!("; {n} circles"),
+            },
+            if synth {
+                ": there is no GR(1) contract of the whole, so nothing is synthesized."
+            } else {
+                "."
+            }
+        );
+    }
+    text
+}
+
+/// One contract of all parts, where every assumption is met or handed on: its assumptions are those that were handed on.
+fn whole(system: &System, claim: &Claim, proof: &Proof) -> Specification {
+    let told = Told {
+        system,
+        claim,
+        whole: "",
+    };
+    let mut assumptions = Side::default();
+    for at in told.exported(proof) {
+        let formula = told.formula(at).clone();
+        let Some(part) = at.part else { continue };
+        debug_assert!(list(&system.parts[part].assumptions, at.kind).contains(&formula));
+        match at.kind {
+            crate::game::RuleKind::Initial => assumptions.initial.push(formula),
+            crate::game::RuleKind::Invariant => assumptions.invariants.push(formula),
+            crate::game::RuleKind::Safety => assumptions.safety.push(formula),
+            crate::game::RuleKind::Justice => assumptions.justice.push(formula),
+        }
+    }
+    let mut guarantees = Side::default();
+    for side in system
+        .parts
+        .iter()
+        .flat_map(|p| [&p.guarantees, &p.definitions])
+    {
+        guarantees.initial.extend(side.initial.iter().cloned());
+        guarantees
+            .invariants
+            .extend(side.invariants.iter().cloned());
+        guarantees.safety.extend(side.safety.iter().cloned());
+        guarantees.justice.extend(side.justice.iter().cloned());
+    }
+    let variables = system.variables.iter().enumerate().map(|(i, v)| Variable {
+        owner: match system.driver(VarId(i as u32)) {
+            Some(_) => Owner::System,
+            None => Owner::Environment,
+        },
+        ..v.clone()
+    });
+    let names: Vec<&str> = system.parts.iter().map(|p| p.name.as_str()).collect();
+    Specification {
+        name: names.join("_"),
+        timing: if system.parts.iter().all(|p| p.timing == Timing::Moore) {
+            Timing::Moore
+        } else {
+            Timing::Mealy
+        },
+        variables: variables.collect(),
+        assumptions,
+        guarantees,
+    }
+}
+
+/// A controller of the whole.
+fn synth(
+    joined: &Joined<'_>,
+    claim: &Claim,
+    proof: &Proof,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
+    let specification = Arc::new(whole(&joined.system, claim, proof));
+    let span = joined.spans[0];
+    let mut jobs = Jobs::examining();
+    let job = jobs.add(&specification, span);
+    let console = options.console();
+    let checked = jobs.run(&options.settings(), &console.progress(1, "synthesizing"))?;
+    let checked = &checked[job];
+    let findings = checked.findings_where_needed();
+    let sources = &joined.loaded.library.sources;
+    match &checked.controller {
+        Some(mealy::Controller::Machine(machine)) => {
+            let document = mealy::json::to_json(machine, true);
+            console.result(&mealy::json::to_text(&document))?;
+        }
+        Some(mealy::Controller::Functions(functions)) => {
+            console.result(&mealy::json::to_text(&functions.to_json(true)))?;
+        }
+        None => {
+            console.failed("compose", sources, &findings)?;
+            return Ok(options.exit_code(&findings));
+        }
+    }
+    console.findings(sources, &findings)?;
+    Ok(options.exit_code(&findings))
+}
+
+/// Runs `compat`.
+pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let operands: Vec<_> = arguments.contracts.iter().collect();
+    let loaded = match load("compat", &operands, options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let common = &arguments.common;
+    let joined = bring_together(
+        "compat",
+        &loaded,
+        &operands,
+        common,
+        Sharing::OneDriver,
+        options,
+    )?;
+    let joined = match joined {
+        Ok(joined) => joined,
+        Err(code) => return Ok(code),
+    };
+    let answer = match compatible(&joined.system, &options.limits()) {
+        Ok(answer) => answer,
+        Err(limit) => return gave_up(limit, "compat", &loaded, options),
+    };
+    let names: Vec<String> = joined.system.parts.iter().map(|p| p.name.clone()).collect();
+    let together = findings::list(&names);
+    let mut outcome = Outcome {
+        document: Document {
+            schema: schema("compat"),
+            verdict: "compatible",
+            semantics: "strict",
+            pairs: document::pairs(&joined.system),
+            proofs: BTreeMap::new(),
+            counterexample: None,
+            contracts: Vec::new(),
+            findings: Vec::new(),
+        },
+        text: format!(
+            "{together}: some environment keeps what {} assumed, whatever happens within the guarantees.\n",
+            if names.len() == 1 { "is" } else { "they have" }
+        ),
+        findings: Vec::new(),
+    };
+    if let Compatibility::Incompatible { assumptions, play } = answer {
+        outcome.document.verdict = "incompatible";
+        outcome.text = String::new();
+        let named: Vec<String> = assumptions.iter().map(|n| format!("`{n}`")).collect();
+        let mut finding = Diagnostic::error(
+            codes::INCOMPATIBLE,
+            joined.spans[0],
+            format!(
+                "no environment can keep what {together} assume{}: {} {} broken, whatever comes from outside",
+                if names.len() == 1 { "s" } else { "" },
+                findings::list(&named),
+                if named.len() == 1 {
+                    "can be"
+                } else {
+                    "can be made to be"
+                },
+            ),
+        );
+        match &play {
+            Some(Broken::Trace(steps)) => {
+                outcome.document.counterexample = Some(document::trace(&joined.system, steps));
+                let shown = shown(&joined.system, steps);
+                let last = steps.len() - 1;
+                finding = finding.with_note(format!(
+                    "{shown}in step {last} nothing that could come from outside keeps the assumptions"
+                ));
+            }
+            Some(Broken::Lasso(run)) => {
+                outcome.document.counterexample = Some(document::lasso(&joined.system, run));
+                finding = finding.with_note(super::words::lasso_table(&joined.system, run));
+            }
+            None => {}
+        }
+        outcome.findings.push(finding.with_help(
+            "weaken the assumption to what the environment controls, or let a contract guarantee the rest",
+        ));
+    }
+    tell(outcome, &loaded, options)
+}
+
+fn shown(system: &System, steps: &[Vec<i64>]) -> String {
+    let all: Vec<VarId> = (0..system.variables.len() as u32)
+        .map(VarId)
+        .filter(|v| !system.variables[v.index()].internal)
+        .collect();
+    super::words::steps_table(system, &all, steps)
+}

@@ -1,0 +1,299 @@
+//! `linewright compose`, `refine`, `compat`, `conjoin`, `quotient` and `merge`: the algebra of contracts on the command line.
+
+mod compare;
+mod compose;
+pub mod document;
+pub mod found;
+mod operand;
+mod refine;
+mod views;
+pub mod words;
+
+use super::exit::ExitCode;
+use super::files::{self, Loaded, StandardLibrary};
+use super::options::{Format, GlobalOptions};
+use crate::algebra::contract::Contract as Sets;
+use crate::algebra::join::{Sharing, join};
+use crate::algebra::system::System;
+use crate::diagnostics::{Diagnostic, has_errors, json, sarif};
+use crate::source::Span;
+use clap::Args;
+use document::Document;
+use operand::{Members, Operand, Operation, Rename};
+
+/// The arguments of `refine`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright refine std.handling.turn std.handling.turn
+    linewright refine contracts contracts
+
+    $ linewright refine cell.lw::Whole 'compose(cell.lw::Left, cell.lw::Right)'
+
+The first contract is what is promised, the second one what is to keep the promise: `refine OLD NEW` asks \
+whether NEW can stand wherever OLD was used. It may assume no more than OLD, and has to guarantee no less. \
+Of two folders every contract is compared with the one of its name; removed contracts count as broken.
+
+A contract is a file, FILE::NAME where it declares several, a library name such as std.handling.turn, or \
+an expression: compose(A, B), conjoin(A, B), quotient(A, B), merge(A, B).")]
+pub struct RefineArguments {
+    /// What is promised: a contract, or a folder
+    #[arg(value_name = "OLD")]
+    pub old: Operand,
+    /// What is to keep the promise: a contract, an expression, or a folder
+    #[arg(value_name = "NEW")]
+    pub new: Operand,
+    /// What only one command needs
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What all commands of the algebra take.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// A port under another name, to wire contracts that call it differently (repeatable)
+    #[arg(long, value_name = "CONTRACT.PORT=NAME")]
+    pub rename: Vec<Rename>,
+}
+
+/// The arguments of `compose`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright compose std.handling.turn std.handling.place
+    linewright compose std.handling.turn std.handling.place --rename Turn.desired=cell
+
+Variables of the same name are one wire. For every assumption it is said what meets it: the environment, guarantees \
+of the others step by step, or their justice, in an order without circles. What speaks of \
+inputs from outside is handed on. An assumption that nothing meets is shown with a run that breaks it.")]
+pub struct ComposeArguments {
+    /// The contracts
+    #[arg(value_name = "CONTRACT", required = true, num_args = 1..)]
+    pub contracts: Vec<Operand>,
+    /// Synthesize one controller of all contracts together, and print it as JSON
+    #[arg(long)]
+    pub synth: bool,
+    /// What only one command needs
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// The arguments of `compat`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright compat std.handling.turn
+    linewright compat std.handling.turn std.handling.place
+
+Contracts are compatible when some environment can keep what they assume, whatever they do within their \
+guarantees. It is a game with the roles swapped, safety first; where there is no such environment, a play shows why.")]
+pub struct CompatArguments {
+    /// The contracts
+    #[arg(value_name = "CONTRACT", required = true, num_args = 1..)]
+    pub contracts: Vec<Operand>,
+    /// What only one command needs
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// The arguments of `conjoin`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright conjoin std.handling.turn std.handling.turn
+
+Two viewpoints of one component: whatever keeps the conjunction keeps both contracts.")]
+pub struct ConjoinArguments {
+    /// The contracts
+    #[arg(value_name = "CONTRACT", required = true, num_args = 2..)]
+    pub contracts: Vec<Operand>,
+    /// What only one command needs
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// The arguments of `merge`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright merge std.handling.turn std.handling.turn
+
+Requirements that hold at once: all assumptions together, and under them all guarantees.")]
+pub struct MergeArguments {
+    /// The contracts
+    #[arg(value_name = "CONTRACT", required = true, num_args = 2..)]
+    pub contracts: Vec<Operand>,
+    /// What only one command needs
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// The arguments of `quotient`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright quotient std.handling.turn std.handling.turn
+
+What is missing: the weakest contract that, composed with EXISTING, refines WHOLE. It is proved by composing it back.")]
+pub struct QuotientArguments {
+    /// What both together have to keep
+    #[arg(value_name = "WHOLE")]
+    pub whole: Operand,
+    /// What is there
+    #[arg(value_name = "EXISTING")]
+    pub existing: Operand,
+    /// What only one command needs
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Operands read and brought together.
+struct Joined<'a> {
+    loaded: &'a Loaded,
+    system: System,
+    /// One expression an operand.
+    sets: Vec<Sets>,
+    /// Where each part is declared.
+    spans: Vec<Span>,
+}
+
+/// What is printed at the end.
+struct Outcome {
+    document: Document,
+    /// For people.
+    text: String,
+    findings: Vec<Diagnostic>,
+}
+
+/// Reads all that some operands name.
+fn load(
+    command: &str,
+    operands: &[&Operand],
+    options: &GlobalOptions,
+) -> anyhow::Result<Result<Loaded, ExitCode>> {
+    let mut paths: Vec<String> = Vec::new();
+    for operand in operands {
+        for path in operand::paths(std::slice::from_ref(*operand)) {
+            if !paths.contains(&path) {
+                paths.push(path);
+            }
+        }
+    }
+    let loaded = files::load(&paths, &StandardLibrary::new(options.library.clone()));
+    if has_errors(&loaded.findings) {
+        let sources = &loaded.library.sources;
+        options
+            .console()
+            .failed(command, sources, &loaded.findings)?;
+        let code = options.exit_code(&loaded.findings).and(loaded.exit_code());
+        return Ok(Err(code));
+    }
+    Ok(Ok(loaded))
+}
+
+/// Brings operands together; what does not fit is printed, and the exit code given instead.
+fn bring_together<'a>(
+    command: &str,
+    loaded: &'a Loaded,
+    operands: &[&Operand],
+    common: &Common,
+    sharing: Sharing,
+    options: &GlobalOptions,
+) -> anyhow::Result<Result<Joined<'a>, ExitCode>> {
+    let mut members = Members::default();
+    let mut sets = Vec::new();
+    for operand in operands {
+        sets.push(members.add(operand, loaded)?);
+    }
+    members.rename(&common.rename)?;
+    match join(&members.list, sharing) {
+        Ok(system) => Ok(Ok(Joined {
+            loaded,
+            system,
+            sets,
+            spans: members.contracts.iter().map(|c| c.span).collect(),
+        })),
+        Err(mismatches) => {
+            let findings: Vec<Diagnostic> = mismatches.iter().map(found::of_mismatch).collect();
+            let sources = &loaded.library.sources;
+            options.console().failed(command, sources, &findings)?;
+            Ok(Err(options.exit_code(&findings)))
+        }
+    }
+}
+
+/// Prints what came out, and gives the exit code.
+fn tell(outcome: Outcome, loaded: &Loaded, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let console = options.console();
+    let sources = &loaded.library.sources;
+    let Outcome {
+        mut document,
+        text,
+        findings,
+    } = outcome;
+    match options.format {
+        Format::Json => {
+            document.findings = json::findings(sources, &findings);
+            console.document(&document)?;
+        }
+        Format::Sarif => console.document(&sarif::document(sources, &findings))?,
+        Format::Human | Format::Short => {
+            console.result(&(console.render(sources, &findings) + &text))?;
+        }
+    }
+    Ok(options.exit_code(&findings))
+}
+
+/// That a limit was reached before anything was known.
+fn gave_up(
+    limit: crate::game::Limit,
+    command: &str,
+    loaded: &Loaded,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
+    let finding = Diagnostic::error(
+        crate::diagnostics::codes::GAVE_UP,
+        None,
+        format!("it was not decided: {limit}"),
+    )
+    .with_help("give it more with --timeout SECONDS and --memory MIB, or make the domains smaller");
+    let sources = &loaded.library.sources;
+    options.console().failed(command, sources, &[finding])?;
+    Ok(ExitCode::GaveUp)
+}
+
+/// Runs `refine`.
+pub fn refine(arguments: &RefineArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    if let (Some(old), Some(new)) = (
+        compare::library(&arguments.old),
+        compare::library(&arguments.new),
+    ) {
+        return compare::run(&old, &new, &arguments.common, options);
+    }
+    refine::run(arguments, options)
+}
+
+/// Runs `compose`.
+pub fn compose(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    compose::run(arguments, options)
+}
+
+/// Runs `compat`.
+pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    compose::compat(arguments, options)
+}
+
+/// Runs `conjoin`.
+pub fn conjoin(arguments: &ConjoinArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let operands: Vec<&Operand> = arguments.contracts.iter().collect();
+    views::run(Operation::Conjoin, &operands, &arguments.common, options)
+}
+
+/// Runs `merge`.
+pub fn merge(arguments: &MergeArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let operands: Vec<&Operand> = arguments.contracts.iter().collect();
+    views::run(Operation::Merge, &operands, &arguments.common, options)
+}
+
+/// Runs `quotient`.
+pub fn quotient(
+    arguments: &QuotientArguments,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
+    let operands = [&arguments.whole, &arguments.existing];
+    views::run(Operation::Quotient, &operands, &arguments.common, options)
+}

@@ -1,0 +1,268 @@
+//! Refinement of a contract by another one, by a composition, or by any other expression.
+
+use super::document::{self, Document};
+use super::operand::{Operand, Operation};
+use super::words::{Told, lasso_table};
+use super::{Joined, Outcome, RefineArguments, bring_together, found, gave_up, load, tell};
+use crate::algebra::contract::Contract as Sets;
+use crate::algebra::decide::Decider;
+use crate::algebra::join::Sharing;
+use crate::algebra::proof::{Claim, Exports, prove};
+use crate::algebra::refine::{Question, Refinement, refine};
+use crate::algebra::system::{Half, Part, System};
+use crate::cli::console::schema;
+use crate::cli::exit::ExitCode;
+use crate::cli::options::GlobalOptions;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::game::Limit;
+use crate::gr1::Side;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// Runs `refine` on two operands.
+pub fn run(arguments: &RefineArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let operands = [&arguments.old, &arguments.new];
+    let loaded = match load("refine", &operands, options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let joined = bring_together(
+        "refine",
+        &loaded,
+        &operands,
+        &arguments.common,
+        Sharing::SeveralViews,
+        options,
+    )?;
+    let joined = match joined {
+        Ok(joined) => joined,
+        Err(code) => return Ok(code),
+    };
+    let outcome = match (&arguments.old, &arguments.new) {
+        (Operand::Contract { .. }, Operand::Contract { .. }) => single(&joined, options),
+        (Operand::Contract { .. }, Operand::Result(Operation::Compose, inner))
+            if inner.iter().all(|o| matches!(o, Operand::Contract { .. })) =>
+        {
+            composed(&joined, options)
+        }
+        _ => sets(&joined, options),
+    };
+    match outcome {
+        Ok(outcome) => tell(outcome, &loaded, options),
+        Err(limit) => gave_up(limit, "refine", &loaded, options),
+    }
+}
+
+fn document(joined: &Joined<'_>, holds: bool, semantics: &'static str) -> Document {
+    Document {
+        schema: schema("refine"),
+        verdict: if holds { "refined" } else { "broken" },
+        semantics,
+        pairs: document::pairs(&joined.system),
+        proofs: BTreeMap::new(),
+        counterexample: None,
+        contracts: Vec::new(),
+        findings: Vec::new(),
+    }
+}
+
+/// One contract against another, formula by formula.
+fn single(joined: &Joined<'_>, options: &GlobalOptions) -> Result<Outcome, Limit> {
+    let (old, new) = (0, 1);
+    let refinement = refine(&joined.system, new, old, &options.limits())?;
+    let names = [
+        &joined.system.parts[old].name,
+        &joined.system.parts[new].name,
+    ];
+    let mut outcome = Outcome {
+        document: document(joined, refinement.holds(), "runs"),
+        text: String::new(),
+        findings: Vec::new(),
+    };
+    let (findings, text) = told(&refinement, names[0], names[1], &|part| {
+        Some(joined.spans[part.map_or(old, |_| new)])
+    });
+    outcome.findings = findings;
+    outcome.text = text;
+    let entries = [
+        ("assumptions", &refinement.assumptions, names[1]),
+        ("guarantees", &refinement.guarantees, names[0]),
+    ];
+    for (what, question, whole) in entries {
+        let told = of_question(question, whole);
+        let entry = document::proof(told, &question.proof);
+        outcome.document.proofs.insert(what, entry);
+    }
+    Ok(outcome)
+}
+
+/// A question and whose formulas its goal is made of.
+pub fn of_question<'a>(question: &'a Question, whole: &'a str) -> Told<'a> {
+    Told {
+        system: &question.system,
+        claim: &question.claim,
+        whole,
+    }
+}
+
+/// A refinement in words.
+pub fn told(
+    refinement: &Refinement,
+    old: &str,
+    new: &str,
+    at: &dyn Fn(Option<usize>) -> Option<crate::source::Span>,
+) -> (Vec<Diagnostic>, String) {
+    let mut findings = Vec::new();
+    for (question, whole, what) in [
+        (&refinement.assumptions, new, "assumes more"),
+        (&refinement.guarantees, old, "guarantees less"),
+    ] {
+        let told = of_question(question, whole);
+        for open in &question.proof.open {
+            let formula = told.formula(open.what);
+            let message = match what {
+                "assumes more" => format!(
+                    "`{new}` assumes `{}`, and `{old}` does not: an environment of `{old}` may break it",
+                    formula.name
+                ),
+                _ => format!("`{new}` does not keep `{}` of `{old}`", formula.name),
+            };
+            let help = match what {
+                "assumes more" => "drop the assumption, or weaken it to what was assumed before",
+                _ => "guarantee it, too, or publish the change as one that is not compatible",
+            };
+            findings.push(
+                Diagnostic::error(codes::PROMISE_BROKEN, at(Some(0)), message)
+                    .with_label(
+                        formula.span,
+                        if what == "assumes more" {
+                            "this is assumed"
+                        } else {
+                            "this was guaranteed"
+                        },
+                    )
+                    .with_note(told.shown(open))
+                    .with_help(help),
+            );
+        }
+    }
+    let mut text = String::new();
+    for (question, whole, what) in [
+        (&refinement.assumptions, new, "assumes"),
+        (&refinement.guarantees, old, "guarantees"),
+    ] {
+        if !question.proof.discharges.is_empty() {
+            let _ = writeln!(text, "What `{whole}` {what} follows from:");
+            text.push_str(&of_question(question, whole).rests(&question.proof.discharges, old));
+        }
+    }
+    let _ = writeln!(
+        text,
+        "{}",
+        if refinement.holds() {
+            format!("`{new}` refines `{old}`: it can stand wherever that was used.")
+        } else {
+            format!("`{new}` does not refine `{old}`.")
+        }
+    );
+    text.push_str("Semantics: inclusion of infinite runs.\n");
+    (findings, text)
+}
+
+/// A contract against a composition: under what it assumes the parts discharge one another's assumptions and keep what it guarantees.
+fn composed(joined: &Joined<'_>, options: &GlobalOptions) -> Result<Outcome, Limit> {
+    let (whole, parts) = joined.system.parts.split_first().expect("two operands");
+    let mut system = System {
+        variables: joined.system.variables.clone(),
+        parts: parts.to_vec(),
+    };
+    // What defines the whole's monitors is true, whoever keeps it.
+    if whole.definitions != Side::default() {
+        system.parts.push(Part {
+            assumptions: Side::default(),
+            guarantees: Side::default(),
+            drives: { whole.drives.iter().copied() }
+                .filter(|v| !parts.iter().any(|p| p.drives.contains(v)))
+                .collect(),
+            timing: crate::gr1::Timing::Moore,
+            ..whole.clone()
+        });
+    }
+    let claim = Claim {
+        given: whole.assumptions.clone(),
+        goal: whole.guarantees.clone(),
+        exports: Exports::Never,
+    };
+    let proof = prove(&system, &claim, &options.limits())?;
+    let told = Told {
+        system: &system,
+        claim: &claim,
+        whole: &whole.name,
+    };
+    let names: Vec<&str> = parts.iter().map(|p| p.name.as_str()).collect();
+    let findings = found::of_proof(told, &proof, &|part| {
+        Some(joined.spans[part.map_or(0, |p| p + 1)])
+    });
+    let verdict = if proof.holds() {
+        "refines"
+    } else {
+        "does not refine"
+    };
+    let mut outcome = Outcome {
+        document: document(joined, proof.holds(), "strict"),
+        text: format!(
+            "{}{} {verdict} `{}`.\n",
+            told.table(&proof.discharges),
+            names.join(" ⊗ "),
+            whole.name
+        ),
+        findings,
+    };
+    let entry = document::proof(told, &proof);
+    outcome.document.proofs.insert("proof", entry);
+    Ok(outcome)
+}
+
+/// Any two expressions, as sets of runs.
+fn sets(joined: &Joined<'_>, options: &GlobalOptions) -> Result<Outcome, Limit> {
+    let mut decider = Decider::new(&joined.system, &options.limits())?;
+    let refutation = decider.refutation(&joined.sets[1], &joined.sets[0])?;
+    let mut outcome = Outcome {
+        document: document(joined, refutation.is_none(), "runs"),
+        text: "Refined: whatever keeps the second keeps the first, in every environment of the first.\n".to_owned(),
+        findings: Vec::new(),
+    };
+    if let Some((half, run)) = refutation {
+        outcome.text = String::new();
+        outcome.document.counterexample = Some(document::lasso(&joined.system, &run));
+        outcome
+            .findings
+            .push(refuted(joined, half, &lasso_table(&joined.system, &run)));
+    }
+    Ok(outcome)
+}
+
+fn refuted(joined: &Joined<'_>, half: Half, shown: &str) -> Diagnostic {
+    let message = match half {
+        Half::Assumptions => {
+            "it is not refined: an environment of the first may do this, and the second does not allow for it"
+        }
+        Half::Guarantees => {
+            "it is not refined: an implementation of the second may do this, and the first forbids it"
+        }
+    };
+    Diagnostic::error(codes::PROMISE_BROKEN, joined.spans[0], message)
+        .with_note(shown.to_owned())
+        .with_help("add a guarantee that rules this run out, or promise less")
+}
+
+/// Whether one expression refines another; for what is proved on the way of other commands.
+pub fn refutes(
+    joined: &Joined<'_>,
+    small: &Sets,
+    large: &Sets,
+    options: &GlobalOptions,
+) -> Result<Option<crate::game::Lasso>, Limit> {
+    let mut decider = Decider::new(&joined.system, &options.limits())?;
+    Ok(decider.refutation(small, large)?.map(|(_, run)| run))
+}
