@@ -6,7 +6,7 @@
 //! realized.
 //!
 //! Who moves first is swapped as well. Machines that see the inputs of the step that they answer leave the environment the first word;
-//! where all parts answer first, it sees their answer.
+//! where all parts answer first, and say nothing of the inputs of that step, it sees their answer.
 
 use super::proof::{Broken, latest};
 use super::system::{System, formulas};

@@ -170,26 +170,26 @@ impl<'a> Decider<'a> {
                 broken.push(half.clone());
             }
         }
-        self.ways(wanted, &broken)
+        self.ways(&wanted, &broken)
     }
 
-    fn ways(&mut self, wanted: Wanted, broken: &[HalfRules]) -> Result<Option<Lasso>, Limit> {
+    fn ways(&mut self, wanted: &Wanted, broken: &[HalfRules]) -> Result<Option<Lasso>, Limit> {
         let Some((half, rest)) = broken.split_first() else {
-            let found = self.runs.lasso(&wanted)?;
+            let found = self.runs.lasso(wanted)?;
             return Ok(found.map(|run| self.visible(run)));
         };
         if let Some((remember, seen)) = &half.broken {
             let mut more = wanted.clone();
             more.keep.extend(remember);
             more.again.push(*seen);
-            if let Some(run) = self.ways(more, rest)? {
+            if let Some(run) = self.ways(&more, rest)? {
                 return Ok(Some(run));
             }
         }
         for justice in &half.again {
             let mut more = wanted.clone();
             more.never_again.push(*justice);
-            if let Some(run) = self.ways(more, rest)? {
+            if let Some(run) = self.ways(&more, rest)? {
                 return Ok(Some(run));
             }
         }

@@ -10,6 +10,7 @@ use super::structure;
 use super::{AssumptionRef, GuaranteeKind, GuaranteeRef};
 use crate::gr1::{Expr, Formula, Owner, Side, Specification, Time, Timing, VarId};
 use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
+use std::collections::BTreeSet;
 
 /// The formulas of one side.
 #[derive(Debug, Clone)]
@@ -107,6 +108,23 @@ impl<K: Kernel> Formulas<K> {
             let encoded = formulas.iter().map(|f| encoding.formula(&kernel, &f.expr));
             encoded.collect()
         };
+        // Of a machine that answers first, assumptions may speak of the answer (where the roles are swapped, guarantees do). A code
+        // without a value is no answer: it must not win by leaving the environment nothing to do.
+        let answers = |owner: Owner, expr: &Expr, time: Time, mut function: K::Function| {
+            if owner == Owner::Environment && specification.timing == Timing::Moore {
+                let mut answered = BTreeSet::new();
+                expr.for_each_var(&mut |v, t| {
+                    if t == time && specification.variable(v).owner == Owner::System {
+                        answered.insert(v);
+                    }
+                });
+                for v in answered {
+                    let within = encoding.in_domain(&kernel, v, time)?;
+                    function = kernel.or(&function, &kernel.not(&within)?)?;
+                }
+            }
+            Ok(function)
+        };
         // What a formula says of codes without a value means nothing, but has a size, above all where it is negated.
         let confined = order.pairs().len() > structure::MANY_PAIRS;
         let part = |part: &Expr| -> Result<K::Function, Limit> {
@@ -132,11 +150,16 @@ impl<K: Kernel> Formulas<K> {
             }
             let conjuncts = |formula: &Formula| -> Result<Vec<K::Function>, Limit> {
                 let parts = formula.expr.conjuncts().into_iter();
-                parts.map(part).collect()
+                { parts.map(|p| answers(owner, p, Time::Next, part(p)?)) }.collect()
+            };
+            let of_states = |formulas: &[Formula]| -> Result<Vec<K::Function>, Limit> {
+                let encoded = formulas.iter().zip(list(formulas)?);
+                { encoded.map(|(f, function)| answers(owner, &f.expr, Time::Now, function)) }
+                    .collect()
             };
             Ok(Encoded {
-                initial: list(&side.initial)?,
-                invariants: list(&side.invariants)?,
+                initial: of_states(&side.initial)?,
+                invariants: of_states(&side.invariants)?,
                 safety: side
                     .safety
                     .iter()

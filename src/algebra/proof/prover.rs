@@ -22,8 +22,6 @@ pub struct Prover<'a> {
     order: Order,
     /// Assumptions that were handed on to the environment, by rule.
     exported: Vec<usize>,
-    /// Of assumptions that were to be handed on: what would have to be shown of them even so.
-    left_of_export: BTreeMap<usize, usize>,
     proof: Proof,
 }
 
@@ -48,8 +46,6 @@ impl Order {
 enum Found {
     /// It follows from these rules.
     Follows(Vec<usize>),
-    /// It is the environment's business where it may choose, and follows from these rules elsewhere.
-    HandedOn(Vec<usize>),
     /// It does not.
     Fails(Broken),
 }
@@ -62,7 +58,6 @@ impl<'a> Prover<'a> {
             claim,
             order: Order::default(),
             exported: Vec::new(),
-            left_of_export: BTreeMap::new(),
             proof: Proof::default(),
         })
     }
@@ -138,6 +133,15 @@ impl<'a> Prover<'a> {
         found
     }
 
+    /// These, and the safety that parts assume: it was kept so far. It follows from the others unless one of the assumptions is open.
+    fn with_assumptions(&self, mut rules: Vec<usize>) -> Vec<usize> {
+        let assumed = self.book.numbers(|at| is_assumption(*at));
+        rules.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
+        rules.sort_unstable();
+        rules.dedup();
+        rules
+    }
+
     /// Initial conditions, invariants and safety that parts assume.
     fn safety(&mut self) -> Result<(), Limit> {
         let assumed = self.book.numbers(|at| is_assumption(*at));
@@ -145,6 +149,8 @@ impl<'a> Prover<'a> {
         left.retain(|i| !self.book.is_justice(*i));
         loop {
             let mut failed = Vec::new();
+            let mut open = Vec::new();
+            let mut moved = false;
             for rule in std::mem::take(&mut left) {
                 // Where the caller chooses, what does not follow from what stands near is handed on, and not looked for further.
                 if matches!(self.claim.exports, Exports::After(_)) && self.is_about_outside(rule) {
@@ -152,29 +158,33 @@ impl<'a> Prover<'a> {
                         self.discharged(rule, &by);
                         continue;
                     }
-                    if let Some(by) = self.export(rule)? {
-                        self.hand_on(rule, &by);
-                        continue;
+                    match self.export(rule)? {
+                        Ok(by) => {
+                            self.hand_on(rule, &by);
+                            moved = true;
+                            continue;
+                        }
+                        // What fails even where it is not the environment's choice fails altogether.
+                        Err(Some(worse)) => {
+                            open.push((rule, worse));
+                            continue;
+                        }
+                        Err(None) => {}
                     }
                 }
                 match self.assumption(rule)? {
                     Found::Follows(by) => self.discharged(rule, &by),
-                    Found::HandedOn(by) => self.hand_on(rule, &by),
                     Found::Fails(why) => failed.push((rule, why)),
                 }
             }
             // What only the environment can keep is its business; with it, more may follow.
-            let mut moved = false;
-            let mut open = Vec::new();
             for (rule, why) in failed {
-                // Where that was tried before, it is not tried again.
-                let tried = self.left_of_export.contains_key(&rule);
-                match if tried { None } else { self.export(rule)? } {
-                    Some(by) => {
+                match self.export(rule)? {
+                    Ok(by) => {
                         self.hand_on(rule, &by);
                         moved = true;
                     }
-                    None => open.push((rule, why)),
+                    Err(worse) => open.push((rule, worse.unwrap_or(why))),
                 }
             }
             if moved {
@@ -283,27 +293,17 @@ impl<'a> Prover<'a> {
         if let Some(by) = self.step_minimal(rule, Some(rule), ALL)? {
             return Ok(Found::Follows(by));
         }
-        // Other assumptions were kept so far as well; they follow from guarantees, unless one of them is open.
-        let mut all = self.hypotheses();
-        let assumed = self.book.numbers(|at| is_assumption(*at));
-        all.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
+        // Other assumptions were kept so far as well.
+        let mut all = self.with_assumptions(self.hypotheses());
         if self.book.rule(rule).kind == RuleKind::Initial {
             let first = [RuleKind::Initial, RuleKind::Invariant];
             all.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
-        all.sort_unstable();
-        all.dedup();
-        let weaker = self.left_of_export.get(&rule).copied();
-        let wanted = weaker.unwrap_or(rule);
-        if let Some(trace) = self.step(&all, wanted, Some(part))? {
+        if let Some(trace) = self.step(&all, rule, Some(part))? {
             return Ok(Found::Fails(Broken::Trace(trace)));
         }
-        let mut holds = |kept: &[usize]| self.step_holds(kept, wanted, Some(part));
-        let by = quick_xplain(&mut holds, &[], false, &all)?;
-        Ok(match weaker {
-            None => Found::Follows(by),
-            Some(_) => Found::HandedOn(by),
-        })
+        let mut holds = |kept: &[usize]| self.step_holds(kept, rule, Some(part));
+        Ok(Found::Follows(quick_xplain(&mut holds, &[], false, &all)?))
     }
 
     /// The smallest part of the hypotheses from which a rule follows step by step, as far as so many rings of them are looked at; `None`
@@ -421,17 +421,17 @@ impl<'a> Prover<'a> {
         latest.any(|v| self.book.system.driver(v).is_none())
     }
 
-    /// Whether an assumption that is not discharged may be handed on to the environment, and on what that rests.
-    fn export(&mut self, rule: usize) -> Result<Option<Vec<usize>>, Limit> {
-        self.left_of_export.remove(&rule);
+    /// Whether an assumption that is not discharged may be handed on to the environment, and on what that rests; if not, how it is broken
+    /// where it would not be the environment's own choice, if it may be handed on at all.
+    fn export(&mut self, rule: usize) -> Result<Result<Vec<usize>, Option<Broken>>, Limit> {
         let Rule { kind, expr } = self.book.rule(rule).clone();
         let outside = self.is_about_outside(rule);
         let after = match &self.claim.exports {
-            Exports::Never => return Ok(None),
-            _ if !outside => return Ok(None),
-            Exports::Always => return Ok(Some(Vec::new())),
-            Exports::After(_) if kind == RuleKind::Initial => return Ok(Some(Vec::new())),
-            Exports::After(_) if kind == RuleKind::Justice => return Ok(None),
+            Exports::Never => return Ok(Err(None)),
+            _ if !outside => return Ok(Err(None)),
+            Exports::Always => return Ok(Ok(Vec::new())),
+            Exports::After(_) if kind == RuleKind::Initial => return Ok(Ok(Vec::new())),
+            Exports::After(_) if kind == RuleKind::Justice => return Ok(Err(None)),
             Exports::After(after) => after.clone(),
         };
         let next = match kind {
@@ -443,11 +443,10 @@ impl<'a> Prover<'a> {
             kind: RuleKind::Safety,
             expr: after.or(next),
         });
-        self.left_of_export.insert(rule, weaker);
         let part = self.part_of(rule);
         let mut candidates = self.hypotheses();
         candidates.push(rule);
-        let found = self.minimal(weaker, &candidates, ALL, &mut |p, kept| {
+        let slips = |p: &mut Self, kept: &[usize]| {
             // Of the last step it is what is to be shown.
             let definitions = p.book.definitions(kept.iter().copied().chain([weaker]));
             let last = { kept.iter().copied() }.filter(|i| *i != rule && p.is_usable(*i, part));
@@ -456,9 +455,19 @@ impl<'a> Prover<'a> {
                 before: [kept, &definitions].concat(),
                 broken: weaker,
             };
-            Ok(p.book.runs.step(&slip)?.is_none())
-        })?;
-        Ok(found.map(|by| by.into_iter().filter(|i| *i != rule).collect()))
+            p.book.runs.step(&slip)
+        };
+        let mut holds = |p: &mut Self, kept: &[usize]| Ok(slips(p, kept)?.is_none());
+        let by = if let Some(by) = self.minimal(weaker, &candidates, ALL, &mut holds)? {
+            by
+        } else {
+            let all = self.with_assumptions(candidates);
+            if let Some(trace) = slips(self, &all)? {
+                return Ok(Err(Some(Broken::Trace(trace))));
+            }
+            self.fewest(&all, &mut holds)?
+        };
+        Ok(Ok(by.into_iter().filter(|i| *i != rule).collect()))
     }
 
     fn hand_on(&mut self, rule: usize, by: &[usize]) {
@@ -530,8 +539,8 @@ impl<'a> Prover<'a> {
                 let mut open = Vec::new();
                 for rule in std::mem::take(&mut left) {
                     match self.export(rule)? {
-                        Some(by) => self.hand_on(rule, &by),
-                        None => open.push(rule),
+                        Ok(by) => self.hand_on(rule, &by),
+                        Err(_) => open.push(rule),
                     }
                 }
                 left = open;
@@ -630,9 +639,15 @@ impl<'a> Prover<'a> {
         reliable: &BTreeSet<usize>,
     ) -> Result<Option<Vec<usize>>, Limit> {
         let candidates = self.reasons(reliable);
-        self.minimal(rule, &candidates, ALL, &mut |p, kept| {
-            Ok(p.starved(kept, rule)?.is_none())
-        })
+        let mut holds = |p: &mut Self, kept: &[usize]| Ok(p.starved(kept, rule)?.is_none());
+        if let Some(by) = self.minimal(rule, &candidates, ALL, &mut holds)? {
+            return Ok(Some(by));
+        }
+        let all = self.with_assumptions(candidates);
+        if holds(self, &all)? {
+            return self.fewest(&all, &mut holds).map(Some);
+        }
+        Ok(None)
     }
 
     /// A run that keeps everything and from some step on never meets a justice again.
@@ -641,11 +656,7 @@ impl<'a> Prover<'a> {
         rule: usize,
         reliable: &BTreeSet<usize>,
     ) -> Result<Option<Lasso>, Limit> {
-        let mut all = self.reasons(reliable);
-        let assumed = self.book.numbers(|at| is_assumption(*at));
-        all.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
-        all.sort_unstable();
-        all.dedup();
+        let all = self.with_assumptions(self.reasons(reliable));
         self.starved(&all, rule)
     }
 
@@ -717,7 +728,7 @@ impl<'a> Prover<'a> {
             let found = if self.book.is_justice(rule) {
                 match self.again_minimal(rule, reliable)? {
                     Some(by) => Found::Follows(by),
-                    None => match self.starved(&self.reasons(reliable), rule)? {
+                    None => match self.never_again(rule, reliable)? {
                         Some(lasso) => Found::Fails(Broken::Lasso(lasso)),
                         None => unreachable!("what follows was found; please report this"),
                     },
@@ -729,7 +740,7 @@ impl<'a> Prover<'a> {
                 }
             };
             match found {
-                Found::Follows(by) | Found::HandedOn(by) => self.record_again(rule, &by, turns),
+                Found::Follows(by) => self.record_again(rule, &by, turns),
                 Found::Fails(why) => {
                     let what = self.at(rule);
                     self.proof.open.push(Open { what, why });
@@ -767,7 +778,7 @@ impl<'a> Prover<'a> {
             kind: RuleKind::Justice,
             expr: Expr::now(slipped),
         });
-        let candidates = self.reasons(reliable);
+        let candidates = self.with_assumptions(self.reasons(reliable));
         let slips = |p: &mut Self, kept: &[usize]| -> Result<Option<Lasso>, Limit> {
             let mut wanted = p.wanted(kept, &[rule]);
             wanted.keep.extend([start, on]);

@@ -102,7 +102,6 @@ impl Path<'_> {
 
     /// Everything that can be reached from a state within a set, by steps of this direction; the state itself only if it comes again.
     fn closure<K: Kernel>(
-        &self,
         steps: &Steps<K>,
         from: &K::Function,
         within: &K::Function,
@@ -151,8 +150,8 @@ impl Path<'_> {
         let mut component;
         loop {
             let (_, at) = &prefix[prefix.len() - 1];
-            let ahead = self.closure(steps, at, fair, false)?;
-            let back = self.closure(steps, at, fair, true)?;
+            let ahead = Self::closure(steps, at, fair, false)?;
+            let back = Self::closure(steps, at, fair, true)?;
             let away = m.and_not(&ahead, &back)?;
             if m.is_false(&away) {
                 component = ahead;

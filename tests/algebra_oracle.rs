@@ -1,0 +1,38 @@
+//! The algebra of contracts against brute force.
+//!
+//! Random small contracts; every set of runs counted through on all lassos up to a bound; every game and every composition on explicit
+//! states. What is compared shares no code with `src/algebra` but the shape of its data and look-ups in it (who sets a variable, which formula
+//! is pointed at, which variables it says something of).
+//!
+//! | file | what it shows |
+//! |---|---|
+//! | `operations` | the five operations are the sets that their definitions say, and questions about them are decided right |
+//! | `laws` | the laws of the algebra, exactly and on all lassos |
+//! | `refinement` | refinement with its reasons: the same verdict, reasons that are enough and none too many, real counterexamples |
+//! | `compatibility` | environments exist where a naive solver of the swapped game finds one |
+//! | `circles` | what a proof of a composition promises holds of all machines that keep the parts' contracts |
+
+#[path = "algebra_oracle/circles.rs"]
+mod circles;
+#[path = "algebra_oracle/compatibility.rs"]
+mod compatibility;
+#[path = "algebra_oracle/contracts.rs"]
+mod contracts;
+#[path = "oracle/game.rs"]
+#[allow(dead_code, reason = "only its evaluator and its fixpoint are used")]
+mod game;
+#[path = "algebra_oracle/graph.rs"]
+mod graph;
+#[path = "algebra_oracle/lassos.rs"]
+mod lassos;
+#[path = "algebra_oracle/laws.rs"]
+mod laws;
+#[path = "algebra_oracle/operations.rs"]
+mod operations;
+#[path = "oracle/random.rs"]
+#[allow(dead_code, reason = "only its generator is used")]
+mod random;
+#[path = "algebra_oracle/refinement.rs"]
+mod refinement;
+#[path = "algebra_oracle/wired.rs"]
+mod wired;
