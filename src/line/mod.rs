@@ -30,6 +30,7 @@
 //! `pitch / speed` after the one before it, and goes on when the one before it has moved up by one pitch and fewer than `places` are
 //! there. For those with one see `plant/belt.rs`.
 
+pub mod abstraction;
 pub mod calendar;
 mod metric;
 mod plant;
