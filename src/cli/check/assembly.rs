@@ -9,11 +9,13 @@ use crate::cli::console::schema;
 use crate::cli::files::Loaded;
 use crate::cli::findings::lost;
 use crate::cli::libraries;
+use crate::cli::lines;
 use crate::cli::machines::{self, Planned};
 use crate::cli::outline::{Declaration, Kind};
 use crate::cli::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
+use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
 use crate::station::composition::By;
 use std::path::Path;
@@ -26,6 +28,8 @@ pub(super) struct Assembly<'a> {
     pub(super) machines: &'a [Planned<'a>],
     pub(super) jobs: &'a Jobs,
     pub(super) checked: &'a [CheckedContract],
+    /// When a line's proof is given up.
+    pub(super) limits: &'a Limits,
     pub(super) timing: bool,
     pub(super) statistics: bool,
 }
@@ -65,16 +69,10 @@ impl Assembly<'_> {
                         let entry = self.machine(file, declaration, &mut findings);
                         document.machines.push(entry);
                     }
-                    Kind::Line => document.lines.push(LineEntry {
-                        name: declaration.name.clone(),
-                        file: file.name.to_owned(),
-                        verdict: if file.broken || has_errors(&findings) {
-                            "invalid"
-                        } else {
-                            "valid"
-                        },
-                        findings: json::findings(sources, &findings),
-                    }),
+                    Kind::Line => {
+                        let entry = self.line(file, declaration, &mut findings);
+                        document.lines.push(entry);
+                    }
                 }
                 all.extend(findings);
             }
@@ -190,6 +188,38 @@ impl Assembly<'_> {
                 .map(|r| r.statistics.kernel.clone())
                 .unwrap_or_default(),
             verdict_only: result.is_some_and(|r| r.left_out),
+        }
+    }
+
+    fn line(
+        &self,
+        file: &FileView<'_>,
+        declaration: &Declaration,
+        findings: &mut Vec<Diagnostic>,
+    ) -> LineEntry {
+        let sound = !file.broken && !has_errors(findings);
+        let known = self.loaded.library.lines.iter();
+        let line = { known }.find(|l| sound && declaration.holds(l.span));
+        let proof = line.map(|line| lines::examine(line, self.limits));
+        let (proof, discharges) = match proof {
+            Some(proof) => {
+                findings.extend(proof.findings);
+                (Some(proof.verdict), proof.discharges)
+            }
+            None => (None, Vec::new()),
+        };
+        let entry = |(component, assumption, by)| DischargeEntry {
+            component,
+            assumption,
+            by,
+        };
+        LineEntry {
+            name: declaration.name.clone(),
+            file: file.name.to_owned(),
+            verdict: if sound { "valid" } else { "invalid" },
+            proof,
+            discharges: discharges.into_iter().map(entry).collect(),
+            findings: json::findings(&self.loaded.library.sources, findings),
         }
     }
 

@@ -139,6 +139,7 @@ fn check(
         machines: &machines,
         jobs: &jobs,
         checked: &checked,
+        limits: &settings.limits,
         timing: !options.no_timing,
         statistics: arguments.stats,
     }

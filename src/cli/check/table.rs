@@ -66,6 +66,12 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         let mut cells = vec![String::new(); COLUMNS];
         cells[0] = format!("line {}", l.name);
         l.verdict.clone_into(&mut cells[3]);
+        cells[4] = match l.proof {
+            Some("proved") => "proved".to_owned(),
+            Some("open") => "not proved".to_owned(),
+            Some(_) => "not decided".to_owned(),
+            None => String::new(),
+        };
         cells[6] = file(&l.file);
         rows.push(Row {
             verdict: l.verdict,
@@ -188,22 +194,16 @@ fn verdicts_only(document: &Document) -> String {
     lines.collect()
 }
 
-/// For every machine, how the assumptions of its components are met.
+/// For every machine and line, how the assumptions of its components are met.
 fn discharges(document: &Document) -> String {
     let mut text = String::new();
-    for machine in document
-        .machines
-        .iter()
-        .filter(|m| !m.discharges.is_empty())
-    {
-        let _ = writeln!(text, "\n{}: how each assumption is met", machine.name);
+    let machines = document.machines.iter().map(|m| (&m.name, &m.discharges));
+    let lines = document.lines.iter().map(|l| (&l.name, &l.discharges));
+    for (owner, discharges) in machines.chain(lines).filter(|(_, d)| !d.is_empty()) {
+        let _ = writeln!(text, "\n{owner}: how each assumption is met");
         let name = |d: &DischargeEntry| format!("{}: {}", d.component, d.assumption);
-        let width = machine
-            .discharges
-            .iter()
-            .map(|d| name(d).chars().count())
-            .max();
-        for d in &machine.discharges {
+        let width = discharges.iter().map(|d| name(d).chars().count()).max();
+        for d in discharges {
             let _ = writeln!(
                 text,
                 "  {:width$}  {}",

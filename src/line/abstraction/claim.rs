@@ -199,7 +199,7 @@ fn can_go_on(model: Model<'_>, place: usize) -> Expr {
     let mut ways = Vec::new();
     if let Some(takes) = vars.takes {
         ways.push(is(takes, 0).not());
-        ways.push(model.may_take_any(place));
+        ways.push(model.owes(place));
     }
     if let Some(phase) = vars.phase {
         let work = vars.phases.iter().enumerate().filter(|(_, p)| matches!(p, Phase::Work(_)));

@@ -22,6 +22,7 @@
 //! A line in which parts of one type may go round in a circle is taken to send each of them out of it in the end; the claim is then that all
 //! places go on.
 
+mod belt;
 mod chain;
 mod claim;
 mod decide;

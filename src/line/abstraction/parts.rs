@@ -153,11 +153,14 @@ impl Writer<'_> {
             &is(takes, 0).or(becomes(takes, 0)),
         );
         self.turns();
-        self.justice(
-            "takes_in_the_end",
-            "where a part waits to come here and there is room for it, one is taken in the end",
-            &is(takes, 0).not().or(model.may_take_any(place).not()),
-        );
+        let text = match model.shape.places[place].kind {
+            PlaceKind::Conveyor { places, sure } if sure < places => format!(
+                "where a part waits to come here, one is taken in the end, if fewer than {sure} are on it or the first one \
+                 has not come to the end yet"
+            ),
+            _ => "where a part waits to come here and there is room for it, one is taken in the end".to_owned(),
+        };
+        self.justice("takes_in_the_end", &text, &is(takes, 0).not().or(model.owes(place).not()));
     }
 
     /// The longest wait goes first.

@@ -4,8 +4,10 @@
 //! have nothing to do with each other. A belt with a contract that takes parts from other such belts has a place before it, as it
 //! has in the runner: one belt can hand over only in its own step, and take only in its own step.
 
-use crate::contract::line::{Line, Node, NodeKind, Supply};
+use super::belt::{self, Room};
+use crate::contract::line::{Belt, Line, Node, NodeKind, Supply};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// A place where parts are.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -59,6 +61,9 @@ pub enum PlaceKind {
     Conveyor {
         /// How many fit.
         places: u32,
+        /// With fewer on it, another one is taken in the end even while the first one waits; otherwise perhaps only when that has
+        /// left. What accumulates takes as many as fit.
+        sure: u32,
     },
     /// Parts wait in their order.
     Room {
@@ -133,6 +138,7 @@ impl Shape {
                 intake[node] = Some(add(declared.name.clone(), kind));
             }
         }
+        look_at_belts(line, &mut places)?;
         let mut shape = Self {
             places,
             types: line.parts.iter().map(|p| p.name.clone()).collect(),
@@ -267,6 +273,43 @@ impl Shape {
     }
 }
 
+/// Asks the contracts of belts how much room they are sure of; belts of one machine are alike.
+fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Unfit> {
+    let mut known: Vec<(&Belt, Room)> = Vec::new();
+    for place in places {
+        let PlaceKind::Conveyor { sure, .. } = &mut place.kind else {
+            continue;
+        };
+        let NodeKind::Conveyor { belt: Some(belt), .. } = &line.nodes[place.node].kind else {
+            continue;
+        };
+        let same = |other: &Belt| Arc::ptr_eq(&other.machine, &belt.machine);
+        let room = match known.iter().find(|(other, _)| same(other)) {
+            Some((_, room)) => *room,
+            None => belt::room(belt).map_err(|limit| {
+                Unfit(format!("the contract of {} is too large to be asked about its room: {limit}", place.name))
+            })?,
+        };
+        known.push((belt, room));
+        match room {
+            Room::Sure(number) => *sure = number,
+            Room::TakesNone => {
+                return Err(Unfit(format!(
+                    "the contract of {} does not say that it takes a part while it is empty",
+                    place.name
+                )));
+            }
+            Room::BringsNone => {
+                return Err(Unfit(format!(
+                    "the contract of {} does not say that a part on it comes to its end",
+                    place.name
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
 fn belt(node: &Node) -> bool {
     matches!(node.kind, NodeKind::Conveyor { belt: Some(_), .. })
 }
@@ -284,13 +327,13 @@ fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
 fn kind(line: &Line, node: usize) -> Option<PlaceKind> {
     let leaves_again = |part: usize| line.routes.iter().any(|r| r.from == node && r.part == part);
     Some(match &line.nodes[node].kind {
-        NodeKind::Source { part, supply } => PlaceKind::Supply {
+        NodeKind::Source { part, supply, most } => PlaceKind::Supply {
             part: *part,
             always: match supply {
                 Supply::OnOrder => true,
                 Supply::Every { seconds, limit, .. } => *seconds <= 0.0 && limit.is_none(),
             },
-            most: None,
+            most: *most,
         },
         NodeKind::Sink { reject, .. } => PlaceKind::End {
             finishes: (0..line.parts.len()).filter(|_| !reject).collect(),
@@ -306,7 +349,10 @@ fn kind(line: &Line, node: usize) -> Option<PlaceKind> {
         NodeKind::Station { tasks, .. } => PlaceKind::Station {
             tasks: tasks.iter().map(|t| work(line, node, t.part, tasks.iter().map(|t| t.part).collect())).collect(),
         },
-        NodeKind::Conveyor { places, .. } => PlaceKind::Conveyor { places: *places },
+        NodeKind::Conveyor { places, .. } => PlaceKind::Conveyor {
+            places: *places,
+            sure: *places,
+        },
         NodeKind::Buffer { capacity } => PlaceKind::Room {
             capacity: *capacity,
         },

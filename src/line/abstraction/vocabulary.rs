@@ -172,7 +172,7 @@ impl Vocabulary {
                     vars.bills.push(bill);
                 }
             }
-            PlaceKind::Conveyor { places: capacity } | PlaceKind::Room { capacity } => {
+            PlaceKind::Conveyor { places: capacity, .. } | PlaceKind::Room { capacity } => {
                 ends = chooses || matches!(declared.kind, PlaceKind::Conveyor { .. });
                 if *capacity > MOST_COUNTED {
                     return Err(Unfit(format!(
@@ -417,6 +417,26 @@ impl<'a> Model<'a> {
     /// Somebody waits who could be taken.
     pub fn may_take_any(&self, place: usize) -> Expr {
         any(self.takers(place).map(|taker| self.may_take(place, taker)))
+    }
+
+    /// Somebody waits and is taken in the end, if all stays as it is.
+    pub fn owes(&self, place: usize) -> Expr {
+        let vars = self.vars(place);
+        let waits = self.may_take_any(place);
+        let (PlaceKind::Conveyor { places, sure }, Some(end)) = (&self.shape.places[place].kind, vars.end) else {
+            return waits;
+        };
+        if sure >= places {
+            return waits;
+        }
+        let few = match &vars.queue {
+            Some(Queue::Count(count, _)) => {
+                Expr::binary(BinaryOp::Lt, Expr::now(*count), Expr::Const(i64::from(*sure)))
+            }
+            Some(Queue::Slots(slots, _)) => is(slots[*sure as usize - 1], 0),
+            None => Expr::FALSE,
+        };
+        waits.and(is(end, 0).or(few))
     }
 
     /// What `takes` of a place may be besides none.
