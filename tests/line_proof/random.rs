@@ -1,0 +1,103 @@
+//! Random small lines: the abstraction, the explorer and the runner say the same.
+
+use crate::explorer::Explorer;
+use crate::lines::line;
+use crate::replay::accepts;
+use linewright::contract::line::NodeKind;
+use linewright::game::{Limits, Rule, RuleKind, Runs, Slip};
+use linewright::gr1::{BinaryOp, Expr};
+use linewright::line::abstraction::{Abstraction, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, PlaceKind, Queue, decide};
+use linewright::line::{End, Options};
+use std::collections::BTreeSet;
+
+/// The queues that can be full, by node.
+fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
+    let model = abstraction.model();
+    let parts = abstraction.system.parts.iter();
+    let mut rules: Vec<Rule> = Vec::new();
+    for part in parts {
+        let side = &part.guarantees;
+        let lists = [(RuleKind::Initial, &side.initial), (RuleKind::Safety, &side.safety)];
+        rules.extend(lists.into_iter().flat_map(|(kind, list)| {
+            list.iter().map(move |f| Rule { kind, expr: f.expr.clone() })
+        }));
+    }
+    let kept: Vec<usize> = (0..rules.len()).collect();
+    let mut found = BTreeSet::new();
+    for (place, declared) in abstraction.shape.places.iter().enumerate() {
+        let capacity = match declared.kind {
+            PlaceKind::Conveyor { places, .. } => places,
+            PlaceKind::Room { capacity } => capacity,
+            _ => continue,
+        };
+        let not_full = match &model.vars(place).queue {
+            Some(Queue::Count(count, _)) => {
+                Expr::binary(BinaryOp::Ne, Expr::now(*count), Expr::Const(i64::from(capacity)))
+            }
+            Some(Queue::Slots(slots, _)) => Expr::now(slots[slots.len() - 1]).equals(Expr::Const(0)),
+            None => panic!("a queue"),
+        };
+        let mut asked = rules.clone();
+        asked.push(Rule { kind: RuleKind::Invariant, expr: not_full });
+        let mut runs = Runs::new(&abstraction.system.variables, asked, &Limits::default()).unwrap();
+        let slip = Slip { before: kept.clone(), last: kept.clone(), broken: rules.len() };
+        if runs.step(&slip).unwrap().is_some() {
+            found.insert(declared.node);
+        }
+    }
+    found
+}
+
+#[test]
+fn the_explorer_and_the_runner_agree() {
+    let (mut compared, mut stuck, mut slow, mut runs, mut blocked, mut unfinished) = (0, 0, 0, 0, 0, 0);
+    let (mut largest, mut report) = (0, String::new());
+    for seed in 0..700 {
+        let mut builder = line(seed);
+        let Some(explored) = Explorer::new(&builder.line).explore(20_000) else {
+            slow += 1;
+            continue;
+        };
+        let abstraction = Abstraction::of(&builder.line).unwrap();
+        let verdict = decide(&abstraction, &Limits::default()).unwrap();
+        for open in &verdict.open {
+            if let Err(why) = accepts(&abstraction, open) {
+                report += &format!("{seed}: {}: {why}\n", abstraction.goal(open.what).name);
+            }
+        }
+        let names: Vec<&str> = verdict.open.iter().map(|o| abstraction.goal(o.what).name.as_str()).collect();
+        let is_stuck = names.contains(&NO_CIRCULAR_WAIT);
+        if is_stuck != explored.stuck {
+            report += &format!("{seed}: stuck in the abstraction {is_stuck}, explored {}\n", explored.stuck);
+        }
+        for name in &names {
+            assert!(!name.starts_with(NO_OVERFLOW) && !name.starts_with(NO_PART_LOST), "{seed}: {name}");
+        }
+        let in_abstraction = full(&abstraction);
+        if in_abstraction != explored.full {
+            report += &format!("{seed}: full {in_abstraction:?} in the abstraction, explored {:?}\n", explored.full);
+        }
+        compared += 1;
+        stuck += usize::from(is_stuck);
+        unfinished += usize::from(!is_stuck && !names.is_empty());
+        largest = largest.max(explored.states);
+        let mut plant = builder.plant(Options { parts: Some(12), ..Options::default() });
+        for seed in 0..4 {
+            let trace = plant.run_seeded(seed);
+            runs += 1;
+            if trace.end == End::Blocked {
+                blocked += 1;
+                if verdict.holds() {
+                    report += &format!("{seed}: the runner gets stuck: {:?}\n", trace.findings);
+                }
+            }
+        }
+        let _ = NodeKind::Sink { reject: false, reorder: None };
+    }
+    println!(
+        "{compared} lines compared, {stuck} of them can get stuck, {unfinished} starve somebody; {slow} were too large; \
+         the largest had {largest} states; {blocked} of {runs} runs got stuck"
+    );
+    assert!(report.is_empty(), "{report}");
+    assert!(compared >= 300 && stuck >= 50 && compared - stuck >= 50 && blocked >= 10);
+}
