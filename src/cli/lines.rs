@@ -5,7 +5,7 @@ use crate::algebra::system::{FormulaRef, Half, list};
 use crate::contract::line::Line;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{Limit, Limits};
-use crate::line::abstraction::{Abstraction, decide, findings};
+use crate::line::abstraction::{self, Abstraction, findings};
 use std::time::{Duration, Instant};
 
 /// A line gets so long, and so many nodes, and is then said to be too large.
@@ -31,13 +31,9 @@ pub fn examine(line: &Line, limits: &Limits) -> Proof {
         most_nodes: Some(NODES),
         ..*limits
     };
-    let abstraction = match Abstraction::of(line) {
-        Ok(abstraction) => abstraction,
+    let (abstraction, verdict) = match abstraction::examine(line, &limits) {
+        Ok(decided) => decided,
         Err(unfit) => return undecided(line, &unfit.0),
-    };
-    let verdict = match decide(&abstraction, &limits) {
-        Ok(verdict) => verdict,
-        Err(limit) => return undecided(line, &said(limit)),
     };
     if !verdict.holds() {
         return Proof {
@@ -92,8 +88,4 @@ fn undecided(line: &Line, why: &str) -> Proof {
         findings: vec![note],
         ..Proof::default()
     }
-}
-
-fn said(limit: Limit) -> String {
-    limit.to_string()
 }

@@ -1,6 +1,7 @@
 //! Counterexamples, played again by somebody who only evaluates formulas.
 
 use linewright::algebra::proof::Broken;
+use linewright::game::RuleKind;
 use linewright::gr1::Side;
 use linewright::gr1::eval::holds;
 use linewright::line::abstraction::{Abstraction, Open};
@@ -53,7 +54,7 @@ pub fn accepts(abstraction: &Abstraction, open: &Open) -> Result<(), String> {
             kept(&sides, &run, None)?;
             let last = run[run.len() - 1];
             let before = run.len().checked_sub(2).map_or(last, |i| run[i]);
-            let missed = if goal.expr.mentions_next() {
+            let missed = if open.what.kind == RuleKind::Safety {
                 !holds(&goal.expr, before, last)
             } else {
                 !holds(&goal.expr, last, &[])

@@ -1,8 +1,9 @@
 //! What is claimed of a line, and what is given.
 //!
 //! Given is what no place can guarantee: that parts come in at all, and that the properties of parts send them each way again and
-//! again, so that a replacement is good in the end. That is no promise that parts come somewhere: the decision waits until it is
-//! made use of.
+//! again, so that a replacement is good in the end. That is no promise that parts come somewhere: a decision waits until it is made use
+//! of, and where none is any more, it may say so. (That is a guess about the future, which every run has one right answer to: who says
+//! so and is asked again cannot go on.)
 
 use super::parts::formula;
 use super::shape::PlaceKind;
@@ -49,23 +50,26 @@ fn given(model: Model<'_>, line: &Line) -> Side {
             offered.clone().not().and(later(&offered))
         };
         let name = format!("{}_keeps_the_way_of_{kind}", declared.name);
-        let text = format!("the way of the next {kind} from {} does not change before it is taken", declared.name);
-        given.safety.push(formula(span, &name, &text, &used.or(stays(decision))));
+        let text = format!(
+            "the way of the next {kind} from {} does not change before it is taken, unless there will be none",
+            declared.name
+        );
+        let none = model.shape.to(place, part).len();
+        let rule = becomes(decision, none).or(is(decision, none).not().and(used.or(stays(decision))));
+        given.safety.push(formula(span, &name, &text, &rule));
         for (way, to) in model.shape.to(place, part).iter().enumerate() {
             let to = &model.shape.places[*to].name;
             let name = format!("{}_sends_{kind}_to_{to}", declared.name);
-            let text = format!("of the {kind} parts that come to {}, one after the other, some is sent to {to} in the end", declared.name);
-            given.justice.push(formula(span, &name, &text, &is(decision, way)));
+            let text = format!("as long as {} sends on {kind} parts, one of them goes to {to} in the end", declared.name);
+            let sent = is(decision, way).or(is(decision, none));
+            given.justice.push(formula(span, &name, &text, &sent));
         }
     }
     for (place, declared) in model.shape.places.iter().enumerate() {
-        let (PlaceKind::Supply { part, .. }, Some(end)) = (&declared.kind, model.vars(place).end) else {
+        let PlaceKind::Supply { part, .. } = &declared.kind else {
             continue;
         };
-        let mut comes = is(end, 0).not();
-        if let Some((in_line, most)) = model.vars(place).in_line {
-            comes = comes.or(is(in_line, most as usize));
-        }
+        let comes = model.may_offer(place).not();
         let name = format!("{}_goes_on", declared.name);
         let text = format!("{} has another {} at some time", declared.name, model.shape.types[*part]);
         let span = line.nodes[declared.node].span;
@@ -93,9 +97,9 @@ fn goal(model: Model<'_>, line: &Line) -> Side {
             push(&mut goal.justice, what, text, expr);
         }
     }
-    let text = "something can move, or is at work".to_owned();
-    let moves = all([any((0..model.shape.places.len()).map(|place| can_go_on(model, place)))]);
-    goal.invariants.push(formula(line.span, NO_CIRCULAR_WAIT, &text, &moves));
+    let text = "something can move, or is at work";
+    let moves = any((0..model.shape.places.len()).map(|place| can_go_on(model, place)));
+    goal.invariants.push(formula(line.span, NO_CIRCULAR_WAIT, text, &moves));
     let finished = model.shape.places.iter().enumerate().filter_map(|(place, declared)| match &declared.kind {
         PlaceKind::End { finishes, .. } if finishes.contains(&model.shape.product) => {
             Some(model.arrives(place, model.shape.product))
@@ -205,14 +209,8 @@ fn can_go_on(model: Model<'_>, place: usize) -> Expr {
         let work = vars.phases.iter().enumerate().filter(|(_, p)| matches!(p, Phase::Work(_)));
         ways.extend(work.map(|(i, _)| is(phase, i + 1)));
     }
-    if let Some(end) = vars.end {
-        let there = match (&vars.queue, vars.in_line) {
-            (Some(_), _) => model.empty(place).not(),
-            (None, Some((in_line, most))) => is(in_line, most as usize).not(),
-            (None, None) => Expr::TRUE,
-        };
-        ways.push(is(end, 0).and(there));
-    }
+    ways.push(model.may_offer(place));
+    ways.extend(vars.open.map(|open| Expr::now(open).not()));
     any(ways)
 }
 

@@ -3,10 +3,12 @@
 //! The table of what rests on what is the business of [`crate::algebra::proof::prove`]; it asks these questions again and again
 //! with formulas left away.
 
-use super::Abstraction;
+use super::{Abstraction, Unfit};
 use super::claim::NO_CIRCULAR_WAIT;
 use crate::algebra::proof::Broken;
 use crate::algebra::system::{FormulaRef, Half, formulas, list, rule};
+use crate::contract::line::Line;
+use crate::gr1::Expr;
 use crate::game::{Limit, Limits, Rule, RuleKind, Runs, Slip, Wanted};
 
 /// A formula of the goal that does not hold, and a run that shows it.
@@ -42,7 +44,23 @@ fn rules(abstraction: &Abstraction) -> Vec<Rule> {
         .collect()
 }
 
-/// Decides the claim of a line.
+/// Decides whether a line is sound, and gives the abstraction that shows it.
+///
+/// # Errors
+/// The reason why it was not decided.
+pub fn examine(line: &Line, limits: &Limits) -> Result<(Abstraction, Verdict), Unfit> {
+    let asked = |abstraction: &Abstraction| decide(abstraction, limits).map_err(|limit| Unfit(limit.to_string()));
+    let loose = Abstraction::of(line)?;
+    let verdict = asked(&loose)?;
+    if verdict.holds() {
+        return Ok((loose, verdict));
+    }
+    let strict = Abstraction::at_once(line)?;
+    let verdict = asked(&strict)?;
+    Ok((strict, verdict))
+}
+
+/// Decides the claim of one abstraction.
 ///
 /// # Errors
 /// When a limit was reached.
@@ -52,7 +70,7 @@ pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Lim
     let first_goal = rules.len() - goal.all().count();
     let (again, keep): (Vec<usize>, Vec<usize>) =
         (0..first_goal).partition(|r| rules[*r].kind == RuleKind::Justice);
-    let mut runs = Runs::new(&abstraction.system.variables, rules, limits)?;
+    let mut runs = Runs::new(&abstraction.system.variables, rules.clone(), limits)?;
     let mut verdict = Verdict::default();
     for (place, (kind, index, formula)) in formulas(goal).enumerate() {
         let asked = first_goal + place;
@@ -61,7 +79,7 @@ pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Lim
             RuleKind::Justice => {
                 let wanted = Wanted {
                     keep: keep.clone(),
-                    again: again.clone(),
+                    again: nearest_first(abstraction, &again, &rules, &formula.expr),
                     never_again: vec![asked],
                 };
                 runs.lasso(&wanted)?.map(Broken::Lasso)
@@ -87,6 +105,35 @@ pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Lim
         }));
     }
     Ok(verdict)
+}
+
+/// Justice in the order in which it is likely to matter for a goal: that of its own place, of those that parts go to from there, of
+/// those before them. A run that starves one place mostly does so by one nearby, and where no run is left the rest is not looked at.
+fn nearest_first(abstraction: &Abstraction, again: &[usize], rules: &[Rule], goal: &Expr) -> Vec<usize> {
+    let shape = &abstraction.shape;
+    let owner = |expr: &Expr| {
+        let mut found = None;
+        expr.for_each_var(&mut |v, _| found = found.or_else(|| abstraction.system.driver(v)));
+        found
+    };
+    let mut order: Vec<usize> = owner(goal).into_iter().collect();
+    let mut next = 0;
+    while let Some(&place) = order.get(next) {
+        next += 1;
+        let around = shape.after(place).into_iter().chain(shape.places[place].from.iter().copied());
+        for other in around {
+            if !order.contains(&other) {
+                order.push(other);
+            }
+        }
+    }
+    let distance = |rule: &usize| {
+        let place = owner(&rules[*rule].expr);
+        place.and_then(|p| order.iter().position(|o| *o == p)).unwrap_or(usize::MAX)
+    };
+    let mut sorted = again.to_vec();
+    sorted.sort_by_key(distance);
+    sorted
 }
 
 impl Abstraction {

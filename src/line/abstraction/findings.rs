@@ -79,15 +79,18 @@ fn unfinished(
         cycle.iter().all(|s| !holds(&model.leaves(*place), s, &[]) && !holds(&model.arrives_any(*place), s, &[]))
     });
     let chain = view.chain(quiet);
-    let mut message = if goal.name == ORDERS_ARE_FINISHED {
-        format!("orders may stay unfinished for ever: it is not so that {}", goal.text)
+    let (code, mut message) = if chain.circle {
+        (codes::LINE_CIRCLE, "parts can wait for one another for ever, while others go on".to_owned())
+    } else if goal.name == ORDERS_ARE_FINISHED {
+        let product = &abstraction.shape.types[abstraction.shape.product];
+        (codes::LINE_UNFINISHED, format!("it may be that no {product} is finished any more, though more are ordered"))
     } else {
-        format!("a part may stay in the line for ever: it is not so that {}", goal.text)
+        (codes::LINE_UNFINISHED, format!("it need not be so that {}", goal.text))
     };
     if !chain.texts.is_empty() {
-        message = format!("{message}; {}", chain.texts.join(", "));
+        message = format!("{message}: {}", chain.texts.join(", "));
     }
-    let mut finding = Diagnostic::warning(codes::LINE_UNFINISHED, goal.span, message);
+    let mut finding = Diagnostic::warning(code, goal.span, message);
     for place in &chain.places {
         let node = &line.nodes[abstraction.shape.places[*place].node];
         finding = finding.with_label(node.span, format!("{} is here", node.name));

@@ -8,6 +8,12 @@
 //! lost, that no place takes more than it has room for, that something can always move, and that every part goes on
 //! until it leaves the line, so that orders are finished.
 //!
+//! # At once, or at some time
+//!
+//! [`decide`] asks first of an abstraction in which a part that can move does so at some time. Only where that has a
+//! counterexample, which may be one that the runner never shows, it asks again of one in which nothing that takes time ends before every part that
+//! can move has moved. Both order parts by how long they have waited.
+//!
 //! # What is left out, and what that means
 //!
 //! - *Times.* Service, travel and the time between two supplies take some time, and it ends. What is proved holds for all times; what
@@ -33,7 +39,7 @@ mod vocabulary;
 mod words;
 
 pub use claim::{GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, ORDERS_ARE_FINISHED};
-pub use decide::{Open, Verdict, decide};
+pub use decide::{Open, Verdict, decide, examine};
 pub use findings::findings;
 pub use shape::{Place, PlaceKind, Shape, Unfit, Ways, Work};
 pub use vocabulary::{Model, Phase, Queue, Vars, Vocabulary};
@@ -56,18 +62,33 @@ pub struct Abstraction {
 }
 
 impl Abstraction {
-    /// The abstraction of a line that the resolver has passed.
+    /// The abstraction of a line that the resolver has passed, in which parts move at some time when they can move. That leaves every
+    /// place's contract a matter of itself and its neighbours, and allows a little more than the runner does: of two sources that take
+    /// turns, one may be late.
     ///
     /// # Errors
     /// When something in the line has no abstraction, or would make it too large.
     pub fn of(line: &Line) -> Result<Self, Unfit> {
+        Self::with(line, false)
+    }
+
+    /// The same, but parts move at once when they can move, as in the runner: everything that takes time waits for that.
+    ///
+    /// # Errors
+    /// As [`Abstraction::of`].
+    pub fn at_once(line: &Line) -> Result<Self, Unfit> {
+        Self::with(line, true)
+    }
+
+    fn with(line: &Line, at_once: bool) -> Result<Self, Unfit> {
         let shape = Shape::of(line)?;
         let vocabulary = Vocabulary::of(line, &shape)?;
         let model = Model {
             shape: &shape,
             vocabulary: &vocabulary,
         };
-        let parts = (0..shape.places.len()).map(|place| parts::part(model, line, place));
+        let settled = at_once.then(|| model.settled());
+        let parts = (0..shape.places.len()).map(|p| parts::part(model, line, p, settled.as_ref()));
         let system = System {
             variables: vocabulary.variables.clone(),
             parts: parts.collect(),

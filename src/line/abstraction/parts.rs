@@ -24,7 +24,8 @@ pub(super) fn formula(span: Span, name: &str, text: &str, expr: &Expr) -> Formul
 }
 
 /// The contract of a place.
-pub(super) fn part(model: Model<'_>, line: &Line, place: usize) -> Part {
+/// With `settled`, what takes time waits until everything that moves at once has moved.
+pub(super) fn part(model: Model<'_>, line: &Line, place: usize, settled: Option<&Expr>) -> Part {
     let declared = &model.shape.places[place];
     let mut writer = Writer {
         model,
@@ -41,6 +42,9 @@ pub(super) fn part(model: Model<'_>, line: &Line, place: usize) -> Part {
         PlaceKind::End { .. } => {}
     }
     writer.takes();
+    if let Some(settled) = settled {
+        writer.in_time(settled);
+    }
     let vars = model.vars(place);
     let mut drives: Vec<VarId> = Vec::new();
     drives.extend(vars.phase);
@@ -51,6 +55,7 @@ pub(super) fn part(model: Model<'_>, line: &Line, place: usize) -> Part {
         None => {}
     }
     drives.extend(vars.end);
+    drives.extend(vars.open);
     drives.extend(vars.in_line.map(|(v, _)| v));
     drives.extend(vars.earlier.iter().map(|(_, _, v)| *v));
     drives.extend(vars.takes);
@@ -118,6 +123,27 @@ impl Writer<'_> {
         }
     }
 
+    /// What takes time happens only when nothing moves at once any more.
+    fn in_time(&mut self, settled: &Expr) {
+        let (model, place) = (self.model, self.place);
+        if !model.takes_time(place) {
+            return;
+        }
+        let vars = model.vars(place);
+        let mut still = Vec::new();
+        if let Some(phase) = vars.phase {
+            let work = vars.phases.iter().enumerate().filter(|(_, p)| matches!(p, Phase::Work(_)));
+            still.extend(work.map(|(i, _)| is(phase, i + 1).implies(becomes(phase, i + 1))));
+        }
+        still.extend(vars.end.map(|end| is(end, 0).implies(becomes(end, 0))));
+        still.extend(vars.open.map(|open| Expr::now(open).not().implies(Expr::next(open).not())));
+        self.safety(
+            "lets_others_move_first",
+            "what takes time here ends only when nothing moves at once any more anywhere",
+            &settled.clone().or(all(still)),
+        );
+    }
+
     /// Who is taken when.
     fn takes(&mut self) {
         let (model, place) = (self.model, self.place);
@@ -154,7 +180,7 @@ impl Writer<'_> {
         );
         self.turns();
         let text = match model.shape.places[place].kind {
-            PlaceKind::Conveyor { places, sure } if sure < places => format!(
+            PlaceKind::Conveyor { places, sure, .. } if sure < places => format!(
                 "where a part waits to come here, one is taken in the end, if fewer than {sure} are on it or the first one \
                  has not come to the end yet"
             ),
@@ -337,8 +363,19 @@ impl Writer<'_> {
                 (all(slots.iter().map(|s| is(*s, 0))), all(rules))
             }
         };
-        let ends = vars.end.map_or(Expr::TRUE, |end| is(end, 0));
-        self.initial("starts_empty", "it is empty at first", &start.and(ends));
+        let ends = vars.end.map(|end| is(end, 0)).into_iter().chain(vars.open.map(Expr::now));
+        self.initial("starts_empty", "it is empty at first", &all([start].into_iter().chain(ends)));
+        if let Some(open) = vars.open {
+            let came = model.arrives_any(place);
+            let rule = (came.clone().implies(Expr::next(open).not()))
+                .and(came.not().and(Expr::now(open)).implies(Expr::next(open)));
+            self.safety(
+                "clears_its_first_place",
+                "its first place is taken by a part that comes on, for some time, and then free until the next one",
+                &rule,
+            );
+            self.justice("clears_in_the_end", "its first place becomes free again", &Expr::now(open));
+        }
         self.safety(
             "keeps_parts_in_order",
             "a part that is taken comes in behind the others, the first one leaves when it is taken, the others stay",

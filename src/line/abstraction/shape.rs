@@ -64,6 +64,8 @@ pub enum PlaceKind {
         /// With fewer on it, another one is taken in the end even while the first one waits; otherwise perhaps only when that has
         /// left. What accumulates takes as many as fit.
         sure: u32,
+        /// Whether a machine moves it, step by step, and so hands over and takes only in its own steps.
+        machine: bool,
     },
     /// Parts wait in their order.
     Room {
@@ -194,7 +196,37 @@ impl Shape {
             place.from.sort_unstable();
             place.ways.sort_by_key(|w| w.part);
         }
+        self.check_time()?;
         self.check_limits(line)
+    }
+
+    /// Somewhere on the way of every part time has to pass, or else all others wait for ever for parts that move at once.
+    fn check_time(&self) -> Result<(), Unfit> {
+        for (start, declared) in self.places.iter().enumerate() {
+            let endless = matches!(declared.kind, PlaceKind::Supply { always: true, .. });
+            if !endless && !matches!(declared.kind, PlaceKind::Room { .. }) {
+                continue;
+            }
+            let mut seen = BTreeSet::new();
+            let mut open: Vec<usize> = self.after(start).into_iter().collect();
+            while let Some(place) = open.pop() {
+                let timeless = match self.places[place].kind {
+                    PlaceKind::End { .. } => endless,
+                    PlaceKind::Room { .. } => place == start,
+                    _ => continue,
+                };
+                if timeless {
+                    return Err(Unfit(format!(
+                        "parts go from {} to {} on and on, and no time passes",
+                        declared.name, self.places[place].name
+                    )));
+                }
+                if seen.insert(place) {
+                    open.extend(self.after(place));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// A limit of work in progress counts a type; what would make that count inexact is refused.
@@ -349,9 +381,10 @@ fn kind(line: &Line, node: usize) -> Option<PlaceKind> {
         NodeKind::Station { tasks, .. } => PlaceKind::Station {
             tasks: tasks.iter().map(|t| work(line, node, t.part, tasks.iter().map(|t| t.part).collect())).collect(),
         },
-        NodeKind::Conveyor { places, .. } => PlaceKind::Conveyor {
+        NodeKind::Conveyor { places, belt, .. } => PlaceKind::Conveyor {
             places: *places,
             sure: *places,
+            machine: belt.is_some(),
         },
         NodeKind::Buffer { capacity } => PlaceKind::Room {
             capacity: *capacity,

@@ -5,8 +5,8 @@
 //! what another one decides in it, and the parts of the system are Moore machines. Which of several routes a part takes is
 //! decided by its properties, which are not known here: a variable of the environment says which way the next one will go.
 //!
-//! What does not matter is left out, and nothing is lost by it. A queue in which only one type can be is a count, for its parts have the
-//! same future. A place whose parts all go one way offers its first part as soon as there is one.
+//! What does not matter is left out, and nothing is lost by it: a queue in which only one type can be is a count, for its parts have
+//! the same future.
 
 use super::shape::{PlaceKind, Shape, Unfit};
 use super::words::{all, any, is};
@@ -32,8 +32,10 @@ pub struct Vars {
     pub bills: Vec<Vec<(VarId, u32)>>,
     /// Of a queue.
     pub queue: Option<Queue>,
-    /// Which part is offered to whom, where that is not clear from the queue: 0 none, then those of `offers`.
+    /// Of a queue or supply, which part is offered to whom: 0 none, then those of `offers`.
     pub end: Option<VarId>,
+    /// Of a conveyor that no machine moves: its first place is free again after the last one that came on.
+    pub open: Option<VarId>,
     /// The type, and the place it is offered to.
     pub offers: Vec<(usize, usize)>,
     /// Of a supply with a limit: how many of its type are in the line.
@@ -69,7 +71,8 @@ pub struct Vocabulary {
     pub variables: Vec<Variable>,
     /// By place.
     pub places: Vec<Vars>,
-    /// By place and type: which of several ways the next part will go, as a place in the list of its ways.
+    /// By place and type: which of several ways the next part will go, as a place in the list of its ways; one more than there are
+    /// says that no other part will be sent from here.
     pub decisions: BTreeMap<(usize, usize), VarId>,
 }
 
@@ -102,7 +105,7 @@ impl Vocabulary {
                 let name = format!("{}.next_{}", declared.name, shape.types[ways.part]);
                 let labels = ways.to.iter().map(|to| shape.places[*to].name.clone());
                 let span = line.nodes[declared.node].span;
-                let domain = labels_of(labels.collect());
+                let domain = labels_of(labels.chain(["no_more".to_owned()]).collect());
                 let decision = new.add(name, domain, Owner::Environment, span);
                 new.decisions.insert((place, ways.part), decision);
             }
@@ -134,13 +137,10 @@ impl Vocabulary {
             let ways = declared.ways.iter();
             ways.flat_map(|w| w.to.iter().map(|to| (w.part, *to)))
         };
-        let chooses = declared.ways.iter().any(|w| w.to.len() > 1);
         let mut takers: Vec<String> = vec!["none".to_owned()];
         takers.extend(declared.from.iter().map(|from| shape.places[*from].name.clone()));
-        let mut ends = false;
         match &declared.kind {
-            PlaceKind::Supply { always, most, .. } => {
-                ends = !always || chooses;
+            PlaceKind::Supply { most, .. } => {
                 if let Some(most) = most {
                     let domain = Domain::Range { low: 0, high: i64::from(*most) };
                     vars.in_line = Some((add("in_line", domain), *most));
@@ -173,7 +173,9 @@ impl Vocabulary {
                 }
             }
             PlaceKind::Conveyor { places: capacity, .. } | PlaceKind::Room { capacity } => {
-                ends = chooses || matches!(declared.kind, PlaceKind::Conveyor { .. });
+                if matches!(declared.kind, PlaceKind::Conveyor { machine: false, .. }) {
+                    vars.open = Some(add("open", Domain::Bool));
+                }
                 if *capacity > MOST_COUNTED {
                     return Err(Unfit(format!(
                         "{} has room for {capacity} parts, and at most {MOST_COUNTED} are counted",
@@ -199,7 +201,7 @@ impl Vocabulary {
             }
         }
         vars.offers = offers().collect();
-        if ends && !vars.offers.is_empty() {
+        if vars.phase.is_none() && !vars.offers.is_empty() {
             let mut labels = vec!["none".to_owned()];
             labels.extend(vars.offers.iter().map(|(part, to)| named(*part, *to)));
             vars.end = Some(add("end", labels_of(labels)));
@@ -267,16 +269,7 @@ impl<'a> Model<'a> {
         let Some(value) = vars.offers.iter().position(|o| *o == (part, to)) else {
             return Expr::FALSE;
         };
-        if let Some(end) = vars.end {
-            return is(end, value + 1);
-        }
-        match (&vars.queue, vars.in_line) {
-            (Some(_), _) => self.first_is(from, part),
-            (None, Some((in_line, most))) => {
-                Expr::binary(BinaryOp::Lt, Expr::now(in_line), Expr::Const(i64::from(most)))
-            }
-            (None, None) => Expr::TRUE,
-        }
+        vars.end.map_or(Expr::FALSE, |end| is(end, value + 1))
     }
 
     /// A part of any type at `from` waits to go to `to`.
@@ -384,11 +377,14 @@ impl<'a> Model<'a> {
                 let free = if plain { self.free(place) } else { Expr::FALSE };
                 self.lacks(place, part).or(free).simplify()
             }
-            PlaceKind::Conveyor { .. } | PlaceKind::Room { .. } => match &vars.queue {
-                Some(Queue::Count(count, capacity)) => is(*count, *capacity as usize).not(),
-                Some(Queue::Slots(slots, _)) => slots.last().map_or(Expr::FALSE, |last| is(*last, 0)),
-                None => Expr::FALSE,
-            },
+            PlaceKind::Conveyor { .. } | PlaceKind::Room { .. } => {
+                let room = match &vars.queue {
+                    Some(Queue::Count(count, capacity)) => is(*count, *capacity as usize).not(),
+                    Some(Queue::Slots(slots, _)) => slots.last().map_or(Expr::FALSE, |last| is(*last, 0)),
+                    None => Expr::FALSE,
+                };
+                all(vars.open.map(Expr::now).into_iter().chain([room]))
+            }
         }
     }
 
@@ -423,7 +419,7 @@ impl<'a> Model<'a> {
     pub fn owes(&self, place: usize) -> Expr {
         let vars = self.vars(place);
         let waits = self.may_take_any(place);
-        let (PlaceKind::Conveyor { places, sure }, Some(end)) = (&self.shape.places[place].kind, vars.end) else {
+        let (PlaceKind::Conveyor { places, sure, .. }, Some(end)) = (&self.shape.places[place].kind, vars.end) else {
             return waits;
         };
         if sure >= places {
@@ -437,6 +433,51 @@ impl<'a> Model<'a> {
             None => Expr::FALSE,
         };
         waits.and(is(end, 0).or(few))
+    }
+
+    /// A part could be offered here that is not yet.
+    pub fn may_offer(&self, place: usize) -> Expr {
+        let vars = self.vars(place);
+        let Some(end) = vars.end else { return Expr::FALSE };
+        let there = match (&vars.queue, vars.in_line) {
+            (Some(_), _) => self.empty(place).not(),
+            (None, Some((in_line, most))) => {
+                Expr::binary(BinaryOp::Lt, Expr::now(in_line), Expr::Const(i64::from(most)))
+            }
+            (None, None) => Expr::TRUE,
+        };
+        is(end, 0).and(there).simplify()
+    }
+
+    /// Whether what happens at a place next takes time, instead of following at once from what has happened elsewhere.
+    pub fn takes_time(&self, place: usize) -> bool {
+        match self.shape.places[place].kind {
+            PlaceKind::Supply { always, .. } => !always,
+            PlaceKind::Station { .. } | PlaceKind::Conveyor { .. } => true,
+            PlaceKind::Room { .. } | PlaceKind::End { .. } => false,
+        }
+    }
+
+    /// Nothing moves, and nothing would move without something else that takes time. Belts with a machine move parts in their own
+    /// steps, so they are not waited for.
+    pub fn settled(&self) -> Expr {
+        let belt = |place: usize| matches!(self.shape.places[place].kind, PlaceKind::Conveyor { machine: true, .. });
+        let mut rules = Vec::new();
+        for (place, declared) in self.shape.places.iter().enumerate() {
+            if !self.takes_time(place) {
+                rules.push(self.may_offer(place).not());
+            }
+            let Some(takes) = self.vars(place).takes else {
+                continue;
+            };
+            rules.push(is(takes, 0));
+            if !belt(place) {
+                let by_belt = |taker: &usize| declared.from.get(taker - 1).is_some_and(|from| belt(*from));
+                let takers = self.takers(place).filter(|taker| !by_belt(taker));
+                rules.extend(takers.map(|taker| self.may_take(place, taker).not()));
+            }
+        }
+        all(rules).simplify()
     }
 
     /// What `takes` of a place may be besides none.
