@@ -11,12 +11,16 @@ use std::time::{Duration, Instant};
 /// A line gets so long, and so many nodes, and is then said to be too large.
 const SECONDS: u64 = 30;
 const NODES: u64 = 2_000_000;
+/// So long is asked whether everything goes on, when nothing can get lost or stuck.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// What is known of a line.
 #[derive(Debug, Default)]
 pub struct Proof {
-    /// `proved`, `open` or `gave_up`.
+    /// `proved`, `safe` where it was not decided in time that everything goes on, `open` or `gave_up`.
     pub verdict: &'static str,
+    /// Of a safe one: what was not decided.
+    pub undecided: Vec<String>,
     /// What each requirement and each assumption of a place rests on: place (or the line), formula, and by what.
     pub discharges: Vec<(String, String, String)>,
     /// What is wrong.
@@ -31,21 +35,29 @@ pub fn examine(line: &Line, limits: &Limits) -> Proof {
         most_nodes: Some(NODES),
         ..*limits
     };
-    let (abstraction, verdict) = match abstraction::examine(line, &limits) {
+    let (abstraction, verdict) = match abstraction::examine(line, &limits, PATIENCE) {
         Ok(decided) => decided,
         Err(unfit) => return undecided(line, &unfit.0),
     };
-    if !verdict.holds() {
+    if !verdict.open.is_empty() {
         return Proof {
             verdict: "open",
             findings: findings(line, &abstraction, &verdict),
             ..Proof::default()
         };
     }
+    if !verdict.holds() {
+        let undecided = verdict.undecided.iter().map(|at| abstraction.goal(*at).name.clone());
+        return Proof {
+            verdict: "safe",
+            undecided: undecided.collect(),
+            ..Proof::default()
+        };
+    }
     Proof {
         verdict: "proved",
         discharges: table(line, &abstraction, &limits).unwrap_or_default(),
-        findings: Vec::new(),
+        ..Proof::default()
     }
 }
 

@@ -110,25 +110,3 @@ fn the_explorer_and_the_runner_agree() {
     assert!(report.is_empty(), "{report}");
     assert!(compared >= 300 && stuck >= 50 && compared - stuck >= 50 && blocked >= 10);
 }
-
-#[test]
-fn debug() {
-    for seed in std::env::var("SEEDS").unwrap_or_default().split(',').filter_map(|s| s.parse().ok()) {
-        let builder = line(seed);
-        println!("== {seed}");
-        for node in &builder.line.nodes {
-            match &node.kind {
-                linewright::contract::line::NodeKind::Station { tasks, .. } => println!("  {} station {:?}", node.name, tasks.iter().map(|t| builder.line.parts[t.part].name.clone()).collect::<Vec<_>>()),
-                linewright::contract::line::NodeKind::Conveyor { places, .. } => println!("  {} conveyor {places}", node.name),
-                kind => println!("  {} {kind:?}", node.name),
-            }
-        }
-        for p in &builder.line.parts { println!("  part {} {:?}", p.name, p.bill); }
-        for r in &builder.line.routes { println!("  {} {} -> {} {}", builder.line.parts[r.part].name, builder.line.nodes[r.from].name, builder.line.nodes[r.to].name, if r.condition.is_some() {"?"} else {""}); }
-        let abstraction = Abstraction::at_once(&builder.line).unwrap();
-        let verdict = decide(&abstraction, &Limits::default()).unwrap();
-        println!("  {:?}", Explorer::new(&builder.line).explore(20_000));
-        for f in linewright::line::abstraction::findings(&builder.line, &abstraction, &verdict) { println!("  {}\n {:?}", f.message, f.notes); }
-        println!("  {:?} {:?}", full(&abstraction), verdict.open.iter().map(|o| &abstraction.goal(o.what).name).collect::<Vec<_>>());
-    }
-}

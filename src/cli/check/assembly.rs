@@ -201,13 +201,9 @@ impl Assembly<'_> {
         let known = self.loaded.library.lines.iter();
         let line = { known }.find(|l| sound && declaration.holds(l.span));
         let proof = line.map(|line| lines::examine(line, self.limits));
-        let (proof, discharges) = match proof {
-            Some(proof) => {
-                findings.extend(proof.findings);
-                (Some(proof.verdict), proof.discharges)
-            }
-            None => (None, Vec::new()),
-        };
+        let verdict = proof.as_ref().map(|proof| proof.verdict);
+        let proof = proof.unwrap_or_default();
+        findings.extend(proof.findings);
         let entry = |(component, assumption, by)| DischargeEntry {
             component,
             assumption,
@@ -217,8 +213,9 @@ impl Assembly<'_> {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
             verdict: if sound { "valid" } else { "invalid" },
-            proof,
-            discharges: discharges.into_iter().map(entry).collect(),
+            proof: verdict,
+            undecided: proof.undecided,
+            discharges: proof.discharges.into_iter().map(entry).collect(),
             findings: json::findings(&self.loaded.library.sources, findings),
         }
     }

@@ -133,9 +133,13 @@ pub(super) struct LineEntry {
     pub(super) file: String,
     /// `valid` or `invalid`.
     pub(super) verdict: &'static str,
-    /// Of a valid one, whether it is proved that nothing gets lost or stuck in it: `proved`, `open` or `gave_up`.
+    /// Of a valid one: `proved`; `safe`, when nothing gets lost or stuck in it, but it was not decided in time that everything goes on;
+    /// `open` or `gave_up`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) proof: Option<&'static str>,
+    /// Of a safe one: what was not decided.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) undecided: Vec<String>,
     /// What each requirement of the line, and each assumption of a place in it, rests on.
     pub(super) discharges: Vec<DischargeEntry>,
     pub(super) findings: Vec<json::Finding>,

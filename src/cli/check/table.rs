@@ -68,6 +68,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         l.verdict.clone_into(&mut cells[3]);
         cells[4] = match l.proof {
             Some("proved") => "proved".to_owned(),
+            Some("safe") => "never stuck".to_owned(),
             Some("open") => "not proved".to_owned(),
             Some(_) => "not decided".to_owned(),
             None => String::new(),

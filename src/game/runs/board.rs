@@ -66,6 +66,11 @@ impl<K: Kernel> Steps<K> {
         self.m.unprime(&self.forward.product(&self.m, states)?)
     }
 
+    /// The states after one of these steps.
+    pub fn after_step(&self, steps: &K::Function) -> Result<K::Function, Limit> {
+        self.m.unprime(&self.forward.product(&self.m, steps)?)
+    }
+
     /// The states before a step into one of these.
     pub fn before(&self, states: &K::Function) -> Result<K::Function, Limit> {
         self.before_step(&self.m.prime(states)?)
@@ -282,6 +287,10 @@ impl<K: Kernel> Board<K> {
             again.push(self.function(rules, *index)?);
         }
         let steps = reached.steps.only(&settled)?;
+        let past = fair::past(&steps, &reached.all, &again)?;
+        if m.is_false(&past) {
+            return Ok(None);
+        }
         let fair = fair::fair(&steps, &reached.all, &again)?;
         if m.is_false(&fair) {
             return Ok(None);

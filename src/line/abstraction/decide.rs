@@ -4,12 +4,12 @@
 //! with formulas left away.
 
 use super::{Abstraction, Unfit};
-use super::claim::NO_CIRCULAR_WAIT;
 use crate::algebra::proof::Broken;
 use crate::algebra::system::{FormulaRef, Half, formulas, list, rule};
 use crate::contract::line::Line;
-use crate::gr1::Expr;
 use crate::game::{Limit, Limits, Rule, RuleKind, Runs, Slip, Wanted};
+use crate::gr1::Expr;
+use std::time::{Duration, Instant};
 
 /// A formula of the goal that does not hold, and a run that shows it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,12 +25,14 @@ pub struct Open {
 pub struct Verdict {
     /// What does not hold. Where something is wrong with safety, nothing is asked of what comes in the end.
     pub open: Vec<Open>,
+    /// What was not decided in time: only justice, for safety is decided or else there is no verdict.
+    pub undecided: Vec<FormulaRef>,
 }
 
 impl Verdict {
-    /// Whether the claim holds.
+    /// Whether the whole claim holds.
     pub fn holds(&self) -> bool {
-        self.open.is_empty()
+        self.open.is_empty() && self.undecided.is_empty()
     }
 }
 
@@ -44,15 +46,27 @@ fn rules(abstraction: &Abstraction) -> Vec<Rule> {
         .collect()
 }
 
-/// Decides whether a line is sound, and gives the abstraction that shows it.
+/// Decides whether a line is sound, and gives the abstraction that shows it. What comes in the end gets so much time in all.
 ///
 /// # Errors
 /// The reason why it was not decided.
-pub fn examine(line: &Line, limits: &Limits) -> Result<(Abstraction, Verdict), Unfit> {
-    let asked = |abstraction: &Abstraction| decide(abstraction, limits).map_err(|limit| Unfit(limit.to_string()));
+pub fn examine(line: &Line, limits: &Limits, patience: Duration) -> Result<(Abstraction, Verdict), Unfit> {
+    let asked = |abstraction: &Abstraction| {
+        let limit = |limit: Limit| Unfit(limit.to_string());
+        let mut verdict = safety(abstraction, limits).map_err(limit)?;
+        if verdict.open.is_empty() {
+            let end = Instant::now() + patience;
+            let limits = Limits {
+                deadline: Some(limits.deadline.map_or(end, |given| given.min(end))),
+                ..*limits
+            };
+            justice(abstraction, &limits, &mut verdict);
+        }
+        Ok(verdict)
+    };
     let loose = Abstraction::of(line)?;
     let verdict = asked(&loose)?;
-    if verdict.holds() {
+    if verdict.open.is_empty() {
         return Ok((loose, verdict));
     }
     let strict = Abstraction::at_once(line)?;
@@ -65,46 +79,73 @@ pub fn examine(line: &Line, limits: &Limits) -> Result<(Abstraction, Verdict), U
 /// # Errors
 /// When a limit was reached.
 pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> {
-    let goal = &abstraction.claim.goal;
+    let mut verdict = safety(abstraction, limits)?;
+    if verdict.open.is_empty() {
+        justice(abstraction, limits, &mut verdict);
+    }
+    Ok(verdict)
+}
+
+/// A formula of the goal.
+fn at(kind: RuleKind, index: usize) -> FormulaRef {
+    FormulaRef {
+        part: None,
+        half: Half::Guarantees,
+        kind,
+        index,
+    }
+}
+
+/// The rules, those of them that hold throughout, those that are met again and again, and where the goal's begin.
+fn asked(abstraction: &Abstraction) -> (Vec<Rule>, Vec<usize>, Vec<usize>, usize) {
     let rules = rules(abstraction);
-    let first_goal = rules.len() - goal.all().count();
-    let (again, keep): (Vec<usize>, Vec<usize>) =
-        (0..first_goal).partition(|r| rules[*r].kind == RuleKind::Justice);
-    let mut runs = Runs::new(&abstraction.system.variables, rules.clone(), limits)?;
+    let first_goal = rules.len() - abstraction.claim.goal.all().count();
+    let (again, keep) = (0..first_goal).partition(|r: &usize| rules[*r].kind == RuleKind::Justice);
+    (rules, keep, again, first_goal)
+}
+
+fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> {
+    let (rules, keep, _, first_goal) = asked(abstraction);
+    let mut runs = Runs::new(&abstraction.system.variables, rules, limits)?;
     let mut verdict = Verdict::default();
-    for (place, (kind, index, formula)) in formulas(goal).enumerate() {
-        let asked = first_goal + place;
-        let why = match kind {
-            RuleKind::Justice if !verdict.holds() => None,
-            RuleKind::Justice => {
-                let wanted = Wanted {
-                    keep: keep.clone(),
-                    again: nearest_first(abstraction, &again, &rules, &formula.expr),
-                    never_again: vec![asked],
-                };
-                runs.lasso(&wanted)?.map(Broken::Lasso)
-            }
-            _ => {
-                let slip = Slip {
-                    before: keep.clone(),
-                    last: keep.clone(),
-                    broken: asked,
-                };
-                runs.step(&slip)?.map(Broken::Trace)
-            }
+    for (place, (kind, index, _)) in formulas(&abstraction.claim.goal).enumerate() {
+        if kind == RuleKind::Justice {
+            continue;
+        }
+        let slip = Slip {
+            before: keep.clone(),
+            last: keep.clone(),
+            broken: first_goal + place,
         };
-        debug_assert!(formula.name != NO_CIRCULAR_WAIT || kind == RuleKind::Invariant);
-        verdict.open.extend(why.map(|why| Open {
-            what: FormulaRef {
-                part: None,
-                half: Half::Guarantees,
-                kind,
-                index,
-            },
-            why,
+        verdict.open.extend(runs.step(&slip)?.map(|trace| Open {
+            what: at(kind, index),
+            why: Broken::Trace(trace),
         }));
     }
     Ok(verdict)
+}
+
+fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
+    let (rules, keep, again, first_goal) = asked(abstraction);
+    let mut runs = Runs::new(&abstraction.system.variables, rules.clone(), limits);
+    for (place, (kind, index, formula)) in formulas(&abstraction.claim.goal).enumerate() {
+        if kind != RuleKind::Justice {
+            continue;
+        }
+        let wanted = Wanted {
+            keep: keep.clone(),
+            again: nearest_first(abstraction, &again, &rules, &formula.expr),
+            never_again: vec![first_goal + place],
+        };
+        match runs.as_mut().map(|runs| runs.lasso(&wanted)) {
+            Ok(Ok(None)) => {}
+            Ok(Ok(Some(lasso))) => verdict.open.push(Open {
+                what: at(kind, index),
+                why: Broken::Lasso(lasso),
+            }),
+            Ok(Err(_)) | Err(_) => verdict.undecided.push(at(kind, index)),
+        }
+    }
 }
 
 /// Justice in the order in which it is likely to matter for a goal: that of its own place, of those that parts go to from there, of
