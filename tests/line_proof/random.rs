@@ -22,53 +22,63 @@ fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
         }));
     }
     let kept: Vec<usize> = (0..rules.len()).collect();
-    let mut found = BTreeSet::new();
+    let mut asked = Vec::new();
     for (place, declared) in abstraction.shape.places.iter().enumerate() {
         let capacity = match declared.kind {
             PlaceKind::Conveyor { places, .. } => places,
             PlaceKind::Room { capacity } => capacity,
             _ => continue,
         };
-        let not_full = match &model.vars(place).queue {
+        let expr = match &model.vars(place).queue {
             Some(Queue::Count(count, _)) => {
                 Expr::binary(BinaryOp::Ne, Expr::now(*count), Expr::Const(i64::from(capacity)))
             }
             Some(Queue::Slots(slots, _)) => Expr::now(slots[slots.len() - 1]).equals(Expr::Const(0)),
             None => panic!("a queue"),
         };
-        let mut asked = rules.clone();
-        asked.push(Rule { kind: RuleKind::Invariant, expr: not_full });
-        let mut runs = Runs::new(&abstraction.system.variables, asked, &Limits::default()).unwrap();
-        let slip = Slip { before: kept.clone(), last: kept.clone(), broken: rules.len() };
-        if runs.step(&slip).unwrap().is_some() {
-            found.insert(declared.node);
-        }
+        asked.push((declared.node, rules.len()));
+        rules.push(Rule { kind: RuleKind::Invariant, expr });
     }
-    found
+    let mut runs = Runs::new(&abstraction.system.variables, rules, &Limits::default()).unwrap();
+    let mut can_be = |rule: usize| {
+        let slip = Slip { before: kept.clone(), last: kept.clone(), broken: rule };
+        runs.step(&slip).unwrap().is_some()
+    };
+    asked.into_iter().filter(|(_, rule)| can_be(*rule)).map(|(node, _)| node).collect()
 }
+
+/// About seven in ten give a line that is small enough, and in which time passes.
+const SEEDS: u64 = 500;
 
 #[test]
 fn the_explorer_and_the_runner_agree() {
+    let start = std::time::Instant::now();
     let (mut timeless, mut spurious) = (0, 0);
     let (mut compared, mut stuck, mut slow, mut runs, mut blocked, mut unfinished) = (0, 0, 0, 0, 0, 0);
     let (mut largest, mut report) = (0, String::new());
-    for seed in 0..700 {
+    for seed in 0..SEEDS {
         let mut builder = line(seed);
-        let Some(explored) = Explorer::new(&builder.line).explore(20_000) else {
+        let Some(explored) = Explorer::new(&builder.line).explore(4_000) else {
             slow += 1;
             continue;
         };
-        let Ok(abstraction) = Abstraction::at_once(&builder.line) else {
+        let Ok(mut abstraction) = Abstraction::at_once(&builder.line) else {
             timeless += 1;
             continue;
         };
+        // What comes in the end takes longest, and is asked of some.
+        if seed % 8 != 0 {
+            abstraction.claim.goal.justice.clear();
+        }
         let verdict = decide(&abstraction, &Limits::default()).unwrap();
         // What holds of the looser abstraction holds of this one.
-        let loose = decide(&Abstraction::of(&builder.line).unwrap(), &Limits::default()).unwrap();
-        if loose.holds() && !verdict.holds() {
-            report += &format!("{seed}: the looser abstraction is no looser\n");
+        if seed % 8 == 0 {
+            let loose = decide(&Abstraction::of(&builder.line).unwrap(), &Limits::default()).unwrap();
+            if loose.holds() && !verdict.holds() {
+                report += &format!("{seed}: the looser abstraction is no looser\n");
+            }
+            spurious += usize::from(!loose.holds() && verdict.holds());
         }
-        spurious += usize::from(!loose.holds() && verdict.holds());
         for open in &verdict.open {
             if let Err(why) = accepts(&abstraction, open) {
                 report += &format!("{seed}: {}: {why}\n", abstraction.goal(open.what).name);
@@ -90,6 +100,9 @@ fn the_explorer_and_the_runner_agree() {
         stuck += usize::from(is_stuck);
         unfinished += usize::from(!is_stuck && !names.is_empty());
         largest = largest.max(explored.states);
+        if seed % 20 == 0 {
+            println!("{seed}: {compared} compared after {:.0} s", start.elapsed().as_secs_f64());
+        }
         let mut plant = builder.plant(Options { parts: Some(12), ..Options::default() });
         for run in 0..4 {
             let trace = plant.run_seeded(run);
@@ -103,7 +116,7 @@ fn the_explorer_and_the_runner_agree() {
         }
     }
     println!(
-        "{compared} lines compared, {stuck} of them can get stuck, {unfinished} starve somebody; {spurious} are proved only with moves at once; \
+        "{compared} lines compared, {stuck} of them can get stuck, {unfinished} starve somebody; of an eighth, {spurious} are proved only with moves at once; \
          {slow} were too large, in {timeless} no time passes; \
          the largest had {largest} states; {blocked} of {runs} runs got stuck"
     );

@@ -27,6 +27,8 @@ pub struct Verdict {
     pub open: Vec<Open>,
     /// What was not decided in time: only justice, for safety is decided or else there is no verdict.
     pub undecided: Vec<FormulaRef>,
+    /// What is open was found where parts may move late, and whether it is so when they move at once was not decided in time.
+    pub late: bool,
 }
 
 impl Verdict {
@@ -46,32 +48,37 @@ fn rules(abstraction: &Abstraction) -> Vec<Rule> {
         .collect()
 }
 
-/// Decides whether a line is sound, and gives the abstraction that shows it. What comes in the end gets so much time in all.
+/// Decides whether a line is sound, and gives the abstraction that shows it. `patience` is the time for what comes in the end, and for asking
+/// again of moves at once.
 ///
 /// # Errors
 /// The reason why it was not decided.
 pub fn examine(line: &Line, limits: &Limits, patience: Duration) -> Result<(Abstraction, Verdict), Unfit> {
-    let asked = |abstraction: &Abstraction| {
-        let limit = |limit: Limit| Unfit(limit.to_string());
-        let mut verdict = safety(abstraction, limits).map_err(limit)?;
+    let patient = || {
+        let end = Instant::now() + patience;
+        Limits {
+            deadline: Some(limits.deadline.map_or(end, |given| given.min(end))),
+            ..*limits
+        }
+    };
+    let asked = |abstraction: &Abstraction, limits: &Limits| {
+        let mut verdict = safety(abstraction, limits)?;
         if verdict.open.is_empty() {
-            let end = Instant::now() + patience;
-            let limits = Limits {
-                deadline: Some(limits.deadline.map_or(end, |given| given.min(end))),
-                ..*limits
-            };
-            justice(abstraction, &limits, &mut verdict);
+            justice(abstraction, &patient(), &mut verdict);
         }
         Ok(verdict)
     };
     let loose = Abstraction::of(line)?;
-    let verdict = asked(&loose)?;
+    let mut verdict = asked(&loose, limits).map_err(|limit: Limit| Unfit(limit.to_string()))?;
     if verdict.open.is_empty() {
         return Ok((loose, verdict));
     }
     let strict = Abstraction::at_once(line)?;
-    let verdict = asked(&strict)?;
-    Ok((strict, verdict))
+    if let Ok(verdict) = asked(&strict, &patient()) {
+        return Ok((strict, verdict));
+    }
+    verdict.late = true;
+    Ok((loose, verdict))
 }
 
 /// Decides the claim of one abstraction.

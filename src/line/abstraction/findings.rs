@@ -36,6 +36,15 @@ pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Ve
             ),
         }
     }
+    if verdict.late {
+        for finding in &mut found {
+            finding.notes.push(
+                "a part may move later than it could in this; whether it comes to that when all move at once was not decided \
+                 in time"
+                    .to_owned(),
+            );
+        }
+    }
     found
 }
 
