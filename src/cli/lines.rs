@@ -47,7 +47,10 @@ pub fn examine(line: &Line, limits: &Limits) -> Proof {
         };
     }
     if !verdict.holds() {
-        let undecided = verdict.undecided.iter().map(|at| abstraction.goal(*at).name.clone());
+        let undecided = verdict
+            .undecided
+            .iter()
+            .map(|at| abstraction.goal(*at).name.clone());
         return Proof {
             verdict: "safe",
             undecided: undecided.collect(),
@@ -62,10 +65,18 @@ pub fn examine(line: &Line, limits: &Limits) -> Proof {
 }
 
 /// What rests on what; nothing where a limit was reached first, for the verdict is known without it.
-fn table(line: &Line, abstraction: &Abstraction, limits: &Limits) -> Result<Vec<(String, String, String)>, Limit> {
+fn table(
+    line: &Line,
+    abstraction: &Abstraction,
+    limits: &Limits,
+) -> Result<Vec<(String, String, String)>, Limit> {
     let proof = prove(&abstraction.system, &abstraction.claim, limits)?;
     let place = |at: FormulaRef| {
-        at.part.map_or(line.name.as_str(), |part| &abstraction.system.parts[part].name).to_owned()
+        at.part
+            .map_or(line.name.as_str(), |part| {
+                &abstraction.system.parts[part].name
+            })
+            .to_owned()
     };
     let name = |at: FormulaRef| {
         let side = match (at.part, at.half) {
@@ -84,13 +95,20 @@ fn table(line: &Line, abstraction: &Abstraction, limits: &Limits) -> Result<Vec<
             Discharged::Induction => "step by step".to_owned(),
             Discharged::Justice { turn } => format!("again and again, turn {turn}"),
         };
-        (place(discharge.what), name(discharge.what), format!("{rule}: {}", by.join(", ")))
+        (
+            place(discharge.what),
+            name(discharge.what),
+            format!("{rule}: {}", by.join(", ")),
+        )
     });
     Ok(discharges.collect())
 }
 
 fn undecided(line: &Line, why: &str) -> Proof {
-    let message = format!("whether parts can block one another in {} was not decided: {why}", line.name);
+    let message = format!(
+        "whether parts can block one another in {} was not decided: {why}",
+        line.name
+    );
     let note = Diagnostic::note(codes::LINE_UNDECIDED, line.span, message).with_help(
         "Nothing is known to be wrong. A run shows whether the line gets stuck with the times that it has; smaller buffers, or fewer \
          types of parts in one, make it smaller.",

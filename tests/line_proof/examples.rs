@@ -10,7 +10,9 @@ use linewright::contract::machine::RealExpr;
 use linewright::diagnostics::has_errors;
 use linewright::game::{Limits, RuleKind};
 use linewright::gr1::{Expr, Side};
-use linewright::line::abstraction::{Abstraction, NO_CIRCULAR_WAIT, PlaceKind, decide, examine, findings};
+use linewright::line::abstraction::{
+    Abstraction, NO_CIRCULAR_WAIT, PlaceKind, decide, examine, findings,
+};
 use linewright::line::{End, Options};
 use std::path::Path;
 use std::time::Duration;
@@ -23,7 +25,11 @@ const ICE: &str = "examples/ice-lab/line.lw";
 pub fn load(path: &str) -> Line {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     let loaded = files::load(&[file.display().to_string()], &StandardLibrary::default());
-    assert!(!has_errors(&loaded.findings), "{path}: {:?}", loaded.findings);
+    assert!(
+        !has_errors(&loaded.findings),
+        "{path}: {:?}",
+        loaded.findings
+    );
     let mut lines = loaded.library.lines;
     assert_eq!(lines.len(), 1, "{path}");
     lines.remove(0)
@@ -49,14 +55,28 @@ fn proved(paths: &[&str]) {
         ] {
             let start = std::time::Instant::now();
             let verdict = decide(&abstraction, &Limits::default()).unwrap();
-            let open: Vec<&str> = verdict.open.iter().map(|o| abstraction.goal(o.what).name.as_str()).collect();
+            let open: Vec<&str> = verdict
+                .open
+                .iter()
+                .map(|o| abstraction.goal(o.what).name.as_str())
+                .collect();
             assert!(verdict.holds(), "{path}, moves {what}: {open:?}");
             println!(
                 "{path}, moves {what}: {} variables, {} contracts, {} guarantees, {} assumptions, {} goals, {:.2} s",
                 abstraction.system.variables.len(),
                 abstraction.system.parts.len(),
-                abstraction.system.parts.iter().map(|p| p.guarantees.all().count()).sum::<usize>(),
-                abstraction.system.parts.iter().map(|p| p.assumptions.all().count()).sum::<usize>(),
+                abstraction
+                    .system
+                    .parts
+                    .iter()
+                    .map(|p| p.guarantees.all().count())
+                    .sum::<usize>(),
+                abstraction
+                    .system
+                    .parts
+                    .iter()
+                    .map(|p| p.assumptions.all().count())
+                    .sum::<usize>(),
                 abstraction.claim.goal.all().count(),
                 start.elapsed().as_secs_f64(),
             );
@@ -68,10 +88,14 @@ fn proved(paths: &[&str]) {
 #[test]
 fn the_belts_contract_says_how_much_room_is_sure() {
     let abstraction = Abstraction::of(&load(ICE)).unwrap();
-    let belts = abstraction.shape.places.iter().filter_map(|p| match p.kind {
-        PlaceKind::Conveyor { places, sure, .. } => Some((places, sure)),
-        _ => None,
-    });
+    let belts = abstraction
+        .shape
+        .places
+        .iter()
+        .filter_map(|p| match p.kind {
+            PlaceKind::Conveyor { places, sure, .. } => Some((places, sure)),
+            _ => None,
+        });
     assert_eq!(belts.collect::<Vec<_>>(), [(3, 2); 6]);
 }
 
@@ -88,7 +112,12 @@ fn with_limit(most: Option<u32>) -> Line {
 /// Camera, belt, cell, belt: seven parts fill the circle, so six may be in the line.
 #[test]
 fn without_its_limit_the_line_of_the_laboratory_can_get_stuck() {
-    for (most, wanted) in [(Some(1), true), (Some(6), true), (Some(7), false), (None, false)] {
+    for (most, wanted) in [
+        (Some(1), true),
+        (Some(6), true),
+        (Some(7), false),
+        (None, false),
+    ] {
         let line = with_limit(most);
         let (abstraction, verdict) = examine(&line, &Limits::default(), Duration::ZERO).unwrap();
         assert_eq!(verdict.open.is_empty(), wanted, "{most:?}");
@@ -125,7 +154,10 @@ fn the_runner_gets_stuck_where_the_abstraction_says() {
             .station("cell", &["Toy"], constant(1.0))
             .conveyor("belt_good", 2, 1.0)
             .conveyor("belt_toy", 2, 100.0)
-            .route("Printed", &["spool", "printer", "camera", "belt_good", "cell"])
+            .route(
+                "Printed",
+                &["spool", "printer", "camera", "belt_good", "cell"],
+            )
             .route("Brick", &["warehouse", "cell"])
             .route("Toy", &["cell", "belt_toy", "camera", "warehouse"]);
         if let Some(most) = most {
@@ -136,10 +168,23 @@ fn the_runner_gets_stuck_where_the_abstraction_says() {
     for (most, stuck) in [(None, true), (Some(7), true), (Some(6), false)] {
         let mut builder = build(most);
         let (abstraction, verdict) = examine(&builder.line, &Limits::default(), PATIENCE).unwrap();
-        let names: Vec<&str> = verdict.open.iter().map(|o| abstraction.goal(o.what).name.as_str()).collect();
-        assert_eq!(names.contains(&NO_CIRCULAR_WAIT), stuck, "{most:?}: {names:?}");
+        let names: Vec<&str> = verdict
+            .open
+            .iter()
+            .map(|o| abstraction.goal(o.what).name.as_str())
+            .collect();
+        assert_eq!(
+            names.contains(&NO_CIRCULAR_WAIT),
+            stuck,
+            "{most:?}: {names:?}"
+        );
         let trace = builder.run(20);
-        assert_eq!(trace.end == End::Blocked, stuck, "{most:?}: {:?}", trace.findings);
+        assert_eq!(
+            trace.end == End::Blocked,
+            stuck,
+            "{most:?}: {:?}",
+            trace.findings
+        );
         if let Some(most) = most {
             let mut plant = builder_again(&build, most);
             assert_eq!(plant.run_seeded(2).end == End::Blocked, stuck);
@@ -159,7 +204,11 @@ fn builder_again(build: &dyn Fn(Option<u32>) -> Builder, most: u32) -> linewrigh
 fn a_circle_beside_a_way_that_is_open_is_found() {
     let mut builder = Builder::new(&["Other", "Brick"]);
     builder
-        .property("Brick", "again", linewright::contract::line::InitialValue::Number(0.0))
+        .property(
+            "Brick",
+            "again",
+            linewright::contract::line::InitialValue::Number(0.0),
+        )
         .source("bricks", "Brick", Supply::OnOrder)
         .source("others", "Other", Supply::OnOrder)
         .conveyor("first", 1, 1.0)
@@ -202,11 +251,18 @@ fn without(abstraction: &Abstraction, at: FormulaRef) -> Abstraction {
 
 fn all_guarantees(abstraction: &Abstraction) -> Vec<FormulaRef> {
     let of = |part: Option<usize>, side: &Side, half: Half| -> Vec<FormulaRef> {
-        let at = |(kind, index, _)| FormulaRef { part, half, kind, index };
+        let at = |(kind, index, _)| FormulaRef {
+            part,
+            half,
+            kind,
+            index,
+        };
         formulas(side).map(at).collect()
     };
     let parts = abstraction.system.parts.iter().enumerate();
-    let mut found: Vec<FormulaRef> = parts.flat_map(|(i, p)| of(Some(i), &p.guarantees, Half::Guarantees)).collect();
+    let mut found: Vec<FormulaRef> = parts
+        .flat_map(|(i, p)| of(Some(i), &p.guarantees, Half::Guarantees))
+        .collect();
     found.extend(of(None, &abstraction.claim.given, Half::Assumptions));
     found
 }
@@ -225,15 +281,26 @@ fn what_is_left_out_is_missed_or_was_not_needed() {
         }
         if verdict.holds() {
             let (place, formula) = match at.part {
-                Some(part) => (&abstraction.system.parts[part].name, abstraction.system.formula(at).unwrap()),
-                None => (&abstraction.system.parts[0].name, linewright::algebra::system::list(&abstraction.claim.given, at.kind).get(at.index).unwrap()),
+                Some(part) => (
+                    &abstraction.system.parts[part].name,
+                    abstraction.system.formula(at).unwrap(),
+                ),
+                None => (
+                    &abstraction.system.parts[0].name,
+                    linewright::algebra::system::list(&abstraction.claim.given, at.kind)
+                        .get(at.index)
+                        .unwrap(),
+                ),
             };
             not_needed.push(format!("{place}.{}", formula.name));
         } else {
             missed += 1;
         }
     }
-    println!("{missed} are missed, {} are not needed: {not_needed:#?}", not_needed.len());
+    println!(
+        "{missed} are missed, {} are not needed: {not_needed:#?}",
+        not_needed.len()
+    );
     assert!(missed > not_needed.len());
 }
 

@@ -80,7 +80,9 @@ impl<'a> Explorer<'a> {
                     for task in tasks {
                         let bill = &line.parts[task.part].bill;
                         let joins = !comes(task.part)
-                            || bill.iter().all(|(c, _)| comes(*c) && tasks.iter().all(|t| t.part != *c));
+                            || bill
+                                .iter()
+                                .all(|(c, _)| comes(*c) && tasks.iter().all(|t| t.part != *c));
                         own.push((
                             task.part,
                             if joins { bill.clone() } else { Vec::new() },
@@ -101,18 +103,26 @@ impl<'a> Explorer<'a> {
     }
 
     fn first(&self) -> State {
-        let holds = self.line.nodes.iter().enumerate().map(|(node, declared)| match declared.kind {
-            NodeKind::Station { .. } => Holds::Station {
-                at_work: None,
-                free: true,
-                there: self.tasks[node].iter().map(|(_, bill, _)| vec![0; bill.len()]).collect(),
-            },
-            NodeKind::Conveyor { .. } | NodeKind::Buffer { .. } => Holds::Queue {
-                parts: Vec::new(),
-                open: true,
-            },
-            _ => Holds::Nothing,
-        });
+        let holds =
+            self.line
+                .nodes
+                .iter()
+                .enumerate()
+                .map(|(node, declared)| match declared.kind {
+                    NodeKind::Station { .. } => Holds::Station {
+                        at_work: None,
+                        free: true,
+                        there: self.tasks[node]
+                            .iter()
+                            .map(|(_, bill, _)| vec![0; bill.len()])
+                            .collect(),
+                    },
+                    NodeKind::Conveyor { .. } | NodeKind::Buffer { .. } => Holds::Queue {
+                        parts: Vec::new(),
+                        open: true,
+                    },
+                    _ => Holds::Nothing,
+                });
         State {
             holds: holds.collect(),
             offers: vec![None; self.outlets.len()],
@@ -124,7 +134,12 @@ impl<'a> Explorer<'a> {
     /// Where a part may go: any of the routes up to the first one without a condition.
     fn ways(&self, node: usize, part: usize) -> BTreeSet<usize> {
         let mut found = BTreeSet::new();
-        for route in self.line.routes.iter().filter(|r| r.from == node && r.part == part) {
+        for route in self
+            .line
+            .routes
+            .iter()
+            .filter(|r| r.from == node && r.part == part)
+        {
             found.insert(route.to);
             if route.condition.is_none() {
                 break;
@@ -135,12 +150,16 @@ impl<'a> Explorer<'a> {
 
     fn room(&self, state: &State, node: usize, part: usize) -> bool {
         match (&self.line.nodes[node].kind, &state.holds[node]) {
-            (NodeKind::Buffer { capacity }, Holds::Queue { parts, .. }) => parts.len() < *capacity as usize,
+            (NodeKind::Buffer { capacity }, Holds::Queue { parts, .. }) => {
+                parts.len() < *capacity as usize
+            }
             (NodeKind::Conveyor { places, .. }, Holds::Queue { parts, open }) => {
                 *open && parts.len() < *places as usize
             }
             (_, Holds::Station { free, .. }) => {
-                let plain = self.tasks[node].iter().any(|(t, _, plain)| *plain && *t == part);
+                let plain = self.tasks[node]
+                    .iter()
+                    .any(|(t, _, plain)| *plain && *t == part);
                 self.component(state, node, part).is_some() || *free && plain
             }
             (NodeKind::Sink { .. } | NodeKind::Store { .. }, _) => true,
@@ -221,7 +240,12 @@ impl<'a> Explorer<'a> {
         let mut next = state.clone();
         let outlet = match next.waiting[node].remove(place) {
             Waits::Bill(task) => {
-                if let Holds::Station { at_work, free, there } = &mut next.holds[node] {
+                if let Holds::Station {
+                    at_work,
+                    free,
+                    there,
+                } = &mut next.holds[node]
+                {
                     there[task].fill(0);
                     *free = false;
                     *at_work = Some(self.tasks[node][task].0);
@@ -244,11 +268,19 @@ impl<'a> Explorer<'a> {
                 parts.push(part);
                 *open = !matches!(self.line.nodes[node].kind, NodeKind::Conveyor { .. });
             }
-            Holds::Station { at_work, free, there } => match component {
+            Holds::Station {
+                at_work,
+                free,
+                there,
+            } => match component {
                 Some((task, line)) => {
                     there[task][line] += 1;
                     let bill = &self.tasks[node][task].1;
-                    if bill.iter().zip(&there[task]).all(|((_, count), there)| count == there) {
+                    if bill
+                        .iter()
+                        .zip(&there[task])
+                        .all(|((_, count), there)| count == there)
+                    {
                         next.waiting[node].push(Waits::Bill(task));
                     }
                 }
@@ -277,7 +309,13 @@ impl<'a> Explorer<'a> {
         let mut found = Vec::new();
         for (outlet, (node, _)) in self.outlets.iter().enumerate() {
             match (&self.line.nodes[*node].kind, &state.holds[*node]) {
-                (_, Holds::Station { at_work: Some(part), .. }) => {
+                (
+                    _,
+                    Holds::Station {
+                        at_work: Some(part),
+                        ..
+                    },
+                ) => {
                     let mut done = state.clone();
                     if let Holds::Station { at_work, .. } = &mut done.holds[*node] {
                         *at_work = None;
@@ -313,7 +351,11 @@ impl<'a> Explorer<'a> {
 
     /// Everything that can be reached; `None` with more than so many states.
     pub fn explore(&self, most: usize) -> Option<Explored> {
-        let counted = self.line.nodes.iter().any(|n| matches!(n.kind, NodeKind::Source { most: Some(_), .. }));
+        let counted = self
+            .line
+            .nodes
+            .iter()
+            .any(|n| matches!(n.kind, NodeKind::Source { most: Some(_), .. }));
         let bare = |mut state: State| {
             // Without a limit nobody asks how many there are.
             if !counted {
@@ -332,7 +374,9 @@ impl<'a> Explorer<'a> {
         while let Some(state) = open.pop_front() {
             for (node, holds) in state.holds.iter().enumerate() {
                 let room = match self.line.nodes[node].kind {
-                    NodeKind::Conveyor { places: n, .. } | NodeKind::Buffer { capacity: n } => n as usize,
+                    NodeKind::Conveyor { places: n, .. } | NodeKind::Buffer { capacity: n } => {
+                        n as usize
+                    }
                     _ => continue,
                 };
                 if matches!(holds, Holds::Queue { parts, .. } if parts.len() == room) {

@@ -32,7 +32,15 @@ pub fn line(seed: u64) -> Builder {
             2 => drop(builder.store(&name, &[(part, 1_000_000)])),
             _ => drop(builder.source(&name, part, every(1.0 + stream.unit() * 4.0, None))),
         }
-        if stream.below(3) == 0 && builder.line.nodes.last().unwrap().name.starts_with("source") {
+        if stream.below(3) == 0
+            && builder
+                .line
+                .nodes
+                .last()
+                .unwrap()
+                .name
+                .starts_with("source")
+        {
             builder.at_most(&name, 1 + stream.below(4) as u32);
         }
     }
@@ -67,30 +75,49 @@ pub fn line(seed: u64) -> Builder {
             0 => drop(builder.buffer(&name, size)),
             1 => drop(builder.conveyor(&name, size, [0.1, 1.0, 10.0][stream.below(3) as usize])),
             _ => {
-                let visits = types.iter().zip(&ways).filter(|(_, way)| way.contains(&place));
+                let visits = types
+                    .iter()
+                    .zip(&ways)
+                    .filter(|(_, way)| way.contains(&place));
                 let visits: Vec<&str> = visits.map(|(part, _)| part.as_str()).collect();
                 if visits.is_empty() {
                     builder.buffer(&name, size);
                 } else {
                     let work = work(&mut stream);
-                    builder.station(&name, &visits, work).machine_properties(&name, &["again"]);
+                    builder
+                        .station(&name, &visits, work)
+                        .machine_properties(&name, &["again"]);
                 }
             }
         }
     }
     if shape > 1 {
         let work = work(&mut stream);
-        builder.station("cell", &["P"], work).machine_properties("cell", &["again"]);
+        builder
+            .station("cell", &["P"], work)
+            .machine_properties("cell", &["again"]);
     }
     builder.sink("sink");
     for (part, way) in types.iter().zip(&ways) {
-        let start = if part == "P" { "cell".to_owned() } else { format!("source_{part}") };
-        let end = if shape > 1 && part != "P" { "cell" } else { "sink" };
+        let start = if part == "P" {
+            "cell".to_owned()
+        } else {
+            format!("source_{part}")
+        };
+        let end = if shape > 1 && part != "P" {
+            "cell"
+        } else {
+            "sink"
+        };
         let mut path = vec![start];
         path.extend(way.iter().map(|p| format!("place{p}")));
         path.push(end.to_owned());
         // A station may send a part back to an earlier place.
-        let back = way.iter().enumerate().skip(1).find(|(_, place)| kinds[**place] > 1);
+        let back = way
+            .iter()
+            .enumerate()
+            .skip(1)
+            .find(|(_, place)| kinds[**place] > 1);
         if let (Some((at, from)), 0) = (back, stream.below(2)) {
             let to = way[stream.below(at as u64) as usize];
             let (from, to) = (format!("place{from}"), format!("place{to}"));

@@ -5,7 +5,9 @@ use crate::lines::line;
 use crate::replay::accepts;
 use linewright::game::{Limits, Rule, RuleKind, Runs, Slip};
 use linewright::gr1::{BinaryOp, Expr};
-use linewright::line::abstraction::{Abstraction, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, PlaceKind, Queue, decide};
+use linewright::line::abstraction::{
+    Abstraction, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, PlaceKind, Queue, decide,
+};
 use linewright::line::{End, Options};
 use std::collections::BTreeSet;
 
@@ -16,9 +18,15 @@ fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
     let mut rules: Vec<Rule> = Vec::new();
     for part in parts {
         let side = &part.guarantees;
-        let lists = [(RuleKind::Initial, &side.initial), (RuleKind::Safety, &side.safety)];
+        let lists = [
+            (RuleKind::Initial, &side.initial),
+            (RuleKind::Safety, &side.safety),
+        ];
         rules.extend(lists.into_iter().flat_map(|(kind, list)| {
-            list.iter().map(move |f| Rule { kind, expr: f.expr.clone() })
+            list.iter().map(move |f| Rule {
+                kind,
+                expr: f.expr.clone(),
+            })
         }));
     }
     let kept: Vec<usize> = (0..rules.len()).collect();
@@ -30,21 +38,36 @@ fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
             _ => continue,
         };
         let expr = match &model.vars(place).queue {
-            Some(Queue::Count(count, _)) => {
-                Expr::binary(BinaryOp::Ne, Expr::now(*count), Expr::Const(i64::from(capacity)))
+            Some(Queue::Count(count, _)) => Expr::binary(
+                BinaryOp::Ne,
+                Expr::now(*count),
+                Expr::Const(i64::from(capacity)),
+            ),
+            Some(Queue::Slots(slots, _)) => {
+                Expr::now(slots[slots.len() - 1]).equals(Expr::Const(0))
             }
-            Some(Queue::Slots(slots, _)) => Expr::now(slots[slots.len() - 1]).equals(Expr::Const(0)),
             None => panic!("a queue"),
         };
         asked.push((declared.node, rules.len()));
-        rules.push(Rule { kind: RuleKind::Invariant, expr });
+        rules.push(Rule {
+            kind: RuleKind::Invariant,
+            expr,
+        });
     }
     let mut runs = Runs::new(&abstraction.system.variables, rules, &Limits::default()).unwrap();
     let mut can_be = |rule: usize| {
-        let slip = Slip { before: kept.clone(), last: kept.clone(), broken: rule };
+        let slip = Slip {
+            before: kept.clone(),
+            last: kept.clone(),
+            broken: rule,
+        };
         runs.step(&slip).unwrap().is_some()
     };
-    asked.into_iter().filter(|(_, rule)| can_be(*rule)).map(|(node, _)| node).collect()
+    asked
+        .into_iter()
+        .filter(|(_, rule)| can_be(*rule))
+        .map(|(node, _)| node)
+        .collect()
 }
 
 /// About seven in ten give a line that is small enough, and in which time passes.
@@ -54,7 +77,8 @@ const SEEDS: u64 = 500;
 fn the_explorer_and_the_runner_agree() {
     let start = std::time::Instant::now();
     let (mut timeless, mut spurious) = (0, 0);
-    let (mut compared, mut stuck, mut slow, mut runs, mut blocked, mut unfinished) = (0, 0, 0, 0, 0, 0);
+    let (mut compared, mut stuck, mut slow, mut runs, mut blocked, mut unfinished) =
+        (0, 0, 0, 0, 0, 0);
     let (mut largest, mut report) = (0, String::new());
     for seed in 0..SEEDS {
         let mut builder = line(seed);
@@ -73,7 +97,8 @@ fn the_explorer_and_the_runner_agree() {
         let verdict = decide(&abstraction, &Limits::default()).unwrap();
         // What holds of the looser abstraction holds of this one.
         if seed % 8 == 0 {
-            let loose = decide(&Abstraction::of(&builder.line).unwrap(), &Limits::default()).unwrap();
+            let loose =
+                decide(&Abstraction::of(&builder.line).unwrap(), &Limits::default()).unwrap();
             if loose.holds() && !verdict.holds() {
                 report += &format!("{seed}: the looser abstraction is no looser\n");
             }
@@ -84,33 +109,55 @@ fn the_explorer_and_the_runner_agree() {
                 report += &format!("{seed}: {}: {why}\n", abstraction.goal(open.what).name);
             }
         }
-        let names: Vec<&str> = verdict.open.iter().map(|o| abstraction.goal(o.what).name.as_str()).collect();
+        let names: Vec<&str> = verdict
+            .open
+            .iter()
+            .map(|o| abstraction.goal(o.what).name.as_str())
+            .collect();
         let is_stuck = names.contains(&NO_CIRCULAR_WAIT);
         if is_stuck != explored.stuck {
-            report += &format!("{seed}: stuck in the abstraction {is_stuck}, explored {}\n", explored.stuck);
+            report += &format!(
+                "{seed}: stuck in the abstraction {is_stuck}, explored {}\n",
+                explored.stuck
+            );
         }
         for name in &names {
-            assert!(!name.starts_with(NO_OVERFLOW) && !name.starts_with(NO_PART_LOST), "{seed}: {name}");
+            assert!(
+                !name.starts_with(NO_OVERFLOW) && !name.starts_with(NO_PART_LOST),
+                "{seed}: {name}"
+            );
         }
         let in_abstraction = full(&abstraction);
         if in_abstraction != explored.full {
-            report += &format!("{seed}: full {in_abstraction:?} in the abstraction, explored {:?}\n", explored.full);
+            report += &format!(
+                "{seed}: full {in_abstraction:?} in the abstraction, explored {:?}\n",
+                explored.full
+            );
         }
         compared += 1;
         stuck += usize::from(is_stuck);
         unfinished += usize::from(!is_stuck && !names.is_empty());
         largest = largest.max(explored.states);
         if seed % 20 == 0 {
-            println!("{seed}: {compared} compared after {:.0} s", start.elapsed().as_secs_f64());
+            println!(
+                "{seed}: {compared} compared after {:.0} s",
+                start.elapsed().as_secs_f64()
+            );
         }
-        let mut plant = builder.plant(Options { parts: Some(12), ..Options::default() });
+        let mut plant = builder.plant(Options {
+            parts: Some(12),
+            ..Options::default()
+        });
         for run in 0..4 {
             let trace = plant.run_seeded(run);
             runs += 1;
             if trace.end == End::Blocked {
                 blocked += 1;
                 if verdict.holds() {
-                    report += &format!("{seed}: the runner gets stuck: {}\n", trace.findings[0].message);
+                    report += &format!(
+                        "{seed}: the runner gets stuck: {}\n",
+                        trace.findings[0].message
+                    );
                 }
             }
         }

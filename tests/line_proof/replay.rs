@@ -20,12 +20,19 @@ pub fn kept(sides: &[&Side], run: &[&[i64]], cycle: Option<&[&[i64]]>) -> Result
             }
         }
         for formula in &side.safety {
-            if let Some(step) = run.windows(2).position(|w| !holds(&formula.expr, w[0], w[1])) {
+            if let Some(step) = run
+                .windows(2)
+                .position(|w| !holds(&formula.expr, w[0], w[1]))
+            {
                 return Err(format!("{} from step {step} on", formula.name));
             }
         }
         for formula in cycle.iter().flat_map(|_| &side.justice) {
-            if !cycle.unwrap().windows(2).any(|w| holds(&formula.expr, w[0], w[1])) {
+            if !cycle
+                .unwrap()
+                .windows(2)
+                .any(|w| holds(&formula.expr, w[0], w[1]))
+            {
                 return Err(format!("{} is not met again and again", formula.name));
             }
         }
@@ -35,10 +42,21 @@ pub fn kept(sides: &[&Side], run: &[&[i64]], cycle: Option<&[&[i64]]>) -> Result
 
 /// Whether a counterexample is one: every place keeps its guarantees, what is given is given, and the goal is missed.
 pub fn accepts(abstraction: &Abstraction, open: &Open) -> Result<(), String> {
-    let mut sides: Vec<&Side> = abstraction.system.parts.iter().map(|p| &p.guarantees).collect();
+    let mut sides: Vec<&Side> = abstraction
+        .system
+        .parts
+        .iter()
+        .map(|p| &p.guarantees)
+        .collect();
     sides.push(&abstraction.claim.given);
     let goal = abstraction.goal(open.what);
-    for (variable, domain) in abstraction.system.variables.iter().map(|v| &v.domain).enumerate() {
+    for (variable, domain) in abstraction
+        .system
+        .variables
+        .iter()
+        .map(|v| &v.domain)
+        .enumerate()
+    {
         let within = |state: &[i64]| domain.contains(state[variable]);
         let all = match &open.why {
             Broken::Trace(trace) => trace.iter().all(|s| within(s)),

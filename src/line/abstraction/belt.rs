@@ -39,7 +39,10 @@ pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
     // From some step on for ever: that is how each of these would be broken.
     let last = belt.places.last().map_or(Expr::FALSE, |last| on(*last));
     let some = Expr::binary(BinaryOp::Gt, held.clone(), Expr::Const(0));
-    let mut bad = vec![some.and(last.not()), all([with(0), loaded, on(belt.unload_ready)])];
+    let mut bad = vec![
+        some.and(last.not()),
+        all([with(0), loaded, on(belt.unload_ready)]),
+    ];
     bad.extend((1..belt.places.len()).map(|n| with(n).and(blocked.clone())));
     let first = rules.len();
     rules.extend(bad.into_iter().map(|expr| justice(expr.not())));
@@ -87,7 +90,10 @@ fn contract(machine: &Machine) -> (Vec<Variable>, Vec<Rule>, Vec<Rule>) {
         unit: String::new(),
         span: machine.span,
     };
-    let plant = machine.plant.iter().map(|input| new(input.name.clone(), &input.domain));
+    let plant = machine
+        .plant
+        .iter()
+        .map(|input| new(input.name.clone(), &input.domain));
     let mut variables: Vec<Variable> = plant.collect();
     for component in &machine.components {
         let specification = &component.specification;
@@ -104,7 +110,10 @@ fn contract(machine: &Machine) -> (Vec<Variable>, Vec<Rule>, Vec<Rule>) {
         for (input, binding) in specification.inputs().zip(&component.bindings) {
             let own = VarId(variables.len() as u32);
             let declared = specification.variable(input);
-            variables.push(new(format!("{}.{}", component.name, declared.name), &declared.domain));
+            variables.push(new(
+                format!("{}.{}", component.name, declared.name),
+                &declared.domain,
+            ));
             place[input.index()] = own;
             rules.push(Rule {
                 kind: RuleKind::Invariant,
@@ -124,7 +133,10 @@ fn contract(machine: &Machine) -> (Vec<Variable>, Vec<Rule>, Vec<Rule>) {
                 expr: put(&f.expr),
             }));
         }
-        let own = side.justice.iter().chain(&specification.assumptions.justice);
+        let own = side
+            .justice
+            .iter()
+            .chain(&specification.assumptions.justice);
         again.extend(own.map(|f| justice(put(&f.expr))));
     }
     (variables, rules, again)

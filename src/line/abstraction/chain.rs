@@ -78,7 +78,10 @@ impl View<'_> {
         let shape = model.shape;
         let name = self.name(place);
         for to in shape.after(place) {
-            let Some(part) = shape.between(place, to).find(|part| self.is(&model.offers(place, *part, to))) else {
+            let Some(part) = shape
+                .between(place, to)
+                .find(|part| self.is(&model.offers(place, *part, to)))
+            else {
                 continue;
             };
             let kind = &shape.types[part];
@@ -87,19 +90,31 @@ impl View<'_> {
                 PlaceKind::Room { .. } => "room in ",
                 _ => "",
             };
-            return Some((format!("{name} has a {kind} that waits for {room}{}", self.name(to)), Some(to)));
+            return Some((
+                format!("{name} has a {kind} that waits for {room}{}", self.name(to)),
+                Some(to),
+            ));
         }
         let vars = model.vars(place);
         let PlaceKind::Station { tasks } = &shape.places[place].kind else {
             return match (&shape.places[place].kind, vars.in_line) {
-                (PlaceKind::Supply { part, .. }, Some((in_line, most))) if self.value(in_line) >= i64::from(most) => {
+                (PlaceKind::Supply { part, .. }, Some((in_line, most)))
+                    if self.value(in_line) >= i64::from(most) =>
+                {
                     let kind = &shape.types[*part];
-                    Some((format!("{name} gives no more {kind} while {most} are in the line"), None))
+                    Some((
+                        format!("{name} gives no more {kind} while {most} are in the line"),
+                        None,
+                    ))
                 }
                 _ => None,
             };
         };
-        let begun = |task: &usize| vars.bills[*task].iter().any(|(there, _)| self.value(*there) > 0);
+        let begun = |task: &usize| {
+            vars.bills[*task]
+                .iter()
+                .any(|(there, _)| self.value(*there) > 0)
+        };
         let joining = (0..tasks.len()).filter(|t| !vars.bills[*t].is_empty());
         let mut joining: Vec<usize> = joining.collect();
         joining.sort_by_key(|task| !begun(task));
@@ -122,7 +137,10 @@ impl View<'_> {
         }
         // Nothing is here, and nothing comes from where it would.
         let from = shape.places[place].from.first()?;
-        Some((format!("{name} waits for a part from {}", self.name(*from)), Some(*from)))
+        Some((
+            format!("{name} waits for a part from {}", self.name(*from)),
+            Some(*from),
+        ))
     }
 
     fn contains(&self, place: usize, part: usize) -> bool {
@@ -167,7 +185,9 @@ impl View<'_> {
         }
         if let PlaceKind::Station { tasks } = &shape.places[place].kind {
             let at = vars.phase.map_or(0, |phase| self.value(phase));
-            if let Some(Phase::Work(part) | Phase::Done(part, _)) = vars.phases.get((at - 1) as usize) {
+            if let Some(Phase::Work(part) | Phase::Done(part, _)) =
+                vars.phases.get((at - 1) as usize)
+            {
                 add(*part, 1);
             }
             for (task, bill) in vars.bills.iter().enumerate() {
@@ -176,7 +196,10 @@ impl View<'_> {
                 }
             }
         }
-        let texts: Vec<String> = found.iter().map(|(part, n)| format!("{n} {}", shape.types[*part])).collect();
+        let texts: Vec<String> = found
+            .iter()
+            .map(|(part, n)| format!("{n} {}", shape.types[*part]))
+            .collect();
         (!texts.is_empty()).then(|| format!("{} has {}", self.name(place), texts.join(" and ")))
     }
 }

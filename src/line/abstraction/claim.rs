@@ -41,7 +41,12 @@ fn given(model: Model<'_>, line: &Line) -> Side {
         let kind = &model.shape.types[part];
         let vars = model.vars(place);
         let used = if let Some(phase) = vars.phase {
-            let at = |wanted: Phase| vars.phases.iter().position(|p| *p == wanted).map_or(0, |i| i + 1);
+            let at = |wanted: Phase| {
+                vars.phases
+                    .iter()
+                    .position(|p| *p == wanted)
+                    .map_or(0, |i| i + 1)
+            };
             let work = at(Phase::Work(part));
             is(phase, work).and(becomes(phase, work).not())
         } else {
@@ -55,12 +60,16 @@ fn given(model: Model<'_>, line: &Line) -> Side {
             declared.name
         );
         let none = model.shape.to(place, part).len();
-        let rule = becomes(decision, none).or(is(decision, none).not().and(used.or(stays(decision))));
+        let rule =
+            becomes(decision, none).or(is(decision, none).not().and(used.or(stays(decision))));
         given.safety.push(formula(span, &name, &text, &rule));
         for (way, to) in model.shape.to(place, part).iter().enumerate() {
             let to = &model.shape.places[*to].name;
             let name = format!("{}_sends_{kind}_to_{to}", declared.name);
-            let text = format!("as long as {} sends on {kind} parts, one of them goes to {to} in the end", declared.name);
+            let text = format!(
+                "as long as {} sends on {kind} parts, one of them goes to {to} in the end",
+                declared.name
+            );
             let sent = is(decision, way).or(is(decision, none));
             given.justice.push(formula(span, &name, &text, &sent));
         }
@@ -71,7 +80,10 @@ fn given(model: Model<'_>, line: &Line) -> Side {
         };
         let comes = model.may_offer(place).not();
         let name = format!("{}_goes_on", declared.name);
-        let text = format!("{} has another {} at some time", declared.name, model.shape.types[*part]);
+        let text = format!(
+            "{} has another {} at some time",
+            declared.name, model.shape.types[*part]
+        );
         let span = line.nodes[declared.node].span;
         given.justice.push(formula(span, &name, &text, &comes));
     }
@@ -99,17 +111,24 @@ fn goal(model: Model<'_>, line: &Line) -> Side {
     }
     let text = "something can move, or is at work";
     let moves = any((0..model.shape.places.len()).map(|place| can_go_on(model, place)));
-    goal.invariants.push(formula(line.span, NO_CIRCULAR_WAIT, text, &moves));
-    let finished = model.shape.places.iter().enumerate().filter_map(|(place, declared)| match &declared.kind {
-        PlaceKind::End { finishes, .. } if finishes.contains(&model.shape.product) => {
-            Some(model.arrives(place, model.shape.product))
-        }
-        _ => None,
-    });
+    goal.invariants
+        .push(formula(line.span, NO_CIRCULAR_WAIT, text, &moves));
+    let finished = model
+        .shape
+        .places
+        .iter()
+        .enumerate()
+        .filter_map(|(place, declared)| match &declared.kind {
+            PlaceKind::End { finishes, .. } if finishes.contains(&model.shape.product) => {
+                Some(model.arrives(place, model.shape.product))
+            }
+            _ => None,
+        });
     let product = &model.shape.types[model.shape.product];
     let text = format!("a {product} is finished again and again, as long as more are ordered");
     let finished = any(finished);
-    goal.justice.push(formula(line.span, ORDERS_ARE_FINISHED, &text, &finished));
+    goal.justice
+        .push(formula(line.span, ORDERS_ARE_FINISHED, &text, &finished));
     goal
 }
 
@@ -134,7 +153,11 @@ fn kept(model: Model<'_>, place: usize) -> Expr {
     }
     if let Some(load) = load(model, place) {
         let vars = model.vars(place);
-        let out = model.shape.after(place).into_iter().map(|to| model.taken(place, to));
+        let out = model
+            .shape
+            .after(place)
+            .into_iter()
+            .map(|to| model.taken(place, to));
         let mut after = sum([load.clone(), count([model.arrives_any(place)])]);
         after = Expr::binary(BinaryOp::Sub, after, count(out));
         // Where `n` are joined, there is one.
@@ -142,7 +165,11 @@ fn kept(model: Model<'_>, place: usize) -> Expr {
             let bill = vars.bills[*task].iter().map(|(_, n)| i64::from(*n));
             let fewer = Expr::Const(bill.sum::<i64>() - 1);
             let joined = count(vars.takes.map(|takes| is(takes, *value)));
-            after = Expr::binary(BinaryOp::Sub, after, Expr::binary(BinaryOp::Mul, joined, fewer));
+            after = Expr::binary(
+                BinaryOp::Sub,
+                after,
+                Expr::binary(BinaryOp::Mul, joined, fewer),
+            );
         }
         rules.push(later(&load).equals(after));
     }
@@ -166,7 +193,11 @@ fn fits(model: Model<'_>, place: usize) -> Expr {
         rules.push(joined.implies(model.free(place)));
     }
     if let Some((in_line, most)) = vars.in_line {
-        let more = Expr::binary(BinaryOp::Lt, Expr::now(in_line), Expr::Const(i64::from(most)));
+        let more = Expr::binary(
+            BinaryOp::Lt,
+            Expr::now(in_line),
+            Expr::Const(i64::from(most)),
+        );
         rules.push(model.leaves(place).implies(more));
     }
     all(rules)
@@ -191,7 +222,11 @@ fn going_on(model: Model<'_>, place: usize) -> Vec<(&'static str, String, Expr)>
     } else if let PlaceKind::Supply { part, .. } = model.shape.places[place].kind {
         let kind = &model.shape.types[part];
         let text = format!("every {kind} that {name} has comes into the line in the end");
-        let offered = any(model.shape.after(place).into_iter().map(|to| model.offers_any(place, to)));
+        let offered = any(model
+            .shape
+            .after(place)
+            .into_iter()
+            .map(|to| model.offers_any(place, to)));
         found.push((GOES_ON, text, offered.not().or(model.leaves(place))));
     }
     found
@@ -206,11 +241,14 @@ fn can_go_on(model: Model<'_>, place: usize) -> Expr {
         ways.push(model.owes(place));
     }
     if let Some(phase) = vars.phase {
-        let work = vars.phases.iter().enumerate().filter(|(_, p)| matches!(p, Phase::Work(_)));
+        let work = vars
+            .phases
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| matches!(p, Phase::Work(_)));
         ways.extend(work.map(|(i, _)| is(phase, i + 1)));
     }
     ways.push(model.may_offer(place));
     ways.extend(vars.open.map(|open| Expr::now(open).not()));
     any(ways)
 }
-

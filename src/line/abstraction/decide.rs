@@ -53,7 +53,11 @@ fn rules(abstraction: &Abstraction) -> Vec<Rule> {
 ///
 /// # Errors
 /// The reason why it was not decided.
-pub fn examine(line: &Line, limits: &Limits, patience: Duration) -> Result<(Abstraction, Verdict), Unfit> {
+pub fn examine(
+    line: &Line,
+    limits: &Limits,
+    patience: Duration,
+) -> Result<(Abstraction, Verdict), Unfit> {
     let patient = || {
         let end = Instant::now() + patience;
         Limits {
@@ -157,7 +161,12 @@ fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
 
 /// Justice in the order in which it is likely to matter for a goal: that of its own place, of those that parts go to from there, of
 /// those before them. A run that starves one place mostly does so by one nearby, and where no run is left the rest is not looked at.
-fn nearest_first(abstraction: &Abstraction, again: &[usize], rules: &[Rule], goal: &Expr) -> Vec<usize> {
+fn nearest_first(
+    abstraction: &Abstraction,
+    again: &[usize],
+    rules: &[Rule],
+    goal: &Expr,
+) -> Vec<usize> {
     let shape = &abstraction.shape;
     let owner = |expr: &Expr| {
         let mut found = None;
@@ -168,7 +177,10 @@ fn nearest_first(abstraction: &Abstraction, again: &[usize], rules: &[Rule], goa
     let mut next = 0;
     while let Some(&place) = order.get(next) {
         next += 1;
-        let around = shape.after(place).into_iter().chain(shape.places[place].from.iter().copied());
+        let around = shape
+            .after(place)
+            .into_iter()
+            .chain(shape.places[place].from.iter().copied());
         for other in around {
             if !order.contains(&other) {
                 order.push(other);
@@ -177,7 +189,9 @@ fn nearest_first(abstraction: &Abstraction, again: &[usize], rules: &[Rule], goa
     }
     let distance = |rule: &usize| {
         let place = owner(&rules[*rule].expr);
-        place.and_then(|p| order.iter().position(|o| *o == p)).unwrap_or(usize::MAX)
+        place
+            .and_then(|p| order.iter().position(|o| *o == p))
+            .unwrap_or(usize::MAX)
     };
     let mut sorted = again.to_vec();
     sorted.sort_by_key(distance);

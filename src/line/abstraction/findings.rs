@@ -1,10 +1,10 @@
 //! What does not hold of a line, in words: who waits for whom, how it comes to that, and the way out.
 
+use super::Abstraction;
 use super::chain::{Chain, View};
 use super::claim::{NO_CIRCULAR_WAIT, ORDERS_ARE_FINISHED};
 use super::decide::{Open, Verdict};
 use super::shape::PlaceKind;
-use super::Abstraction;
 use crate::algebra::proof::Broken;
 use crate::contract::line::Line;
 use crate::diagnostics::{Diagnostic, codes};
@@ -64,11 +64,19 @@ fn stuck(line: &Line, abstraction: &Abstraction, trace: &[Vec<i64>]) -> Diagnost
         let node = &line.nodes[abstraction.shape.places[*place].node];
         finding = finding.with_label(node.span, format!("{} is here", node.name));
     }
-    let there: Vec<String> = (0..abstraction.shape.places.len()).filter_map(|p| view.contents(p)).collect();
+    let there: Vec<String> = (0..abstraction.shape.places.len())
+        .filter_map(|p| view.contents(p))
+        .collect();
     let states: Vec<&Vec<i64>> = trace.iter().collect();
     finding
-        .with_note(format!("it comes to that, whatever the times, when {}", there.join(", ")))
-        .with_note(format!("on the shortest way there, {}", moves(abstraction, &states)))
+        .with_note(format!(
+            "it comes to that, whatever the times, when {}",
+            there.join(", ")
+        ))
+        .with_note(format!(
+            "on the shortest way there, {}",
+            moves(abstraction, &states)
+        ))
         .with_help(advice(abstraction, &chain))
 }
 
@@ -85,16 +93,27 @@ fn unfinished(
     // What never moves in the cycle is what is stuck.
     let model = abstraction.model();
     let quiet = (0..abstraction.shape.places.len()).filter(|place| {
-        cycle.iter().all(|s| !holds(&model.leaves(*place), s, &[]) && !holds(&model.arrives_any(*place), s, &[]))
+        cycle.iter().all(|s| {
+            !holds(&model.leaves(*place), s, &[]) && !holds(&model.arrives_any(*place), s, &[])
+        })
     });
     let chain = view.chain(quiet);
     let (code, mut message) = if chain.circle {
-        (codes::LINE_CIRCLE, "parts can wait for one another for ever, while others go on".to_owned())
+        (
+            codes::LINE_CIRCLE,
+            "parts can wait for one another for ever, while others go on".to_owned(),
+        )
     } else if goal.name == ORDERS_ARE_FINISHED {
         let product = &abstraction.shape.types[abstraction.shape.product];
-        (codes::LINE_UNFINISHED, format!("it may be that no {product} is finished any more, though more are ordered"))
+        (
+            codes::LINE_UNFINISHED,
+            format!("it may be that no {product} is finished any more, though more are ordered"),
+        )
     } else {
-        (codes::LINE_UNFINISHED, format!("it need not be so that {}", goal.text))
+        (
+            codes::LINE_UNFINISHED,
+            format!("it need not be so that {}", goal.text),
+        )
     };
     if !chain.texts.is_empty() {
         message = format!("{message}: {}", chain.texts.join(", "));
@@ -104,7 +123,10 @@ fn unfinished(
         let node = &line.nodes[abstraction.shape.places[*place].node];
         finding = finding.with_label(node.span, format!("{} is here", node.name));
     }
-    let going = moves(abstraction, &cycle.iter().chain(cycle.first()).collect::<Vec<_>>());
+    let going = moves(
+        abstraction,
+        &cycle.iter().chain(cycle.first()).collect::<Vec<_>>(),
+    );
     finding
         .with_note(format!("before that, {}", moves(abstraction, run)))
         .with_note(format!("from then on, again and again, {going}"))
@@ -128,7 +150,10 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
         }
     }
     let texts = counts.iter().map(|((from, to), n)| {
-        format!("{n} from {} to {}", shape.places[*from].name, shape.places[*to].name)
+        format!(
+            "{n} from {} to {}",
+            shape.places[*from].name, shape.places[*to].name
+        )
     });
     let texts: Vec<String> = texts.collect();
     if texts.is_empty() {
@@ -141,17 +166,29 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
 fn advice(abstraction: &Abstraction, chain: &Chain) -> String {
     let shape = &abstraction.shape;
     let limited = shape.places.iter().find_map(|place| match place.kind {
-        PlaceKind::Supply { most: Some(most), .. } => Some((&place.name, most)),
+        PlaceKind::Supply {
+            most: Some(most), ..
+        } => Some((&place.name, most)),
         _ => None,
     });
     let rooms = chain.places.iter().filter(|place| {
-        matches!(shape.places[**place].kind, PlaceKind::Conveyor { .. } | PlaceKind::Room { .. })
+        matches!(
+            shape.places[**place].kind,
+            PlaceKind::Conveyor { .. } | PlaceKind::Room { .. }
+        )
     });
     if chain.circle {
-        let names: Vec<&str> = chain.places.iter().map(|p| shape.places[*p].name.as_str()).collect();
+        let names: Vec<&str> = chain
+            .places
+            .iter()
+            .map(|p| shape.places[*p].name.as_str())
+            .collect();
         let room = match rooms.count() {
             0 => "Put a buffer into the circle".to_owned(),
-            _ => format!("Let fewer parts in than fill the circle {}", names.join(", ")),
+            _ => format!(
+                "Let fewer parts in than fill the circle {}",
+                names.join(", ")
+            ),
         };
         let limit = match limited {
             Some((name, most)) => format!("make the limit of {name} less than {most}"),
@@ -161,6 +198,7 @@ fn advice(abstraction: &Abstraction, chain: &Chain) -> String {
     } else if let Some((name, most)) = limited {
         format!("See what is missing; {name} lets at most {most} into the line.")
     } else {
-        "See that what is missing can come: it must not wait behind parts that are not needed yet.".to_owned()
+        "See that what is missing can come: it must not wait behind parts that are not needed yet."
+            .to_owned()
     }
 }

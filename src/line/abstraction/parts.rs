@@ -79,15 +79,21 @@ struct Writer<'a> {
 
 impl Writer<'_> {
     fn initial(&mut self, name: &str, text: &str, expr: &Expr) {
-        self.guarantees.initial.push(formula(self.span, name, text, expr));
+        self.guarantees
+            .initial
+            .push(formula(self.span, name, text, expr));
     }
 
     fn safety(&mut self, name: &str, text: &str, expr: &Expr) {
-        self.guarantees.safety.push(formula(self.span, name, text, expr));
+        self.guarantees
+            .safety
+            .push(formula(self.span, name, text, expr));
     }
 
     fn justice(&mut self, name: &str, text: &str, expr: &Expr) {
-        self.guarantees.justice.push(formula(self.span, name, text, expr));
+        self.guarantees
+            .justice
+            .push(formula(self.span, name, text, expr));
     }
 
     fn name(&self, place: usize) -> &str {
@@ -105,7 +111,10 @@ impl Writer<'_> {
                 offered.and(model.taken(*from, place).not()).implies(still)
             });
             let name = format!("{}_holds_what_it_offers", self.name(*from));
-            let text = format!("{} keeps the part that waits there until it is taken", self.name(*from));
+            let text = format!(
+                "{} keeps the part that waits there until it is taken",
+                self.name(*from)
+            );
             let rule = formula(self.span, &name, &text, &all(kept));
             if rule.expr != Expr::TRUE {
                 self.assumptions.safety.push(rule);
@@ -115,11 +124,18 @@ impl Writer<'_> {
             let taken = model.taken(place, to);
             let rule = later(&taken).implies(model.offers_any(place, to).and(taken.clone().not()));
             let name = format!("{}_takes_what_is_offered", self.name(to));
-            let text = format!("{} takes from here only a part that waits to go there, and each one once", self.name(to));
+            let text = format!(
+                "{} takes from here only a part that waits to go there, and each one once",
+                self.name(to)
+            );
             let first = format!("{name}_at_first");
-            self.assumptions.safety.push(formula(self.span, &name, &text, &rule));
+            self.assumptions
+                .safety
+                .push(formula(self.span, &name, &text, &rule));
             let text = format!("{} takes nothing at first", self.name(to));
-            self.assumptions.initial.push(formula(self.span, &first, &text, &taken.not()));
+            self.assumptions
+                .initial
+                .push(formula(self.span, &first, &text, &taken.not()));
         }
     }
 
@@ -132,11 +148,18 @@ impl Writer<'_> {
         let vars = model.vars(place);
         let mut still = Vec::new();
         if let Some(phase) = vars.phase {
-            let work = vars.phases.iter().enumerate().filter(|(_, p)| matches!(p, Phase::Work(_)));
+            let work = vars
+                .phases
+                .iter()
+                .enumerate()
+                .filter(|(_, p)| matches!(p, Phase::Work(_)));
             still.extend(work.map(|(i, _)| is(phase, i + 1).implies(becomes(phase, i + 1))));
         }
         still.extend(vars.end.map(|end| is(end, 0).implies(becomes(end, 0))));
-        still.extend(vars.open.map(|open| Expr::now(open).not().implies(Expr::next(open).not())));
+        still.extend(
+            vars.open
+                .map(|open| Expr::now(open).not().implies(Expr::next(open).not())),
+        );
         self.safety(
             "lets_others_move_first",
             "what takes time here ends only when nothing moves at once any more anywhere",
@@ -149,10 +172,18 @@ impl Writer<'_> {
         let (model, place) = (self.model, self.place);
         let vars = model.vars(place);
         let Some(takes) = vars.takes else { return };
-        self.initial("takes_nothing_at_first", "nothing is taken in the first step", &is(takes, 0));
+        self.initial(
+            "takes_nothing_at_first",
+            "nothing is taken in the first step",
+            &is(takes, 0),
+        );
         let from = model.shape.places[place].from.iter().enumerate();
-        let offered = from.map(|(i, from)| becomes(takes, i + 1).implies(model.offers_any(*from, place)));
-        let join = vars.joins.iter().map(|(value, task)| becomes(takes, *value).implies(model.complete(place, *task)));
+        let offered =
+            from.map(|(i, from)| becomes(takes, i + 1).implies(model.offers_any(*from, place)));
+        let join = vars
+            .joins
+            .iter()
+            .map(|(value, task)| becomes(takes, *value).implies(model.complete(place, *task)));
         self.safety(
             "takes_only_what_is_offered",
             "it takes a part only where one waits to come here, and joins only what is complete",
@@ -162,12 +193,18 @@ impl Writer<'_> {
         let roomy = |taker: usize| {
             if let Some(&from) = model.shape.places[place].from.get(taker - 1) {
                 let types = model.shape.between(from, place);
-                all(types.map(|part| model.offers(from, part, place).implies(model.room(place, part))))
+                all(types.map(|part| {
+                    model
+                        .offers(from, part, place)
+                        .implies(model.room(place, part))
+                }))
             } else {
                 model.free(place)
             }
         };
-        let with_room = model.takers(place).map(|t| becomes(takes, t).implies(roomy(t)));
+        let with_room = model
+            .takers(place)
+            .map(|t| becomes(takes, t).implies(roomy(t)));
         self.safety(
             "takes_only_with_room",
             "it takes a part only while there is room for it, and joins only while it is free",
@@ -184,9 +221,16 @@ impl Writer<'_> {
                 "where a part waits to come here, one is taken in the end, if fewer than {sure} are on it or the first one \
                  has not come to the end yet"
             ),
-            _ => "where a part waits to come here and there is room for it, one is taken in the end".to_owned(),
+            _ => {
+                "where a part waits to come here and there is room for it, one is taken in the end"
+                    .to_owned()
+            }
         };
-        self.justice("takes_in_the_end", &text, &is(takes, 0).not().or(model.owes(place).not()));
+        self.justice(
+            "takes_in_the_end",
+            &text,
+            &is(takes, 0).not().or(model.owes(place).not()),
+        );
     }
 
     /// The longest wait goes first.
@@ -206,8 +250,16 @@ impl Writer<'_> {
         let mut rules = Vec::new();
         for (a, b, earlier) in &vars.earlier {
             let (wa, wb) = (waits(*a), waits(*b));
-            rules.push(wa.clone().and(wb.clone().not()).implies(Expr::next(*earlier)));
-            rules.push(wb.clone().and(wa.clone().not()).implies(Expr::next(*earlier).not()));
+            rules.push(
+                wa.clone()
+                    .and(wb.clone().not())
+                    .implies(Expr::next(*earlier)),
+            );
+            rules.push(
+                wb.clone()
+                    .and(wa.clone().not())
+                    .implies(Expr::next(*earlier).not()),
+            );
             rules.push(wa.and(wb).implies(stays(*earlier)));
             let first = |this: usize, other: usize, other_first: Expr| {
                 becomes(takes, this).implies(other_first.and(model.may_take(place, other)).not())
@@ -216,7 +268,12 @@ impl Writer<'_> {
             rules.push(first(*b, *a, Expr::now(*earlier)));
         }
         // Those that begin to wait at one instant come in some order, but in one.
-        let order = |x: usize, y: usize| vars.earlier.iter().find(|(a, b, _)| (*a, *b) == (x, y)).map(|e| e.2);
+        let order = |x: usize, y: usize| {
+            vars.earlier
+                .iter()
+                .find(|(a, b, _)| (*a, *b) == (x, y))
+                .map(|e| e.2)
+        };
         let mut initial = Vec::new();
         for (a, b, ab) in &vars.earlier {
             for (c, d, bc) in vars.earlier.iter().filter(|(c, _, _)| c == b) {
@@ -232,7 +289,11 @@ impl Writer<'_> {
             }
         }
         if !initial.is_empty() {
-            self.initial("some_order_at_first", "those that wait come in some order", &all(initial));
+            self.initial(
+                "some_order_at_first",
+                "those that wait come in some order",
+                &all(initial),
+            );
         }
         self.safety(
             "first_come_first_served",
@@ -244,44 +305,83 @@ impl Writer<'_> {
     fn station(&mut self) {
         let (model, place) = (self.model, self.place);
         let vars = model.vars(place);
-        let (Some(phase), PlaceKind::Station { tasks }) = (vars.phase, &model.shape.places[place].kind) else {
+        let (Some(phase), PlaceKind::Station { tasks }) =
+            (vars.phase, &model.shape.places[place].kind)
+        else {
             return;
         };
-        let value = |wanted: Phase| vars.phases.iter().position(|p| *p == wanted).map_or(0, |i| i + 1);
+        let value = |wanted: Phase| {
+            vars.phases
+                .iter()
+                .position(|p| *p == wanted)
+                .map_or(0, |i| i + 1)
+        };
         let bills = vars.bills.iter().flatten();
         let empty = all(bills.map(|(v, _)| is(*v, 0)));
-        self.initial("starts_empty", "it is free and empty at first", &is(phase, 0).and(empty));
+        self.initial(
+            "starts_empty",
+            "it is free and empty at first",
+            &is(phase, 0).and(empty),
+        );
 
         let mut begins = Vec::new();
         let mut untouched = vec![is(phase, 0)];
         for ways in &model.shape.places[place].ways {
             let part = ways.part;
             let plain = tasks.iter().any(|t| t.plain && t.part == part);
-            let served = model.arrives(place, part).and(model.lacks(place, part).not());
-            let joined = vars.joins.iter().filter(|(_, task)| tasks[*task].part == part);
+            let served = model
+                .arrives(place, part)
+                .and(model.lacks(place, part).not());
+            let joined = vars
+                .joins
+                .iter()
+                .filter(|(_, task)| tasks[*task].part == part);
             let joined = joined.filter_map(|(value, _)| Some(is(vars.takes?, *value)));
             let begun = any(joined.chain(plain.then_some(served)));
-            begins.push(begun.clone().implies(becomes(phase, value(Phase::Work(part)))));
+            begins.push(
+                begun
+                    .clone()
+                    .implies(becomes(phase, value(Phase::Work(part)))),
+            );
             untouched.push(begun.not());
         }
-        self.safety("works_on_what_it_takes", "it begins to work on the part that it takes or joins", &all(begins));
-        self.safety("stays_free", "without a part it stays free", &all(untouched).implies(becomes(phase, 0)));
+        self.safety(
+            "works_on_what_it_takes",
+            "it begins to work on the part that it takes or joins",
+            &all(begins),
+        );
+        self.safety(
+            "stays_free",
+            "without a part it stays free",
+            &all(untouched).implies(becomes(phase, 0)),
+        );
 
         let (mut works, mut holds, mut hands) = (Vec::new(), Vec::new(), Vec::new());
         for (index, at) in vars.phases.iter().enumerate() {
             let now = is(phase, index + 1);
             match *at {
                 Phase::Work(part) => {
-                    let done = model.shape.to(place, part).iter().enumerate().map(|(way, to)| {
-                        let goes = becomes(phase, value(Phase::Done(part, *to)));
-                        let decided = model.vocabulary.decisions.get(&(place, part));
-                        decided.map_or(Expr::TRUE, |d| is(*d, way)).and(goes)
-                    });
-                    works.push(now.implies(any([becomes(phase, index + 1)].into_iter().chain(done))));
+                    let done = model
+                        .shape
+                        .to(place, part)
+                        .iter()
+                        .enumerate()
+                        .map(|(way, to)| {
+                            let goes = becomes(phase, value(Phase::Done(part, *to)));
+                            let decided = model.vocabulary.decisions.get(&(place, part));
+                            decided.map_or(Expr::TRUE, |d| is(*d, way)).and(goes)
+                        });
+                    works.push(
+                        now.implies(any([becomes(phase, index + 1)].into_iter().chain(done))),
+                    );
                 }
                 Phase::Done(_, to) => {
                     let taken = model.taken(place, to);
-                    holds.push(now.clone().and(taken.clone().not()).implies(becomes(phase, index + 1)));
+                    holds.push(
+                        now.clone()
+                            .and(taken.clone().not())
+                            .implies(becomes(phase, index + 1)),
+                    );
                     hands.push(now.and(taken).implies(becomes(phase, 0)));
                 }
             }
@@ -291,19 +391,37 @@ impl Writer<'_> {
             "when its work on a part ends, the part waits for the way that its properties ask for",
             &all(works),
         );
-        self.safety("holds_what_it_offers", "a part that waits stays until it is taken", &all(holds));
-        self.safety("hands_over_at_once", "a part that is taken is gone from here, and the station free", &all(hands));
+        self.safety(
+            "holds_what_it_offers",
+            "a part that waits stays until it is taken",
+            &all(holds),
+        );
+        self.safety(
+            "hands_over_at_once",
+            "a part that is taken is gone from here, and the station free",
+            &all(hands),
+        );
         self.bills();
-        let working = vars.phases.iter().enumerate().filter(|(_, p)| matches!(p, Phase::Work(_)));
+        let working = vars
+            .phases
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| matches!(p, Phase::Work(_)));
         let working = any(working.map(|(i, _)| is(phase, i + 1)));
-        self.justice("ends_its_work", "its work on every part ends", &working.not());
+        self.justice(
+            "ends_its_work",
+            "its work on every part ends",
+            &working.not(),
+        );
     }
 
     /// Components wait in their places, and are gone when they are joined.
     fn bills(&mut self) {
         let (model, place) = (self.model, self.place);
         let vars = model.vars(place);
-        let (Some(takes), PlaceKind::Station { tasks }) = (vars.takes, &model.shape.places[place].kind) else {
+        let (Some(takes), PlaceKind::Station { tasks }) =
+            (vars.takes, &model.shape.places[place].kind)
+        else {
             return;
         };
         let mut rules = Vec::new();
@@ -312,9 +430,15 @@ impl Writer<'_> {
             let joined = any(joined.map(|(value, _)| is(takes, *value)));
             for (line, (there, most)) in bill.iter().enumerate() {
                 let part = tasks[task].bill[line].0;
-                let comes = model.arrives(place, part).and(model.component_place(place, part, task, line));
+                let comes = model
+                    .arrives(place, part)
+                    .and(model.component_place(place, part, task, line));
                 let more = within(sum([Expr::now(*there), count([comes])]), i64::from(*most));
-                let then = Expr::If(Box::new(joined.clone()), Box::new(Expr::Const(0)), Box::new(more));
+                let then = Expr::If(
+                    Box::new(joined.clone()),
+                    Box::new(Expr::Const(0)),
+                    Box::new(more),
+                );
                 rules.push(Expr::next(*there).equals(then));
             }
         }
@@ -336,16 +460,24 @@ impl Writer<'_> {
             Queue::Count(held, capacity) => {
                 let came = sum([Expr::now(*held), count([model.arrives_any(place)])]);
                 let after = Expr::binary(BinaryOp::Sub, came, count([out]));
-                (is(*held, 0), Expr::next(*held).equals(within(after, i64::from(*capacity))))
+                (
+                    is(*held, 0),
+                    Expr::next(*held).equals(within(after, i64::from(*capacity))),
+                )
             }
             Queue::Slots(slots, types) => {
                 let new = types.iter().enumerate();
-                let new = new.map(|(i, part)| (model.arrives(place, *part), Expr::Const(i as i64 + 1)));
+                let new =
+                    new.map(|(i, part)| (model.arrives(place, *part), Expr::Const(i as i64 + 1)));
                 let new = choose(new.collect(), Expr::Const(0));
                 // What is left when the first one is gone.
                 let moved = |i: usize| {
                     let next = slots.get(i + 1).map_or(Expr::Const(0), |s| Expr::now(*s));
-                    Expr::If(Box::new(out.clone()), Box::new(next), Box::new(Expr::now(slots[i])))
+                    Expr::If(
+                        Box::new(out.clone()),
+                        Box::new(next),
+                        Box::new(Expr::now(slots[i])),
+                    )
                 };
                 let rules = slots.iter().enumerate().map(|(i, slot)| {
                     let free = moved(i).equals(Expr::Const(0));
@@ -363,8 +495,16 @@ impl Writer<'_> {
                 (all(slots.iter().map(|s| is(*s, 0))), all(rules))
             }
         };
-        let ends = vars.end.map(|end| is(end, 0)).into_iter().chain(vars.open.map(Expr::now));
-        self.initial("starts_empty", "it is empty at first", &all([start].into_iter().chain(ends)));
+        let ends = vars
+            .end
+            .map(|end| is(end, 0))
+            .into_iter()
+            .chain(vars.open.map(Expr::now));
+        self.initial(
+            "starts_empty",
+            "it is empty at first",
+            &all([start].into_iter().chain(ends)),
+        );
         if let Some(open) = vars.open {
             let came = model.arrives_any(place);
             let rule = (came.clone().implies(Expr::next(open).not()))
@@ -374,7 +514,11 @@ impl Writer<'_> {
                 "its first place is taken by a part that comes on, for some time, and then free until the next one",
                 &rule,
             );
-            self.justice("clears_in_the_end", "its first place becomes free again", &Expr::now(open));
+            self.justice(
+                "clears_in_the_end",
+                "its first place becomes free again",
+                &Expr::now(open),
+            );
         }
         self.safety(
             "keeps_parts_in_order",
@@ -407,7 +551,11 @@ impl Writer<'_> {
         for (index, (part, to)) in vars.offers.iter().enumerate() {
             let now = is(end, index + 1);
             let taken = model.taken(place, *to);
-            holds.push(now.clone().and(taken.clone().not()).implies(becomes(end, index + 1)));
+            holds.push(
+                now.clone()
+                    .and(taken.clone().not())
+                    .implies(becomes(end, index + 1)),
+            );
             hands.push(now.and(taken).implies(becomes(end, 0)));
             let way = model.shape.to(place, *part).iter().position(|t| t == to);
             let decided = model.vocabulary.decisions.get(&(place, *part));
@@ -415,8 +563,16 @@ impl Writer<'_> {
             comes.push(all([becomes(end, index + 1), there(*part), decided]));
         }
         self.safety("brings_forward", text, &is(end, 0).implies(any(comes)));
-        self.safety("holds_what_it_offers", "a part that waits stays until it is taken", &all(holds));
-        self.safety("hands_over_at_once", "a part that is taken does not wait here any more", &all(hands));
+        self.safety(
+            "holds_what_it_offers",
+            "a part that waits stays until it is taken",
+            &all(holds),
+        );
+        self.safety(
+            "hands_over_at_once",
+            "a part that is taken does not wait here any more",
+            &all(hands),
+        );
     }
 
     fn supply(&mut self, part: usize) {
@@ -424,21 +580,36 @@ impl Writer<'_> {
         let vars = model.vars(place);
         let mut room = Expr::TRUE;
         if let Some((in_line, most)) = vars.in_line {
-            room = Expr::binary(BinaryOp::Lt, Expr::now(in_line), Expr::Const(i64::from(most)));
-            self.initial("counts_from_nothing", "nothing is in the line at first", &is(in_line, 0));
+            room = Expr::binary(
+                BinaryOp::Lt,
+                Expr::now(in_line),
+                Expr::Const(i64::from(most)),
+            );
+            self.initial(
+                "counts_from_nothing",
+                "nothing is in the line at first",
+                &is(in_line, 0),
+            );
             let mut left = Vec::new();
             for (end, declared) in model.shape.places.iter().enumerate() {
                 let PlaceKind::End { leaves, .. } = &declared.kind else {
                     continue;
                 };
-                for kind in leaves.iter().filter(|k| model.shape.contents[**k][part] > 0) {
-                    let content = i64::try_from(model.shape.contents[*kind][part]).unwrap_or(i64::MAX);
+                for kind in leaves
+                    .iter()
+                    .filter(|k| model.shape.contents[**k][part] > 0)
+                {
+                    let content =
+                        i64::try_from(model.shape.contents[*kind][part]).unwrap_or(i64::MAX);
                     let left_here = count([model.arrives(end, *kind)]);
                     left.push(Expr::binary(BinaryOp::Mul, left_here, Expr::Const(content)));
                 }
             }
             let came = sum([Expr::now(in_line), count([model.leaves(place)])]);
-            let then = within(Expr::binary(BinaryOp::Sub, came, sum(left)), i64::from(most));
+            let then = within(
+                Expr::binary(BinaryOp::Sub, came, sum(left)),
+                i64::from(most),
+            );
             self.safety(
                 "counts_what_is_in_the_line",
                 "it counts one more when it gives a part, and those less that leave the line",
@@ -447,7 +618,11 @@ impl Writer<'_> {
         }
         if let Some(end) = vars.end {
             self.initial("starts_without", "it has no part at first", &is(end, 0));
-            self.end(end, &|_| room.clone(), "its next part comes at some time, and only while the line takes more");
+            self.end(
+                end,
+                &|_| room.clone(),
+                "its next part comes at some time, and only while the line takes more",
+            );
         }
     }
 }

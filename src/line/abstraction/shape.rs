@@ -124,19 +124,29 @@ impl Shape {
                 places.len() - 1
             };
             if let NodeKind::Store { .. } = declared.kind {
-                let leaving = (0..line.parts.len())
-                    .filter(|part| line.routes.iter().any(|r| r.from == node && r.part == *part));
+                let leaving = (0..line.parts.len()).filter(|part| {
+                    line.routes
+                        .iter()
+                        .any(|r| r.from == node && r.part == *part)
+                });
                 for part in leaving {
                     let name = format!("{}.{}", declared.name, line.parts[part].name);
                     add(name, stock(line, node, part));
                 }
             }
-            if belt(declared) && line.routes.iter().any(|r| r.to == node && belt(&line.nodes[r.from])) {
+            if belt(declared)
+                && line
+                    .routes
+                    .iter()
+                    .any(|r| r.to == node && belt(&line.nodes[r.from]))
+            {
                 let name = format!("{}.before", declared.name);
                 before[node] = Some(add(name, PlaceKind::Room { capacity: 1 }));
             }
             let comes = line.routes.iter().any(|r| r.to == node);
-            if let Some(kind) = kind(line, node).filter(|k| comes || !matches!(k, PlaceKind::End { .. })) {
+            if let Some(kind) =
+                kind(line, node).filter(|k| comes || !matches!(k, PlaceKind::End { .. }))
+            {
                 intake[node] = Some(add(declared.name.clone(), kind));
             }
         }
@@ -152,7 +162,12 @@ impl Shape {
     }
 
     /// Finds out what can be where, from the supplies on.
-    fn connect(&mut self, line: &Line, intake: &[Option<usize>], before: &[Option<usize>]) -> Result<(), Unfit> {
+    fn connect(
+        &mut self,
+        line: &Line,
+        intake: &[Option<usize>],
+        before: &[Option<usize>],
+    ) -> Result<(), Unfit> {
         let mut there: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); self.places.len()];
         let mut open: Vec<(usize, usize)> = Vec::new();
         for (place, declared) in self.places.iter().enumerate() {
@@ -180,7 +195,9 @@ impl Shape {
                 there[*next].insert(part);
                 match &self.places[*next].kind {
                     PlaceKind::Station { tasks } => {
-                        let all = |bill: &[(usize, u32)]| bill.iter().all(|(c, _)| there[*next].contains(c));
+                        let all = |bill: &[(usize, u32)]| {
+                            bill.iter().all(|(c, _)| there[*next].contains(c))
+                        };
                         let made = tasks.iter().filter(|t| {
                             t.plain && t.part == part || !t.bill.is_empty() && all(&t.bill)
                         });
@@ -232,7 +249,12 @@ impl Shape {
     /// A limit of work in progress counts a type; what would make that count inexact is refused.
     fn check_limits(&self, line: &Line) -> Result<(), Unfit> {
         for place in &self.places {
-            let PlaceKind::Supply { part, most: Some(_), .. } = place.kind else {
+            let PlaceKind::Supply {
+                part,
+                most: Some(_),
+                ..
+            } = place.kind
+            else {
                 continue;
             };
             let name = &self.types[part];
@@ -245,7 +267,8 @@ impl Shape {
                 )));
             }
             let waits = line.routes.iter().any(|r| {
-                matches!(line.nodes[r.from].kind, NodeKind::Store { .. }) && self.contents[r.part][part] > 0
+                matches!(line.nodes[r.from].kind, NodeKind::Store { .. })
+                    && self.contents[r.part][part] > 0
             });
             if waits {
                 return Err(Unfit(format!("{name} has a limit and may lie in a store")));
@@ -267,7 +290,11 @@ impl Shape {
             return intake[node].into_iter().collect();
         }
         let mut found = Vec::new();
-        for route in line.routes.iter().filter(|r| r.from == node && r.part == part) {
+        for route in line
+            .routes
+            .iter()
+            .filter(|r| r.from == node && r.part == part)
+        {
             let to = match before[route.to] {
                 Some(room) if belt(&line.nodes[node]) => Some(room),
                 _ => intake[route.to],
@@ -312,14 +339,20 @@ fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Unfit> {
         let PlaceKind::Conveyor { sure, .. } = &mut place.kind else {
             continue;
         };
-        let NodeKind::Conveyor { belt: Some(belt), .. } = &line.nodes[place.node].kind else {
+        let NodeKind::Conveyor {
+            belt: Some(belt), ..
+        } = &line.nodes[place.node].kind
+        else {
             continue;
         };
         let same = |other: &Belt| Arc::ptr_eq(&other.machine, &belt.machine);
         let room = match known.iter().find(|(other, _)| same(other)) {
             Some((_, room)) => *room,
             None => belt::room(belt).map_err(|limit| {
-                Unfit(format!("the contract of {} is too large to be asked about its room: {limit}", place.name))
+                Unfit(format!(
+                    "the contract of {} is too large to be asked about its room: {limit}",
+                    place.name
+                ))
             })?,
         };
         known.push((belt, room));
@@ -372,14 +405,19 @@ fn kind(line: &Line, node: usize) -> Option<PlaceKind> {
             leaves: (0..line.parts.len()).collect(),
         },
         NodeKind::Store { .. } => {
-            let stays: Vec<usize> = (0..line.parts.len()).filter(|p| !leaves_again(*p)).collect();
+            let stays: Vec<usize> = (0..line.parts.len())
+                .filter(|p| !leaves_again(*p))
+                .collect();
             PlaceKind::End {
                 finishes: stays.clone(),
                 leaves: stays,
             }
         }
         NodeKind::Station { tasks, .. } => PlaceKind::Station {
-            tasks: tasks.iter().map(|t| work(line, node, t.part, tasks.iter().map(|t| t.part).collect())).collect(),
+            tasks: tasks
+                .iter()
+                .map(|t| work(line, node, t.part, tasks.iter().map(|t| t.part).collect()))
+                .collect(),
         },
         NodeKind::Conveyor { places, belt, .. } => PlaceKind::Conveyor {
             places: *places,

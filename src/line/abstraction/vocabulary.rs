@@ -113,7 +113,13 @@ impl Vocabulary {
         Ok(new)
     }
 
-    fn add(&mut self, name: String, domain: Domain, owner: Owner, span: crate::source::Span) -> VarId {
+    fn add(
+        &mut self,
+        name: String,
+        domain: Domain,
+        owner: Owner,
+        span: crate::source::Span,
+    ) -> VarId {
         self.variables.push(Variable {
             name,
             owner,
@@ -130,19 +136,33 @@ impl Vocabulary {
         let span = line.nodes[declared.node].span;
         let mut vars = Vars::default();
         let mut add = |what: &str, domain| {
-            self.add(format!("{}.{what}", declared.name), domain, Owner::System, span)
+            self.add(
+                format!("{}.{what}", declared.name),
+                domain,
+                Owner::System,
+                span,
+            )
         };
-        let named = |part: usize, to: usize| format!("{}_to_{}", shape.types[part], shape.places[to].name);
+        let named =
+            |part: usize, to: usize| format!("{}_to_{}", shape.types[part], shape.places[to].name);
         let offers = || {
             let ways = declared.ways.iter();
             ways.flat_map(|w| w.to.iter().map(|to| (w.part, *to)))
         };
         let mut takers: Vec<String> = vec!["none".to_owned()];
-        takers.extend(declared.from.iter().map(|from| shape.places[*from].name.clone()));
+        takers.extend(
+            declared
+                .from
+                .iter()
+                .map(|from| shape.places[*from].name.clone()),
+        );
         match &declared.kind {
             PlaceKind::Supply { most, .. } => {
                 if let Some(most) = most {
-                    let domain = Domain::Range { low: 0, high: i64::from(*most) };
+                    let domain = Domain::Range {
+                        low: 0,
+                        high: i64::from(*most),
+                    };
                     vars.in_line = Some((add("in_line", domain), *most));
                 }
             }
@@ -162,7 +182,10 @@ impl Vocabulary {
                     let mut bill = Vec::new();
                     for (part, count) in &task.bill {
                         let name = format!("{}_for_{}", shape.types[*part], shape.types[task.part]);
-                        let domain = Domain::Range { low: 0, high: i64::from(*count) };
+                        let domain = Domain::Range {
+                            low: 0,
+                            high: i64::from(*count),
+                        };
                         bill.push((add(&name, domain), *count));
                     }
                     if !task.bill.is_empty() && declared.ways.iter().any(|w| w.part == task.part) {
@@ -172,7 +195,10 @@ impl Vocabulary {
                     vars.bills.push(bill);
                 }
             }
-            PlaceKind::Conveyor { places: capacity, .. } | PlaceKind::Room { capacity } => {
+            PlaceKind::Conveyor {
+                places: capacity, ..
+            }
+            | PlaceKind::Room { capacity } => {
                 if matches!(declared.kind, PlaceKind::Conveyor { machine: false, .. }) {
                     vars.open = Some(add("open", Domain::Bool));
                 }
@@ -184,7 +210,10 @@ impl Vocabulary {
                 }
                 let types: Vec<usize> = declared.ways.iter().map(|w| w.part).collect();
                 vars.queue = Some(if types.len() <= 1 {
-                    let domain = Domain::Range { low: 0, high: i64::from(*capacity) };
+                    let domain = Domain::Range {
+                        low: 0,
+                        high: i64::from(*capacity),
+                    };
                     Queue::Count(add("holds", domain), *capacity)
                 } else {
                     let mut labels = vec!["none".to_owned()];
@@ -209,13 +238,15 @@ impl Vocabulary {
         if takers.len() > 1 {
             let turns = !matches!(declared.kind, PlaceKind::End { .. });
             let pairs = (1..takers.len()).flat_map(|a| (a + 1..takers.len()).map(move |b| (a, b)));
-            let compete = |(a, b): (usize, usize)| turns && compete(shape, place, &vars.joins, a, b);
+            let compete =
+                |(a, b): (usize, usize)| turns && compete(shape, place, &vars.joins, a, b);
             // From four on, an order of some pairs alone could be a circle.
             let of_all = takers.len() > 4 && pairs.clone().any(compete);
             for (a, b) in pairs {
                 {
                     if of_all || compete((a, b)) {
-                        let earlier = add(&format!("{}_before_{}", takers[a], takers[b]), Domain::Bool);
+                        let earlier =
+                            add(&format!("{}_before_{}", takers[a], takers[b]), Domain::Bool);
                         vars.earlier.push((a, b, earlier));
                     }
                 }
@@ -233,7 +264,8 @@ fn compete(shape: &Shape, place: usize, joins: &[(usize, usize)], a: usize, b: u
         return true;
     };
     let bill = |taker: usize| joins.iter().any(|(value, _)| *value == taker);
-    let types = |taker: usize| -> Vec<usize> { shape.between(declared.from[taker - 1], place).collect() };
+    let types =
+        |taker: usize| -> Vec<usize> { shape.between(declared.from[taker - 1], place).collect() };
     let plain = |part: &usize| tasks.iter().any(|t| t.plain && t.part == *part);
     let serves = |taker: usize| bill(taker) || types(taker).iter().any(plain);
     let alike = || !bill(a) && !bill(b) && types(a).iter().any(|t| types(b).contains(t));
@@ -289,13 +321,20 @@ impl<'a> Model<'a> {
 
     /// Somebody takes what is offered at `from`.
     pub fn leaves(&self, from: usize) -> Expr {
-        any(self.shape.after(from).into_iter().map(|to| self.taken(from, to)))
+        any(self
+            .shape
+            .after(from)
+            .into_iter()
+            .map(|to| self.taken(from, to)))
     }
 
     /// A part of this type comes to a place in this step.
     pub fn arrives(&self, place: usize, part: usize) -> Expr {
         let from = self.shape.places[place].from.iter();
-        any(from.map(|from| self.taken(*from, place).and(self.offers(*from, part, place))))
+        any(from.map(|from| {
+            self.taken(*from, place)
+                .and(self.offers(*from, part, place))
+        }))
     }
 
     /// Any part comes to a place in this step.
@@ -357,7 +396,11 @@ impl<'a> Model<'a> {
         };
         let vars = self.vars(place);
         let lines = tasks.iter().enumerate().flat_map(|(t, work)| {
-            let of = work.bill.iter().enumerate().filter(|(_, (c, _))| *c == part);
+            let of = work
+                .bill
+                .iter()
+                .enumerate()
+                .filter(|(_, (c, _))| *c == part);
             of.map(move |(l, _)| (t, l))
         });
         any(lines.map(|(t, l)| {
@@ -380,7 +423,9 @@ impl<'a> Model<'a> {
             PlaceKind::Conveyor { .. } | PlaceKind::Room { .. } => {
                 let room = match &vars.queue {
                     Some(Queue::Count(count, capacity)) => is(*count, *capacity as usize).not(),
-                    Some(Queue::Slots(slots, _)) => slots.last().map_or(Expr::FALSE, |last| is(*last, 0)),
+                    Some(Queue::Slots(slots, _)) => {
+                        slots.last().map_or(Expr::FALSE, |last| is(*last, 0))
+                    }
                     None => Expr::FALSE,
                 };
                 all(vars.open.map(Expr::now).into_iter().chain([room]))
@@ -390,7 +435,9 @@ impl<'a> Model<'a> {
 
     /// A station has nothing at work and nothing that waits to leave.
     pub fn free(&self, place: usize) -> Expr {
-        self.vars(place).phase.map_or(Expr::FALSE, |phase| is(phase, 0))
+        self.vars(place)
+            .phase
+            .map_or(Expr::FALSE, |phase| is(phase, 0))
     }
 
     /// All components for a task of a station are there.
@@ -407,7 +454,11 @@ impl<'a> Model<'a> {
         }
         let from = self.shape.places[place].from[taker - 1];
         let types = self.shape.between(from, place);
-        any(types.map(|part| self.offers(from, part, place).and(self.room(place, part)).simplify()))
+        any(types.map(|part| {
+            self.offers(from, part, place)
+                .and(self.room(place, part))
+                .simplify()
+        }))
     }
 
     /// Somebody waits who could be taken.
@@ -419,16 +470,20 @@ impl<'a> Model<'a> {
     pub fn owes(&self, place: usize) -> Expr {
         let vars = self.vars(place);
         let waits = self.may_take_any(place);
-        let (PlaceKind::Conveyor { places, sure, .. }, Some(end)) = (&self.shape.places[place].kind, vars.end) else {
+        let (PlaceKind::Conveyor { places, sure, .. }, Some(end)) =
+            (&self.shape.places[place].kind, vars.end)
+        else {
             return waits;
         };
         if sure >= places {
             return waits;
         }
         let few = match &vars.queue {
-            Some(Queue::Count(count, _)) => {
-                Expr::binary(BinaryOp::Lt, Expr::now(*count), Expr::Const(i64::from(*sure)))
-            }
+            Some(Queue::Count(count, _)) => Expr::binary(
+                BinaryOp::Lt,
+                Expr::now(*count),
+                Expr::Const(i64::from(*sure)),
+            ),
             Some(Queue::Slots(slots, _)) => is(slots[*sure as usize - 1], 0),
             None => Expr::FALSE,
         };
@@ -438,12 +493,16 @@ impl<'a> Model<'a> {
     /// A part could be offered here that is not yet.
     pub fn may_offer(&self, place: usize) -> Expr {
         let vars = self.vars(place);
-        let Some(end) = vars.end else { return Expr::FALSE };
+        let Some(end) = vars.end else {
+            return Expr::FALSE;
+        };
         let there = match (&vars.queue, vars.in_line) {
             (Some(_), _) => self.empty(place).not(),
-            (None, Some((in_line, most))) => {
-                Expr::binary(BinaryOp::Lt, Expr::now(in_line), Expr::Const(i64::from(most)))
-            }
+            (None, Some((in_line, most))) => Expr::binary(
+                BinaryOp::Lt,
+                Expr::now(in_line),
+                Expr::Const(i64::from(most)),
+            ),
             (None, None) => Expr::TRUE,
         };
         is(end, 0).and(there).simplify()
@@ -461,7 +520,12 @@ impl<'a> Model<'a> {
     /// Nothing moves, and nothing would move without something else that takes time. Belts with a machine move parts in their own
     /// steps, so they are not waited for.
     pub fn settled(&self) -> Expr {
-        let belt = |place: usize| matches!(self.shape.places[place].kind, PlaceKind::Conveyor { machine: true, .. });
+        let belt = |place: usize| {
+            matches!(
+                self.shape.places[place].kind,
+                PlaceKind::Conveyor { machine: true, .. }
+            )
+        };
         let mut rules = Vec::new();
         for (place, declared) in self.shape.places.iter().enumerate() {
             if !self.takes_time(place) {
@@ -472,7 +536,8 @@ impl<'a> Model<'a> {
             };
             rules.push(is(takes, 0));
             if !belt(place) {
-                let by_belt = |taker: &usize| declared.from.get(taker - 1).is_some_and(|from| belt(*from));
+                let by_belt =
+                    |taker: &usize| declared.from.get(taker - 1).is_some_and(|from| belt(*from));
                 let takers = self.takers(place).filter(|taker| !by_belt(taker));
                 rules.extend(takers.map(|taker| self.may_take(place, taker).not()));
             }

@@ -29,7 +29,13 @@ pub(super) fn any(parts: impl IntoIterator<Item = Expr>) -> Expr {
 
 /// How many of these hold.
 pub(super) fn count(parts: impl IntoIterator<Item = Expr>) -> Expr {
-    let one = |e| Expr::If(Box::new(e), Box::new(Expr::Const(1)), Box::new(Expr::Const(0)));
+    let one = |e| {
+        Expr::If(
+            Box::new(e),
+            Box::new(Expr::Const(1)),
+            Box::new(Expr::Const(0)),
+        )
+    };
     sum(parts.into_iter().map(one))
 }
 

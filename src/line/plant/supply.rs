@@ -146,7 +146,10 @@ impl Run<'_> {
             *count = count.saturating_sub(content);
         }
         let limited = |node: &usize| {
-            matches!(self.line.nodes[*node].kind, NodeKind::Source { most: Some(_), .. })
+            matches!(
+                self.line.nodes[*node].kind,
+                NodeKind::Source { most: Some(_), .. }
+            )
         };
         for node in (0..self.places.len()).filter(limited).collect::<Vec<_>>() {
             self.look_at(node);
