@@ -21,6 +21,7 @@ pub mod fmt;
 pub mod import;
 pub mod interrupt;
 pub mod libraries;
+pub mod lines;
 pub mod machines;
 pub mod options;
 pub mod outline;

@@ -113,7 +113,7 @@ pub struct GlobalOptions {
     /// Read `import std...` from this folder instead of the bundled library
     #[arg(long, global = true, value_name = "DIR")]
     pub library: Option<PathBuf>,
-    /// Say more: `check` also names the file of each contract and the kernel that solved it
+    /// Say more: `check` also names the file of each contract and the kernel that solved it, and how every assumption is met
     #[arg(long, short, global = true)]
     pub verbose: bool,
 }

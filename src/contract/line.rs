@@ -103,6 +103,9 @@ pub enum NodeKind {
         part: usize,
         /// When it makes them.
         supply: Supply,
+        /// It makes none while so many of the type are in the line, by themselves or joined to others; the one that it keeps
+        /// counts, too.
+        most: Option<u32>,
     },
     /// Takes parts out of the line. `reject` counts them as rejected, and each one gives the source `reorder` (a node) a new
     /// order.

@@ -130,6 +130,9 @@ codes! {
     LINE_VIOLATION = "LW405", "a contract was violated while the line ran";
     LINE_REQUIREMENT = "LW406", "a requirement does not hold";
     LINE_PART_LOST = "LW407", "a conveyor lost or doubled a part";
+    LINE_CIRCLE = "LW408", "parts can wait for one another for ever";
+    LINE_UNFINISHED = "LW409", "an order may stay unfinished for ever";
+    LINE_UNDECIDED = "LW410", "a line is too large to be proved";
 
     COMPILER_MISSING = "LW501", "no C compiler was found";
     COMPILER_FAILED = "LW502", "the C compiler failed";

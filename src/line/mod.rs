@@ -15,7 +15,8 @@
 //! **Sources** keep the part they made until there is room for it. The next one is due the stated time after that one was made,
 //! and is made then, or as soon as the one before it has left. A source on order has one order for each wanted
 //! product (times how many of its parts a product is joined from), and as many again for each part that is rejected and
-//! sent back; orders to a source by time raise its limit.
+//! sent back; orders to a source by time raise its limit. A source with a limit of work in progress makes none while so many of its
+//! type are in the line, the one it keeps and those that were joined to others included (CONWIP; Spearman, Woodruff and Hopp, 1990).
 //!
 //! **Stations** work on one part at a time and block after service. A task that joins has a place for each component of
 //! its bill; these fill ahead while the station works, and the task is ready when all are there. Any other task takes a part
@@ -30,6 +31,7 @@
 //! `pitch / speed` after the one before it, and goes on when the one before it has moved up by one pitch and fewer than `places` are
 //! there. For those with one see `plant/belt.rs`.
 
+pub mod abstraction;
 pub mod calendar;
 mod metric;
 mod plant;

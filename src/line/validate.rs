@@ -97,7 +97,7 @@ impl Check<'_> {
         let line = self.line;
         let name = &node.name;
         match &node.kind {
-            NodeKind::Source { part, supply } => {
+            NodeKind::Source { part, supply, .. } => {
                 self.require(self.is_part(*part), node.span, || {
                     format!("{name} makes an unknown part type")
                 });

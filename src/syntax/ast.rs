@@ -664,6 +664,8 @@ pub enum LineItem {
         part: Name,
         /// When it makes them.
         supply: Supply,
+        /// `, at most N in the line`.
+        most: Option<u64>,
     },
     /// `store ...`
     Store {

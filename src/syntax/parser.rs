@@ -555,6 +555,9 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::close_brace => "`}`",
             Rule::colon | Rule::label | Rule::requirement_id => "`:`",
             Rule::equals => "`=`",
+            Rule::in_line => "`, at most N in the line`",
+            Rule::at_most => "`at most`",
+            Rule::the_line => "`the line`",
             _ => continue,
         };
         if !words.iter().any(|w| w == word) {

@@ -206,6 +206,7 @@ fn line(l: &mut Line) {
                 name: n,
                 part,
                 supply,
+                ..
             } => {
                 names([n, part]);
                 if let Supply::Every { seconds, .. } = supply {

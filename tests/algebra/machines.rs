@@ -2,13 +2,13 @@
 
 use super::tables::{name, table};
 use linewright::algebra::machine::{of_machine, of_promise};
-use linewright::algebra::proof::{Claim, Proof, prove};
+use linewright::algebra::proof::{Claim, Discharge, Discharged, Exports, Proof, prove};
 use linewright::algebra::replay;
-use linewright::algebra::system::{FormulaRef, Half, System};
+use linewright::algebra::system::{FormulaRef, Half, System, formulas};
 use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract::machine::Machine;
 use linewright::game::{Limits, RuleKind};
-use std::collections::BTreeSet;
+use linewright::gr1::{Formula, Side};
 
 /// The machine of a file of the ICE laboratory.
 fn machine(file: &str) -> Machine {
@@ -54,47 +54,112 @@ fn the_five_machines_of_the_ice_laboratory_are_proved() {
     insta::assert_snapshot!(text);
 }
 
-/// The same system without one guarantee.
-fn without(system: &System, at: FormulaRef) -> System {
-    let mut less = system.clone();
-    let part = at.part.expect("a guarantee of a part");
-    let side = &mut less.parts[part].guarantees;
-    match at.kind {
-        RuleKind::Initial => side.initial.remove(at.index),
-        RuleKind::Invariant => side.invariants.remove(at.index),
-        RuleKind::Safety => side.safety.remove(at.index),
-        RuleKind::Justice => side.justice.remove(at.index),
+/// One line of a table by itself: the obligation, and nothing but what it rests on, without one of these.
+fn alone(
+    system: &System,
+    claim: &Claim,
+    discharge: &Discharge,
+    without: Option<FormulaRef>,
+) -> (System, Claim) {
+    let names: Vec<FormulaRef> = { discharge.by.iter().copied() }
+        .filter(|at| Some(*at) != without)
+        .collect();
+    let pick = |side: &Side, keep: &dyn Fn(RuleKind, usize) -> bool| {
+        let mut picked = Side::default();
+        for (kind, index, formula) in formulas(side) {
+            if keep(kind, index) {
+                add(&mut picked, kind, formula.clone());
+            }
+        }
+        picked
     };
-    less
+    let at = |part, half, kind, index| FormulaRef {
+        part,
+        half,
+        kind,
+        index,
+    };
+    let mut reduced = system.clone();
+    for (i, part) in reduced.parts.iter_mut().enumerate() {
+        part.guarantees = pick(&part.guarantees, &|k, n| {
+            names.contains(&at(Some(i), Half::Guarantees, k, n))
+        });
+        part.assumptions = pick(&part.assumptions, &|k, n| {
+            discharge.what == at(Some(i), Half::Assumptions, k, n)
+        });
+    }
+    let mut given = pick(&claim.given, &|k, n| {
+        names.contains(&at(None, Half::Assumptions, k, n))
+    });
+    // What was handed on is the environment's.
+    for name in names
+        .iter()
+        .filter(|n| n.part.is_some() && n.half == Half::Assumptions)
+    {
+        add(
+            &mut given,
+            name.kind,
+            replay::formula(system, claim, *name).clone(),
+        );
+    }
+    let goal = pick(&claim.goal, &|k, n| {
+        discharge.what == at(None, Half::Guarantees, k, n)
+    });
+    let exports = match discharge.rule {
+        Discharged::Exported => claim.exports.clone(),
+        _ => Exports::Never,
+    };
+    (
+        reduced,
+        Claim {
+            given,
+            goal,
+            exports,
+        },
+    )
 }
 
+fn add(side: &mut Side, kind: RuleKind, formula: Formula) {
+    match kind {
+        RuleKind::Initial => side.initial.push(formula),
+        RuleKind::Invariant => side.invariants.push(formula),
+        RuleKind::Safety => side.safety.push(formula),
+        RuleKind::Justice => side.justice.push(formula),
+    }
+}
+
+/// Every line of every table: what it names is enough by itself, and without any single one of it the proof fails, with a counterexample that
+/// the evaluator accepts.
 #[test]
-fn mutants() {
-    for file in ["printer", "milling", "camera", "cell"] {
+fn nothing_that_a_table_names_can_be_left_out() {
+    let (mut lines, mut mutants) = (0, 0);
+    for file in ["printer", "milling", "camera", "belt", "cell"] {
         let machine = machine(file);
         for (system, claim) in claims(&machine) {
             let proof = proved(&system, &claim);
-            let named: BTreeSet<FormulaRef> = { proof.discharges.iter() }
-                .flat_map(|d| &d.by)
-                .copied()
-                .filter(|at| at.part.is_some() && at.half == Half::Guarantees)
-                .collect();
-            for at in named {
-                let clock = std::time::Instant::now();
-                let less = without(&system, at);
-                let proof = proved(&less, &claim);
-                println!(
-                    "{} {} {} {} {:?}",
-                    machine.name,
-                    name(&system, &claim, at),
-                    proof.holds(),
-                    proof.open.len(),
-                    clock.elapsed()
-                );
-                for open in &proof.open {
-                    assert_eq!(replay::accepts(&less, &claim, &proof, open), Ok(()));
+            for discharge in &proof.discharges {
+                lines += 1;
+                let what = name(&system, &claim, discharge.what);
+                let (reduced, own) = alone(&system, &claim, discharge, None);
+                let again = proved(&reduced, &own);
+                assert!(again.holds(), "{what}: {}", table(&reduced, &own, &again));
+                for named in &discharge.by {
+                    mutants += 1;
+                    let without = name(&system, &claim, *named);
+                    let (reduced, own) = alone(&system, &claim, discharge, Some(*named));
+                    let again = proved(&reduced, &own);
+                    assert!(!again.holds(), "{what} does not need {without}");
+                    assert!(!again.open.is_empty(), "{what} without {without}");
+                    for open in &again.open {
+                        assert_eq!(replay::accepts(&reduced, &own, &again, open), Ok(()));
+                    }
                 }
             }
         }
     }
+    println!("{lines} lines of tables, {mutants} mutants, all of them fail");
+    assert!(
+        lines > 140 && mutants > 200,
+        "{lines} lines, {mutants} mutants"
+    );
 }

@@ -442,6 +442,7 @@ impl<'n> Choices<'n> {
                         limit: self.option(Self::count),
                     }
                 },
+                most: self.option(Self::count),
             },
             3 => LineItem::Store {
                 name: place,

@@ -92,7 +92,23 @@ impl Builder {
 
     pub fn source(&mut self, name: &str, part: &str, supply: Supply) -> &mut Self {
         let part = self.part(part);
-        self.add(name, NodeKind::Source { part, supply });
+        self.add(
+            name,
+            NodeKind::Source {
+                part,
+                supply,
+                most: None,
+            },
+        );
+        self
+    }
+
+    /// The source makes no more while so many are in the line.
+    pub fn at_most(&mut self, name: &str, count: u32) -> &mut Self {
+        let node = self.node(name);
+        if let NodeKind::Source { most, .. } = &mut self.line.nodes[node].kind {
+            *most = Some(count);
+        }
         self
     }
 

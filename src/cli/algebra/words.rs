@@ -9,6 +9,7 @@ use crate::cli::findings::list;
 use crate::cli::findings::play::{Row, grid};
 use crate::game::{Lasso, RuleKind};
 use crate::gr1::{BinaryOp, Expr, Formula, VarId};
+use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -348,4 +349,37 @@ fn same_truth(a: &Expr, b: &Expr) -> bool {
         }
     }
     plain(a) == plain(b)
+}
+
+/// How an obligation is met, for the documents of `check`.
+#[derive(Debug, Serialize)]
+pub struct DischargeEntry {
+    /// The component, or the machine or contract whose guarantee it is.
+    pub component: String,
+    /// The assumption, or that guarantee.
+    pub assumption: String,
+    /// `environment`, `exported`, `induction`, `justice`, or `controllers` where only the synthesized ones show it.
+    pub rule: &'static str,
+    /// Of justice: the turn, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turn: Option<usize>,
+    /// By what.
+    pub by: String,
+}
+
+/// A discharge for the documents of `check`.
+pub fn entry(told: Told<'_>, discharge: &Discharge) -> DischargeEntry {
+    DischargeEntry {
+        component: told.owner(discharge.what).to_owned(),
+        assumption: told.formula(discharge.what).name.clone(),
+        rule: rule(discharge.rule),
+        turn: match discharge.rule {
+            Discharged::Justice { turn } => Some(turn + 1),
+            _ => None,
+        },
+        by: match discharge.rule {
+            Discharged::Exported => "the line, checked at every call".to_owned(),
+            _ => told.by(discharge),
+        },
+    }
 }

@@ -7,6 +7,7 @@ use crate::cli::console::schema;
 use crate::cli::files::Loaded;
 use crate::cli::findings::lost;
 use crate::cli::libraries;
+use crate::cli::lines;
 use crate::cli::machines::{self, Planned};
 use crate::cli::outline::{Declaration, Kind};
 use crate::cli::pipeline::{CheckedContract, Jobs, Verdict};
@@ -25,6 +26,8 @@ pub(super) struct Assembly<'a> {
     pub(super) jobs: &'a Jobs,
     pub(super) checked: &'a [CheckedContract],
     pub(super) limits: Limits,
+    /// Whether tables are made that take longer than the verdict.
+    pub(super) verbose: bool,
     pub(super) timing: bool,
     pub(super) statistics: bool,
 }
@@ -67,16 +70,10 @@ impl Assembly<'_> {
                         let entry = self.machine(file, declaration, &mut findings);
                         document.machines.push(entry);
                     }
-                    Kind::Line => document.lines.push(LineEntry {
-                        name: declaration.name.clone(),
-                        file: file.name.to_owned(),
-                        verdict: if file.broken || has_errors(&findings) {
-                            "invalid"
-                        } else {
-                            "valid"
-                        },
-                        findings: json::findings(sources, &findings),
-                    }),
+                    Kind::Line => {
+                        let entry = self.line(file, declaration, &mut findings);
+                        document.lines.push(entry);
+                    }
                 }
                 all.extend(findings);
             }
@@ -200,6 +197,30 @@ impl Assembly<'_> {
                 .map(|r| r.statistics.kernel.clone())
                 .unwrap_or_default(),
             verdict_only: result.is_some_and(|r| r.left_out),
+        }
+    }
+
+    fn line(
+        &self,
+        file: &FileView<'_>,
+        declaration: &Declaration,
+        findings: &mut Vec<Diagnostic>,
+    ) -> LineEntry {
+        let sound = !file.broken && !has_errors(findings);
+        let known = self.loaded.library.lines.iter();
+        let line = { known }.find(|l| sound && declaration.holds(l.span));
+        let proof = line.map(|line| lines::examine(line, &self.limits, self.verbose));
+        let verdict = proof.as_ref().map(|proof| proof.verdict);
+        let proof = proof.unwrap_or_default();
+        findings.extend(proof.findings);
+        LineEntry {
+            name: declaration.name.clone(),
+            file: file.name.to_owned(),
+            verdict: if sound { "valid" } else { "invalid" },
+            proof: verdict,
+            undecided: proof.undecided,
+            discharges: proof.discharges,
+            findings: json::findings(&self.loaded.library.sources, findings),
         }
     }
 

@@ -1,6 +1,7 @@
 //! The JSON document of `check`, which its other formats are made from, too.
 
 use super::watch::Occasion;
+use crate::cli::algebra::words::DischargeEntry;
 use crate::cli::findings::lost::Suggestion;
 use crate::cli::statistics::Statistics;
 use crate::diagnostics::json;
@@ -123,20 +124,6 @@ pub(super) struct ComponentEntry {
     pub(super) verdict: &'static str,
 }
 
-#[derive(Debug, Serialize)]
-pub(super) struct DischargeEntry {
-    /// The component, or the machine or contract whose guarantee it is.
-    pub(super) component: String,
-    /// The assumption, or that guarantee.
-    pub(super) assumption: String,
-    /// `environment`, `exported`, `induction`, `justice`, or `controllers` where only the synthesized ones show it.
-    pub(super) rule: &'static str,
-    /// Of justice: the turn, from 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) turn: Option<usize>,
-    pub(super) by: String,
-}
-
 /// A contract that a machine is said to refine.
 #[derive(Debug, Serialize)]
 pub(super) struct RefinesEntry {
@@ -153,6 +140,15 @@ pub(super) struct LineEntry {
     pub(super) file: String,
     /// `valid` or `invalid`.
     pub(super) verdict: &'static str,
+    /// Of a valid one: `proved`; `safe`, when nothing gets lost or stuck in it, but it was not decided in time that everything goes on;
+    /// `open` or `gave_up`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) proof: Option<&'static str>,
+    /// Of a safe one: what was not decided.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) undecided: Vec<String>,
+    /// What each requirement of the line, and each assumption of a place in it, rests on.
+    pub(super) discharges: Vec<DischargeEntry>,
     pub(super) findings: Vec<json::Finding>,
 }
 

@@ -1,12 +1,12 @@
 //! What `check` says of a machine as a whole: how its components discharge one another's assumptions, whether it keeps its own guarantees, and
 //! whether it refines the contracts that it is said to refine.
 
-use super::document::{DischargeEntry, RefinesEntry};
+use super::document::RefinesEntry;
 use crate::algebra::machine::{of_machine, of_promise};
-use crate::algebra::proof::{Claim, Discharge, Discharged, Open, Proof, prove};
+use crate::algebra::proof::{Claim, Open, Proof, prove};
 use crate::algebra::system::System;
 use crate::cli::algebra::found;
-use crate::cli::algebra::words::{Told, rule};
+use crate::cli::algebra::words::{DischargeEntry, Told, entry};
 use crate::contract::machine::{Machine, Promised};
 use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::game::{Limit, Limits, RuleKind};
@@ -132,20 +132,16 @@ fn refines(
         claim: &claim,
         whole: &promised.contract,
     };
-    let mut entry = RefinesEntry {
+    let mut refined = RefinesEntry {
         contract: promised.contract.clone(),
         verdict: "refined",
         discharges: Vec::new(),
     };
     match prove(&system, &claim, limits) {
         Ok(proof) => {
-            entry.discharges = proof
-                .discharges
-                .iter()
-                .map(|d| self::entry(told, d))
-                .collect();
+            refined.discharges = proof.discharges.iter().map(|d| entry(told, d)).collect();
             if !proof.holds() {
-                entry.verdict = "broken";
+                refined.verdict = "broken";
                 let at = |part: Option<usize>| -> Option<Span> {
                     let component = part.and_then(|p| machine.components.get(p));
                     Some(component.map_or(promised.span, |c| c.span))
@@ -158,11 +154,11 @@ fn refines(
             }
         }
         Err(limit) => {
-            entry.verdict = "gave_up";
+            refined.verdict = "gave_up";
             findings.push(undecided(promised.span, &machine.name, limit));
         }
     }
-    entry
+    refined
 }
 
 fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
@@ -172,22 +168,6 @@ fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
         format!("whether the parts of `{name}` fit together was not decided: {limit}"),
     )
     .with_help("give it more with --timeout SECONDS and --memory MIB, or make the domains smaller")
-}
-
-fn entry(told: Told<'_>, discharge: &Discharge) -> DischargeEntry {
-    DischargeEntry {
-        component: told.owner(discharge.what).to_owned(),
-        assumption: told.formula(discharge.what).name.clone(),
-        rule: rule(discharge.rule),
-        turn: match discharge.rule {
-            Discharged::Justice { turn } => Some(turn + 1),
-            _ => None,
-        },
-        by: match discharge.rule {
-            Discharged::Exported => "the line, checked at every call".to_owned(),
-            _ => told.by(discharge),
-        },
-    }
 }
 
 /// What only the controllers that were synthesized show.

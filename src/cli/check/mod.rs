@@ -143,6 +143,7 @@ fn check(
         jobs: &jobs,
         checked: &checked,
         limits: options.limits(),
+        verbose: options.verbose,
         timing: !options.no_timing,
         statistics: arguments.stats,
     }

@@ -1,6 +1,7 @@
 //! The result of `check` as text: one line a contract, machine and line, and a summary.
 
-use super::document::{DischargeEntry, Document};
+use super::document::Document;
+use crate::cli::algebra::words::DischargeEntry;
 use crate::taxonomy;
 use clap::builder::styling::{AnsiColor, Style};
 use std::fmt::Write as _;
@@ -66,6 +67,13 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         let mut cells = vec![String::new(); COLUMNS];
         cells[0] = format!("line {}", l.name);
         l.verdict.clone_into(&mut cells[3]);
+        cells[4] = match l.proof {
+            Some("proved") => "proved".to_owned(),
+            Some("safe") => "never stuck".to_owned(),
+            Some("open") => "not proved".to_owned(),
+            Some(_) => "not decided".to_owned(),
+            None => String::new(),
+        };
         cells[6] = file(&l.file);
         rows.push(Row {
             verdict: l.verdict,
@@ -191,6 +199,10 @@ fn verdicts_only(document: &Document) -> String {
 /// For every machine, how the assumptions of its components are met, and how it refines its contracts.
 fn discharges(document: &Document) -> String {
     let mut text = String::new();
+    for line in document.lines.iter().filter(|l| !l.discharges.is_empty()) {
+        let _ = writeln!(text, "\n{}: how each assumption is met", line.name);
+        text.push_str(&discharged(&line.discharges));
+    }
     for machine in &document.machines {
         if !machine.discharges.is_empty() {
             let _ = writeln!(text, "\n{}: how each assumption is met", machine.name);

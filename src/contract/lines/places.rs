@@ -18,8 +18,26 @@ use std::sync::Arc;
 impl<'a> Builder<'a, '_> {
     pub(super) fn node(&mut self, item: &'a LineItem) -> Option<(&'a ast::Name, NodeKind)> {
         match item {
-            LineItem::Source { name, part, supply } => {
+            LineItem::Source {
+                name,
+                part,
+                supply,
+                most,
+            } => {
                 let part = self.find_part(part);
+                let most = match *most {
+                    None => None,
+                    Some(count @ 1..=1_000_000) => Some(count as u32),
+                    Some(count) => {
+                        self.e.error_with(
+                            codes::ARGUMENT,
+                            name.span,
+                            format!("at most {count} parts in the line"),
+                            "the number is 1 to 1000000",
+                        );
+                        return None;
+                    }
+                };
                 let supply = match supply {
                     ast::Supply::OnOrder => Some(Supply::OnOrder),
                     ast::Supply::Every {
@@ -37,6 +55,7 @@ impl<'a> Builder<'a, '_> {
                     NodeKind::Source {
                         part: part?,
                         supply: supply?,
+                        most,
                     },
                 ))
             }

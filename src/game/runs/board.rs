@@ -94,6 +94,11 @@ impl<K: Kernel> Steps<K> {
         self.m.unprime(&self.forward.product(&self.m, states)?)
     }
 
+    /// The states after one of these steps.
+    pub fn after_step(&self, steps: &K::Function) -> Result<K::Function, Limit> {
+        self.m.unprime(&self.forward.product(&self.m, steps)?)
+    }
+
     /// The states before a step into one of these.
     pub fn before(&self, states: &K::Function) -> Result<K::Function, Limit> {
         self.before_step(&self.m.prime(states)?)
@@ -311,9 +316,15 @@ impl<K: Kernel> Board<K> {
         let mut fair = m.constant(false);
         loop {
             let more = reached.grow()?;
-            if !more || reached.rings.len() == next_look {
+            if reached.rings.len() == next_look {
                 next_look *= LOOK_AGAIN;
                 fair = fair::fair(&steps, &reached.all, &again)?;
+            } else if !more {
+                // Forwards it is cheaper to see that there is nothing.
+                let past = fair::past(&steps, &reached.all, &again)?;
+                if !m.is_false(&past) {
+                    fair = fair::fair(&steps, &reached.all, &again)?;
+                }
             }
             if !more || !m.is_false(&fair) {
                 break;

@@ -48,3 +48,46 @@ pub fn fair<K: Kernel>(
         }
     }
 }
+
+/// The states with a past without a beginning in `within` that has met all justice again and again: none exactly where no run does so
+/// for ever, since both need a cycle. Steps forward from what can be reached stay within that, and are far cheaper than steps back,
+/// which come from everywhere; so whoever expects that there is no run asks here first.
+pub fn past<K: Kernel>(
+    steps: &Steps<K>,
+    within: &K::Function,
+    again: &[K::Function],
+) -> Result<K::Function, Limit> {
+    let m = &steps.m;
+    let always = [m.constant(true)];
+    let again = if again.is_empty() { &always } else { again };
+    let mut z = m.and(&steps.states, within)?;
+    loop {
+        let smaller = m.and(&z, &steps.after(&z)?)?;
+        if smaller == z {
+            break;
+        }
+        z = smaller;
+        m.safe_point()?;
+    }
+    loop {
+        let before = z.clone();
+        for justice in again {
+            if m.is_false(&z) {
+                return Ok(z);
+            }
+            let met = m.and(&z, justice)?;
+            let mut y = m.and(&z, &steps.after_step(&met)?)?;
+            let mut new = y.clone();
+            while !m.is_false(&new) {
+                let more = m.and(&z, &steps.after(&new)?)?;
+                new = m.and_not(&more, &y)?;
+                y = m.or(&y, &new)?;
+                m.safe_point()?;
+            }
+            z = y;
+        }
+        if z == before {
+            return Ok(z);
+        }
+    }
+}

@@ -282,7 +282,7 @@ impl Run<'_> {
         for (node, declared) in self.line.nodes.iter().enumerate() {
             let name = &declared.name;
             match (&declared.kind, &self.places[node]) {
-                (NodeKind::Source { part, supply }, Place::Source(source)) if is(*part) => {
+                (NodeKind::Source { part, supply, most }, Place::Source(source)) if is(*part) => {
                     texts.push(match supply {
                         Supply::OnOrder if source.exhausted() => {
                             format!("{name} has made all {} that were ordered", source.made())
@@ -290,7 +290,13 @@ impl Run<'_> {
                         _ if source.exhausted() => {
                             format!("{name} has made all {} of its limit", source.made())
                         }
-                        _ => format!("{name} makes more, but not for here"),
+                        _ => match most {
+                            Some(most) if self.in_line[*part] >= u64::from(*most) => format!(
+                                "{name} makes no more while {most} {} are in the line",
+                                self.type_name(*part)
+                            ),
+                            _ => format!("{name} makes more, but not for here"),
+                        },
                     });
                 }
                 (NodeKind::Store { stock }, Place::Store(store)) => {

@@ -330,6 +330,7 @@ impl Run<'_> {
     pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), What::Finished);
         self.finished += 1;
+        self.count_out(self.parts[part].kind);
         if self.parts[part].kind == self.line.product {
             self.products += 1;
             self.stored += u64::from(matches!(self.places[node], Place::Store(_)));
@@ -349,6 +350,7 @@ impl Run<'_> {
         self.record(node, Some(part), What::Rejected);
         let kind = self.parts[part].kind;
         self.rejects[kind].0 += 1;
+        self.count_out(kind);
         self.parts.remove(part);
         if let Some(source) = reorder {
             let NodeKind::Source { part: ordered, .. } = self.line.nodes[source].kind else {

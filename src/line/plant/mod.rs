@@ -130,6 +130,8 @@ struct Run<'a> {
     entered: u64,
     finished: u64,
     consumed: u64,
+    /// By type: how many have been made or given out and have not left the line, by themselves or joined to others.
+    in_line: Vec<u64>,
     rejects: Vec<(u64, u64)>,
     violations: Vec<Violation>,
     violation_count: u64,
@@ -252,7 +254,7 @@ impl<'a> Run<'a> {
             .iter()
             .enumerate()
             .map(|(index, node)| match &node.kind {
-                NodeKind::Source { part, supply } => Place::Source(Source::new(
+                NodeKind::Source { part, supply, .. } => Place::Source(Source::new(
                     &node.name,
                     supply,
                     seed,
@@ -297,6 +299,7 @@ impl<'a> Run<'a> {
             entered: 0,
             finished: 0,
             consumed: 0,
+            in_line: vec![0; line.parts.len()],
             rejects: vec![(0, 0); line.parts.len()],
             violations: Vec::new(),
             violation_count: 0,

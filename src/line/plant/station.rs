@@ -324,6 +324,8 @@ impl Run<'_> {
         self.parts[part].birth = birth;
         self.parts[part].entered = true;
         self.entered += 1;
+        // What it was joined from stays in the line, in it.
+        self.in_line[kind] += 1;
         self.record(node, Some(part), What::Entered);
         self.begin(node, task, part);
         self.look_at(node);

@@ -102,13 +102,14 @@ impl Store {
 impl Run<'_> {
     /// A source makes its next part, if it is due.
     pub(super) fn make(&mut self, node: usize) -> Option<PartIndex> {
-        let NodeKind::Source { part, .. } = self.line.nodes[node].kind else {
+        let NodeKind::Source { part, most, .. } = self.line.nodes[node].kind else {
             return None;
         };
         let Place::Source(source) = &mut self.places[node] else {
             return None;
         };
-        if !source.due || source.exhausted() {
+        let full = most.is_some_and(|most| self.in_line[part] >= u64::from(most));
+        if !source.due || source.exhausted() || full {
             return None;
         }
         source.made += 1;
@@ -127,7 +128,32 @@ impl Run<'_> {
                 self.schedule(time, WORK, Event::Due(node as u32));
             }
         }
+        self.in_line[part] += 1;
         Some(self.parts.create(self.line, part, |_| None))
+    }
+
+    /// A part is in the line from now on, or kept to go into it, with all that it was joined from.
+    fn count_in(&mut self, kind: usize) {
+        for (part, count) in self.in_line.iter_mut().enumerate() {
+            *count += self.setup.contents[kind * self.line.parts.len() + part];
+        }
+    }
+
+    /// A part has left the line: a source that has waited for that may go on.
+    pub(super) fn count_out(&mut self, kind: usize) {
+        for (part, count) in self.in_line.iter_mut().enumerate() {
+            let content = self.setup.contents[kind * self.line.parts.len() + part];
+            *count = count.saturating_sub(content);
+        }
+        let limited = |node: &usize| {
+            matches!(
+                self.line.nodes[*node].kind,
+                NodeKind::Source { most: Some(_), .. }
+            )
+        };
+        for node in (0..self.places.len()).filter(limited).collect::<Vec<_>>() {
+            self.look_at(node);
+        }
     }
 
     /// More parts are wanted of a source: beyond its limit, and by its clock where it has one. One without a limit makes them
@@ -165,6 +191,7 @@ impl Run<'_> {
         if store.stock[kind] > 0 {
             store.stock[kind] -= 1;
             store.from_stock[kind] = true;
+            self.count_in(kind);
             return Some(self.parts.create(self.line, kind, |_| None));
         }
         store.parts[kind].front().copied()

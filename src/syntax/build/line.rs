@@ -82,7 +82,17 @@ impl Builder {
                         limit,
                     }
                 };
-                LineItem::Source { name, part, supply }
+                let most = c.take(Rule::in_line).map(|most| {
+                    let mut c = Children::of(most);
+                    c.next();
+                    self.integer(&c.next()) as u64
+                });
+                LineItem::Source {
+                    name,
+                    part,
+                    supply,
+                    most,
+                }
             }
             Rule::l_store => {
                 let name = self.name(&c.next());

@@ -38,12 +38,20 @@ impl Printer<'_> {
                 self.put("product ");
                 self.name(name);
             }
-            LineItem::Source { name, part, supply } => {
+            LineItem::Source {
+                name,
+                part,
+                supply,
+                most,
+            } => {
                 self.put("source ");
                 self.name(name);
                 self.put(": ");
                 self.name(part);
                 self.supply(supply);
+                if let Some(most) = most {
+                    self.put(&format!(", at most {most} in the line"));
+                }
             }
             LineItem::Store { name, stock } => {
                 self.put("store ");

@@ -1,0 +1,109 @@
+//! Lines and their proofs: what `check` asks of a line before it runs.
+
+use super::algebra::words::{DischargeEntry, Told, entry};
+use crate::algebra::proof::prove;
+use crate::contract::line::Line;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::game::{Limit, Limits};
+use crate::line::abstraction::Verdict;
+use crate::line::abstraction::{self, Abstraction, findings};
+use std::time::{Duration, Instant};
+
+/// A line gets so long, and so many nodes, and is then said to be too large.
+const SECONDS: u64 = 120;
+const NODES: u64 = 2_000_000;
+/// Of lines with more variables it is not asked whether everything goes on.
+const MOST_VARIABLES: usize = 24;
+
+/// What is known of a line.
+#[derive(Debug, Default)]
+pub struct Proof {
+    /// `proved`, `safe` where it was not decided that everything goes on, `open` or `gave_up`.
+    pub verdict: &'static str,
+    /// Of a safe one: what was not decided.
+    pub undecided: Vec<String>,
+    /// What each requirement and each assumption of a place rests on.
+    pub discharges: Vec<DischargeEntry>,
+    /// What is wrong.
+    pub findings: Vec<Diagnostic>,
+}
+
+/// Proves a line, or says what keeps it from being true. The table of what rests on what takes longer than the verdict, and is made where it is
+/// wanted.
+pub fn examine(line: &Line, limits: &Limits, with_table: bool) -> Proof {
+    let own = Instant::now() + Duration::from_secs(SECONDS);
+    let limits = Limits {
+        deadline: Some(limits.deadline.map_or(own, |given| given.min(own))),
+        most_nodes: Some(NODES),
+        ..*limits
+    };
+    let table = |abstraction: &Abstraction, verdict: &Verdict| {
+        let made = with_table.then(|| table(line, abstraction, verdict, &limits));
+        made.and_then(Result::ok).unwrap_or_default()
+    };
+    let (abstraction, verdict) = match abstraction::examine(line, &limits, MOST_VARIABLES) {
+        Ok(decided) => decided,
+        Err(unfit) => return undecided(line, &unfit.0),
+    };
+    if !verdict.open.is_empty() {
+        return Proof {
+            verdict: "open",
+            findings: findings(line, &abstraction, &verdict),
+            ..Proof::default()
+        };
+    }
+    if !verdict.holds() {
+        let undecided = verdict
+            .undecided
+            .iter()
+            .map(|at| abstraction.goal(*at).name.clone());
+        return Proof {
+            verdict: "safe",
+            undecided: undecided.collect(),
+            discharges: table(&abstraction, &verdict),
+            ..Proof::default()
+        };
+    }
+    Proof {
+        verdict: "proved",
+        discharges: table(&abstraction, &verdict),
+        ..Proof::default()
+    }
+}
+
+/// What rests on what. Of what was not decided nothing is said; nothing at all where a limit was reached first, for the verdict is known without
+/// it.
+fn table(
+    line: &Line,
+    abstraction: &Abstraction,
+    verdict: &Verdict,
+    limits: &Limits,
+) -> Result<Vec<DischargeEntry>, Limit> {
+    let mut claim = abstraction.claim.clone();
+    if !verdict.undecided.is_empty() {
+        claim.goal.justice.clear();
+    }
+    let proof = prove(&abstraction.system, &claim, limits)?;
+    let told = Told {
+        system: &abstraction.system,
+        claim: &claim,
+        whole: &line.name,
+    };
+    Ok(proof.discharges.iter().map(|d| entry(told, d)).collect())
+}
+
+fn undecided(line: &Line, why: &str) -> Proof {
+    let message = format!(
+        "whether parts can block one another in {} was not decided: {why}",
+        line.name
+    );
+    let note = Diagnostic::note(codes::LINE_UNDECIDED, line.span, message).with_help(
+        "Nothing is known to be wrong. A run shows whether the line gets stuck with the times that it has; smaller buffers, or fewer \
+         types of parts in one, make it smaller.",
+    );
+    Proof {
+        verdict: "gave_up",
+        findings: vec![note],
+        ..Proof::default()
+    }
+}

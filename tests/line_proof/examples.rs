@@ -1,0 +1,324 @@
+//! The lines of `examples`: what is proved of them, and that the proof rests on what it says.
+
+use crate::replay::accepts;
+use crate::support::{Builder, constant};
+use linewright::algebra::proof::prove;
+use linewright::algebra::system::{FormulaRef, Half, formulas};
+use linewright::cli::files::{self, StandardLibrary};
+use linewright::contract::line::{Line, NodeKind, Supply};
+use linewright::contract::machine::RealExpr;
+use linewright::diagnostics::has_errors;
+use linewright::game::{Limits, RuleKind};
+use linewright::gr1::{Expr, Side};
+use linewright::line::abstraction::{
+    Abstraction, NO_CIRCULAR_WAIT, PlaceKind, decide, examine, findings,
+};
+use linewright::line::{End, Options};
+use std::path::Path;
+use std::time::Duration;
+
+/// Long enough for the small ones.
+const MOST_VARIABLES: usize = 24;
+
+const ICE: &str = "examples/ice-lab/line.lw";
+
+pub fn load(path: &str) -> Line {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    let loaded = files::load(&[file.display().to_string()], &StandardLibrary::default());
+    assert!(
+        !has_errors(&loaded.findings),
+        "{path}: {:?}",
+        loaded.findings
+    );
+    let mut lines = loaded.library.lines;
+    assert_eq!(lines.len(), 1, "{path}");
+    lines.remove(0)
+}
+
+#[test]
+fn they_are_proved() {
+    proved(&["examples/loader/line.lw", "examples/ice-lab/milled.lw"]);
+}
+
+#[test]
+#[ignore = "takes minutes: that everything goes on is asked of each place"]
+fn the_line_of_the_laboratory_is_proved() {
+    proved(&[ICE]);
+}
+
+fn proved(paths: &[&str]) {
+    for path in paths {
+        let line = load(path);
+        for (what, abstraction) in [
+            ("at some time", Abstraction::of(&line).unwrap()),
+            ("at once", Abstraction::at_once(&line).unwrap()),
+        ] {
+            let start = std::time::Instant::now();
+            let verdict = decide(&abstraction, &Limits::default()).unwrap();
+            let open: Vec<&str> = verdict
+                .open
+                .iter()
+                .map(|o| abstraction.goal(o.what).name.as_str())
+                .collect();
+            assert!(verdict.holds(), "{path}, moves {what}: {open:?}");
+            println!(
+                "{path}, moves {what}: {} variables, {} contracts, {} guarantees, {} assumptions, {} goals, {:.2} s",
+                abstraction.system.variables.len(),
+                abstraction.system.parts.len(),
+                abstraction
+                    .system
+                    .parts
+                    .iter()
+                    .map(|p| p.guarantees.all().count())
+                    .sum::<usize>(),
+                abstraction
+                    .system
+                    .parts
+                    .iter()
+                    .map(|p| p.assumptions.all().count())
+                    .sum::<usize>(),
+                abstraction.claim.goal.all().count(),
+                start.elapsed().as_secs_f64(),
+            );
+        }
+    }
+}
+
+/// The belt's contract moves it as a whole, so two parts can fill its three places: one at the end, and one on the first place.
+#[test]
+fn the_belts_contract_says_how_much_room_is_sure() {
+    let abstraction = Abstraction::of(&load(ICE)).unwrap();
+    let belts = abstraction
+        .shape
+        .places
+        .iter()
+        .filter_map(|p| match p.kind {
+            PlaceKind::Conveyor { places, sure, .. } => Some((places, sure)),
+            _ => None,
+        });
+    assert_eq!(belts.collect::<Vec<_>>(), [(3, 2); 6]);
+}
+
+fn with_limit(most: Option<u32>) -> Line {
+    let mut line = load(ICE);
+    for node in &mut line.nodes {
+        if let NodeKind::Source { most: own, .. } = &mut node.kind {
+            *own = most;
+        }
+    }
+    line
+}
+
+/// Camera, belt, cell, belt: seven parts fill the circle, so six may be in the line.
+#[test]
+fn without_its_limit_the_line_of_the_laboratory_can_get_stuck() {
+    for (most, wanted) in [
+        (Some(1), true),
+        (Some(6), true),
+        (Some(7), false),
+        (None, false),
+    ] {
+        let line = with_limit(most);
+        let (abstraction, verdict) = examine(&line, &Limits::default(), Duration::ZERO).unwrap();
+        assert_eq!(verdict.open.is_empty(), wanted, "{most:?}");
+        for open in &verdict.open {
+            accepts(&abstraction, open).unwrap();
+        }
+        if most.is_none() {
+            let found = findings(&line, &abstraction, &verdict);
+            let [finding] = found.as_slice() else {
+                panic!("{found:#?}")
+            };
+            insta::assert_snapshot!(format!(
+                "{}: {}\n- {}\n- {}",
+                finding.code.id,
+                finding.message,
+                finding.notes.join("\n- "),
+                finding.help.as_deref().unwrap_or_default()
+            ));
+        }
+    }
+}
+
+/// The same places and ways, with times that drive them into the circle: the way of the products to the camera is slow.
+#[test]
+fn the_runner_gets_stuck_where_the_abstraction_says() {
+    let build = |most: Option<u32>| {
+        let mut builder = Builder::new(&["Brick", "Printed", "Toy"]);
+        builder
+            .bill("Toy", &[("Brick", 1), ("Printed", 1)])
+            .source("spool", "Printed", Supply::OnOrder)
+            .store("warehouse", &[("Brick", 500)])
+            .station("printer", &["Printed"], constant(1.0))
+            .station("camera", &["Printed", "Toy"], constant(1.0))
+            .station("cell", &["Toy"], constant(1.0))
+            .conveyor("belt_good", 2, 1.0)
+            .conveyor("belt_toy", 2, 100.0)
+            .route(
+                "Printed",
+                &["spool", "printer", "camera", "belt_good", "cell"],
+            )
+            .route("Brick", &["warehouse", "cell"])
+            .route("Toy", &["cell", "belt_toy", "camera", "warehouse"]);
+        if let Some(most) = most {
+            builder.at_most("spool", most);
+        }
+        builder
+    };
+    for (most, stuck) in [(None, true), (Some(7), true), (Some(6), false)] {
+        let mut builder = build(most);
+        let (abstraction, verdict) =
+            examine(&builder.line, &Limits::default(), MOST_VARIABLES).unwrap();
+        let names: Vec<&str> = verdict
+            .open
+            .iter()
+            .map(|o| abstraction.goal(o.what).name.as_str())
+            .collect();
+        assert_eq!(
+            names.contains(&NO_CIRCULAR_WAIT),
+            stuck,
+            "{most:?}: {names:?}"
+        );
+        let trace = builder.run(20);
+        assert_eq!(
+            trace.end == End::Blocked,
+            stuck,
+            "{most:?}: {:?}",
+            trace.findings
+        );
+        if let Some(most) = most {
+            let mut plant = builder_again(&build, most);
+            assert_eq!(plant.run_seeded(2).end == End::Blocked, stuck);
+        }
+    }
+}
+
+fn builder_again(build: &dyn Fn(Option<u32>) -> Builder, most: u32) -> linewright::line::Plant {
+    build(Some(most)).plant(Options {
+        parts: Some(20),
+        ..Options::default()
+    })
+}
+
+/// One type that goes round in a small circle, while another one goes by.
+#[test]
+fn a_circle_beside_a_way_that_is_open_is_found() {
+    let mut builder = Builder::new(&["Other", "Brick"]);
+    builder
+        .property(
+            "Brick",
+            "again",
+            linewright::contract::line::InitialValue::Number(0.0),
+        )
+        .source("bricks", "Brick", Supply::OnOrder)
+        .source("others", "Other", Supply::OnOrder)
+        .conveyor("first", 1, 1.0)
+        .conveyor("second", 1, 1.0)
+        .conveyor("third", 1, 1.0)
+        .sink("out")
+        .route("Brick", &["bricks", "first", "second"])
+        .route_if("Brick", "second", "first", Some(RealExpr::Property(0)))
+        .route("Brick", &["second", "out"])
+        .route("Other", &["others", "third", "out"]);
+    let (abstraction, verdict) =
+        examine(&builder.line, &Limits::default(), MOST_VARIABLES).unwrap();
+    for open in &verdict.open {
+        accepts(&abstraction, open).unwrap();
+    }
+    let found = findings(&builder.line, &abstraction, &verdict);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(
+        found[0].message,
+        "parts can wait for one another for ever, while others go on: first has a Brick that waits for room on second, \
+         second has a Brick that waits for room on first"
+    );
+}
+
+/// The formula is there no more, and all others keep their places.
+fn without(abstraction: &Abstraction, at: FormulaRef) -> Abstraction {
+    let mut weaker = abstraction.clone();
+    let side = match at.part {
+        Some(part) => &mut weaker.system.parts[part].guarantees,
+        None => &mut weaker.claim.given,
+    };
+    let list = match at.kind {
+        RuleKind::Initial => &mut side.initial,
+        RuleKind::Invariant => &mut side.invariants,
+        RuleKind::Safety => &mut side.safety,
+        RuleKind::Justice => &mut side.justice,
+    };
+    list[at.index].expr = Expr::TRUE;
+    weaker
+}
+
+fn all_guarantees(abstraction: &Abstraction) -> Vec<FormulaRef> {
+    let of = |part: Option<usize>, side: &Side, half: Half| -> Vec<FormulaRef> {
+        let at = |(kind, index, _)| FormulaRef {
+            part,
+            half,
+            kind,
+            index,
+        };
+        formulas(side).map(at).collect()
+    };
+    let parts = abstraction.system.parts.iter().enumerate();
+    let mut found: Vec<FormulaRef> = parts
+        .flat_map(|(i, p)| of(Some(i), &p.guarantees, Half::Guarantees))
+        .collect();
+    found.extend(of(None, &abstraction.claim.given, Half::Assumptions));
+    found
+}
+
+/// Whatever is left out of the contracts either was not needed, or a counterexample comes that the evaluator accepts.
+#[test]
+#[ignore = "takes many minutes"]
+fn what_is_left_out_is_missed_or_was_not_needed() {
+    let abstraction = Abstraction::of(&load(ICE)).unwrap();
+    let (mut missed, mut not_needed) = (0, Vec::new());
+    for at in all_guarantees(&abstraction) {
+        let weaker = without(&abstraction, at);
+        let verdict = decide(&weaker, &Limits::default()).unwrap();
+        for open in &verdict.open {
+            accepts(&weaker, open).unwrap_or_else(|why| panic!("{at:?}: {why}"));
+        }
+        if verdict.holds() {
+            let (place, formula) = match at.part {
+                Some(part) => (
+                    &abstraction.system.parts[part].name,
+                    abstraction.system.formula(at).unwrap(),
+                ),
+                None => (
+                    &abstraction.system.parts[0].name,
+                    linewright::algebra::system::list(&abstraction.claim.given, at.kind)
+                        .get(at.index)
+                        .unwrap(),
+                ),
+            };
+            not_needed.push(format!("{place}.{}", formula.name));
+        } else {
+            missed += 1;
+        }
+    }
+    println!(
+        "{missed} are missed, {} are not needed: {not_needed:#?}",
+        not_needed.len()
+    );
+    assert!(missed > not_needed.len());
+}
+
+/// The same over the table of the proof: everything that a discharge names is needed for it.
+#[test]
+#[ignore = "algebra::proof::prove gives an empty proof on this branch"]
+fn everything_that_the_table_names_is_needed() {
+    let abstraction = Abstraction::of(&load(ICE)).unwrap();
+    let proof = prove(&abstraction.system, &abstraction.claim, &Limits::default()).unwrap();
+    assert!(proof.holds());
+    assert!(proof.discharges.len() >= abstraction.claim.goal.all().count());
+    for discharge in &proof.discharges {
+        for named in &discharge.by {
+            let weaker = without(&abstraction, *named);
+            let again = prove(&weaker.system, &weaker.claim, &Limits::default()).unwrap();
+            assert!(!again.holds(), "{discharge:?} does not need {named:?}");
+        }
+    }
+}
