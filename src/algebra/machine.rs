@@ -48,18 +48,18 @@ pub fn of_promise(machine: &Machine, promised: &Promised) -> (System, Claim) {
     let specification = &promised.specification;
     let mut monitors = Vec::new();
     let places: Vec<Expr> = { promised.bindings.iter().zip(&specification.variables) }
-        .map(|(binding, variable)| match binding {
-            Some(expr) => expr.clone(),
-            None => {
-                let id = VarId(system.variables.len() as u32);
-                let name = system.fresh_name(&variable.name);
-                system.variables.push(Variable {
-                    name,
-                    ..variable.clone()
-                });
-                monitors.push(id);
-                Expr::now(id)
+        .map(|(binding, variable)| {
+            if let Some(expr) = binding {
+                return expr.clone();
             }
+            let id = VarId(system.variables.len() as u32);
+            let name = system.fresh_name(&variable.name);
+            system.variables.push(Variable {
+                name,
+                ..variable.clone()
+            });
+            monitors.push(id);
+            Expr::now(id)
         })
         .collect();
     let whole = Part::mapped(specification, &promised.contract, &mut |v, time| {

@@ -9,6 +9,7 @@ use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract::machine::Machine;
 use linewright::game::{Limits, RuleKind};
 use linewright::gr1::{Formula, Side};
+use std::fmt::Write as _;
 
 /// The machine of a file of the ICE laboratory.
 fn machine(file: &str) -> Machine {
@@ -40,13 +41,12 @@ fn the_five_machines_of_the_ice_laboratory_are_proved() {
         for (i, (system, claim)) in claims(&machine).into_iter().enumerate() {
             let proof = proved(&system, &claim);
             assert!(proof.holds(), "{}", table(&system, &claim, &proof));
-            text += &match i {
-                0 => format!("== {}\n", machine.name),
-                i => format!(
-                    "== {} refines {}\n",
-                    machine.name,
-                    machine.refines[i - 1].contract
-                ),
+            let _ = match i {
+                0 => writeln!(text, "== {}", machine.name),
+                i => {
+                    let contract = &machine.refines[i - 1].contract;
+                    writeln!(text, "== {} refines {contract}", machine.name)
+                }
             };
             text += &table(&system, &claim, &proof);
         }

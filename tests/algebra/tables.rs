@@ -3,6 +3,7 @@
 use linewright::algebra::proof::{Broken, Claim, Discharged, Proof};
 use linewright::algebra::replay;
 use linewright::algebra::system::{FormulaRef, System};
+use std::fmt::Write as _;
 
 /// `cell: pick_open`
 pub fn name(system: &System, claim: &Claim, at: FormulaRef) -> String {
@@ -25,8 +26,9 @@ pub fn table(system: &System, claim: &Claim, proof: &Proof) -> String {
             Discharged::Induction => "induction".to_owned(),
             Discharged::Justice { turn } => format!("justice {}", turn + 1),
         };
-        text += &format!(
-            "{} | {rule} | {}\n",
+        let _ = writeln!(
+            text,
+            "{} | {rule} | {}",
             name(system, claim, d.what),
             by.join(", ")
         );
@@ -37,19 +39,19 @@ pub fn table(system: &System, claim: &Claim, proof: &Proof) -> String {
             Broken::Trace(steps) => format!("a trace of {} steps", steps.len()),
             Broken::Lasso(run) => format!("a cycle of {} steps", run.cycle.len()),
         };
-        text += &format!("{} | OPEN | {how}\n", name(system, claim, o.what));
+        let _ = writeln!(text, "{} | OPEN | {how}", name(system, claim, o.what));
     }
     for circle in &proof.circles {
         let names: Vec<String> = { circle.assumptions.iter() }
             .map(|a| name(system, claim, *a))
             .collect();
-        text += &format!("circle: {}\n", names.join(" -> "));
+        let _ = writeln!(text, "circle: {}", names.join(" -> "));
     }
     for found in &proof.loops {
         let names: Vec<&str> = { found.variables.iter() }
             .map(|v| system.variables[v.index()].name.as_str())
             .collect();
-        text += &format!("loop: {}\n", names.join(" -> "));
+        let _ = writeln!(text, "loop: {}", names.join(" -> "));
     }
     text
 }

@@ -103,15 +103,6 @@ impl Builder {
         self
     }
 
-    /// The source makes no more while so many are in the line.
-    pub fn at_most(&mut self, name: &str, count: u32) -> &mut Self {
-        let node = self.node(name);
-        if let NodeKind::Source { most, .. } = &mut self.line.nodes[node].kind {
-            *most = Some(count);
-        }
-        self
-    }
-
     /// A source that always has a part.
     pub fn endless(&mut self, name: &str, part: &str) -> &mut Self {
         self.source(name, part, every(0.0, None))
@@ -382,6 +373,8 @@ fn machine(name: &str, properties: &[&str]) -> Machine {
         idle_watts: 0.0,
         step_limit: 1000,
         failures: None,
+        refines: Vec::new(),
+        guarantees: linewright::contract::machine::Rules::default(),
         span: span(),
     }
 }

@@ -15,9 +15,8 @@ use linewright::line::abstraction::{
 };
 use linewright::line::{End, Options};
 use std::path::Path;
-use std::time::Duration;
 
-/// Long enough for the small ones.
+/// What small lines have.
 const MOST_VARIABLES: usize = 24;
 
 const ICE: &str = "examples/ice-lab/line.lw";
@@ -119,7 +118,7 @@ fn without_its_limit_the_line_of_the_laboratory_can_get_stuck() {
         (None, false),
     ] {
         let line = with_limit(most);
-        let (abstraction, verdict) = examine(&line, &Limits::default(), Duration::ZERO).unwrap();
+        let (abstraction, verdict) = examine(&line, &Limits::default(), 0).unwrap();
         assert_eq!(verdict.open.is_empty(), wanted, "{most:?}");
         for open in &verdict.open {
             accepts(&abstraction, open).unwrap();
@@ -161,7 +160,7 @@ fn the_runner_gets_stuck_where_the_abstraction_says() {
             .route("Brick", &["warehouse", "cell"])
             .route("Toy", &["cell", "belt_toy", "camera", "warehouse"]);
         if let Some(most) = most {
-            builder.at_most("spool", most);
+            crate::lines::at_most(&mut builder.line, "spool", most);
         }
         builder
     };
@@ -308,7 +307,7 @@ fn what_is_left_out_is_missed_or_was_not_needed() {
 
 /// The same over the table of the proof: everything that a discharge names is needed for it.
 #[test]
-#[ignore = "algebra::proof::prove gives an empty proof on this branch"]
+#[ignore = "takes many minutes"]
 fn everything_that_the_table_names_is_needed() {
     let abstraction = Abstraction::of(&load(ICE)).unwrap();
     let proof = prove(&abstraction.system, &abstraction.claim, &Limits::default()).unwrap();

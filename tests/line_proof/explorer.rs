@@ -58,8 +58,11 @@ pub struct Explorer<'a> {
     /// Node and, at a store, type.
     outlets: Vec<(usize, Option<usize>)>,
     /// By node and task: what it joins, and whether it takes its type as it is.
-    tasks: Vec<Vec<(usize, Vec<(usize, u32)>, bool)>>,
+    tasks: Vec<Vec<Task>>,
 }
+
+/// A type, what it is joined from, and whether it is taken as it is.
+type Task = (usize, Vec<(usize, u32)>, bool);
 
 impl<'a> Explorer<'a> {
     pub fn new(line: &'a Line) -> Self {
@@ -272,8 +275,8 @@ impl<'a> Explorer<'a> {
                 at_work,
                 free,
                 there,
-            } => match component {
-                Some((task, line)) => {
+            } => {
+                if let Some((task, line)) = component {
                     there[task][line] += 1;
                     let bill = &self.tasks[node][task].1;
                     if bill
@@ -283,13 +286,12 @@ impl<'a> Explorer<'a> {
                     {
                         next.waiting[node].push(Waits::Bill(task));
                     }
-                }
-                None => {
+                } else {
                     assert!(*free, "a station takes one part at a time");
                     *free = false;
                     *at_work = Some(part);
                 }
-            },
+            }
             Holds::Nothing => self.leave(&mut next, part),
         }
         next

@@ -1,7 +1,7 @@
 //! Random small lines.
 
 use crate::support::{Builder, Work, every, took};
-use linewright::contract::line::{InitialValue, Supply};
+use linewright::contract::line::{InitialValue, Line, NodeKind, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::line::random::Stream;
 
@@ -41,7 +41,7 @@ pub fn line(seed: u64) -> Builder {
                 .name
                 .starts_with("source")
         {
-            builder.at_most(&name, 1 + stream.below(4) as u32);
+            at_most(&mut builder.line, &name, 1 + stream.below(4) as u32);
         }
     }
     // Some places, and a way through some of them for each type, in an order of its own.
@@ -127,4 +127,12 @@ pub fn line(seed: u64) -> Builder {
         builder.route(part, &path);
     }
     builder
+}
+
+/// The source makes no more while so many of its parts are in the line.
+pub fn at_most(line: &mut Line, name: &str, count: u32) {
+    let source = line.nodes.iter_mut().find(|n| n.name == name);
+    if let Some(NodeKind::Source { most, .. }) = source.map(|n| &mut n.kind) {
+        *most = Some(count);
+    }
 }

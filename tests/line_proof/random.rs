@@ -10,6 +10,7 @@ use linewright::line::abstraction::{
 };
 use linewright::line::{End, Options};
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 
 /// The queues that can be full, by node.
 fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
@@ -100,13 +101,17 @@ fn the_explorer_and_the_runner_agree() {
             let loose =
                 decide(&Abstraction::of(&builder.line).unwrap(), &Limits::default()).unwrap();
             if loose.holds() && !verdict.holds() {
-                report += &format!("{seed}: the looser abstraction is no looser\n");
+                let _ = writeln!(report, "{seed}: the looser abstraction is no looser");
             }
             spurious += usize::from(!loose.holds() && verdict.holds());
         }
         for open in &verdict.open {
             if let Err(why) = accepts(&abstraction, open) {
-                report += &format!("{seed}: {}: {why}\n", abstraction.goal(open.what).name);
+                let _ = writeln!(
+                    report,
+                    "{seed}: {}: {why}",
+                    abstraction.goal(open.what).name
+                );
             }
         }
         let names: Vec<&str> = verdict
@@ -116,8 +121,9 @@ fn the_explorer_and_the_runner_agree() {
             .collect();
         let is_stuck = names.contains(&NO_CIRCULAR_WAIT);
         if is_stuck != explored.stuck {
-            report += &format!(
-                "{seed}: stuck in the abstraction {is_stuck}, explored {}\n",
+            let _ = writeln!(
+                report,
+                "{seed}: stuck in the abstraction {is_stuck}, explored {}",
                 explored.stuck
             );
         }
@@ -131,8 +137,9 @@ fn the_explorer_and_the_runner_agree() {
         // The abstraction may do more, and here hardly ever does.
         fuller += usize::from(in_abstraction != explored.full);
         if !explored.full.is_subset(&in_abstraction) {
-            report += &format!(
-                "{seed}: full {in_abstraction:?} in the abstraction, explored {:?}\n",
+            let _ = writeln!(
+                report,
+                "{seed}: full {in_abstraction:?} in the abstraction, explored {:?}",
                 explored.full
             );
         }
@@ -161,8 +168,9 @@ fn the_explorer_and_the_runner_agree() {
                     .iter()
                     .any(|f| f.message.contains("no longer advance"));
                 if verdict.holds() && (stuck || seed % 8 == 0) {
-                    report += &format!(
-                        "{seed}: the runner gets stuck: {}\n",
+                    let _ = writeln!(
+                        report,
+                        "{seed}: the runner gets stuck: {}",
                         trace.findings[0].message
                     );
                 }

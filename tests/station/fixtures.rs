@@ -422,6 +422,8 @@ pub fn manipulator() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
         idle_watts: 5.0,
         step_limit: 60,
         failures: None,
+        refines: Vec::new(),
+        guarantees: linewright::contract::machine::Rules::default(),
         span: Span::default(),
     };
     with_controllers(machine)
@@ -525,6 +527,8 @@ pub fn belt() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
         idle_watts: 0.0,
         step_limit: 10,
         failures: None,
+        refines: Vec::new(),
+        guarantees: linewright::contract::machine::Rules::default(),
         span: Span::default(),
     })
 }

@@ -277,8 +277,7 @@ impl<'a> Told<'a> {
 /// How an obligation is met, in a word or two.
 pub fn how(rule: Discharged) -> String {
     match rule {
-        Discharged::Environment => "environment".to_owned(),
-        Discharged::Exported => "environment".to_owned(),
+        Discharged::Environment | Discharged::Exported => "environment".to_owned(),
         Discharged::Induction => "step by step".to_owned(),
         Discharged::Justice { turn } => format!("justice, turn {}", turn + 1),
     }

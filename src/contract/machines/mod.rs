@@ -176,6 +176,7 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
     }
     // Operations have names of their own: one that is a single action is called like it.
     let mut operations: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut rules: BTreeMap<&str, Span> = BTreeMap::new();
     let mut once: BTreeMap<&str, Span> = BTreeMap::new();
     for item in &machine.items {
         let name = match item {
@@ -184,10 +185,14 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
             | MachineItem::Signal(t)
             | MachineItem::Abstract(t) => &t.name,
             MachineItem::Component(c) => &c.name,
-            MachineItem::Guarantee { name: None, .. } | MachineItem::Refines(_) => continue,
-            MachineItem::Guarantee {
-                name: Some(name), ..
-            } => name,
+            MachineItem::Guarantee { name, .. } => {
+                // Formulas have names of their own, too.
+                let first = { name.as_ref() }.and_then(|n| rules.insert(&n.text, n.span));
+                if let (Some(name), Some(first)) = (name, first) {
+                    e.findings.push(double(name, first));
+                }
+                continue;
+            }
             MachineItem::Const(c) => &c.name,
             MachineItem::Type(t) => &t.name,
             MachineItem::Operation { name, .. } => {
@@ -220,7 +225,7 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
                 }
                 continue;
             }
-            MachineItem::Write { .. } => continue,
+            MachineItem::Write { .. } | MachineItem::Refines(_) => continue,
         };
         if let Some(first) = names.insert(&name.text, name.span) {
             e.findings.push(double(name, first));

@@ -5,7 +5,7 @@
 //! has in the runner: one belt can hand over only in its own step, and take only in its own step.
 
 use super::belt::{self, Room};
-use crate::contract::line::{Belt, Line, Node, NodeKind, Supply};
+use crate::contract::line::{Belt, Line, Node, NodeKind, Supply, Task};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -145,7 +145,7 @@ impl Shape {
             }
             let comes = line.routes.iter().any(|r| r.to == node);
             if let Some(kind) =
-                kind(line, node).filter(|k| comes || !matches!(k, PlaceKind::End { .. }))
+                Some(kind(line, node)).filter(|k| comes || !matches!(k, PlaceKind::End { .. }))
             {
                 intake[node] = Some(add(declared.name.clone(), kind));
             }
@@ -389,9 +389,9 @@ fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
     }
 }
 
-fn kind(line: &Line, node: usize) -> Option<PlaceKind> {
+fn kind(line: &Line, node: usize) -> PlaceKind {
     let leaves_again = |part: usize| line.routes.iter().any(|r| r.from == node && r.part == part);
-    Some(match &line.nodes[node].kind {
+    match &line.nodes[node].kind {
         NodeKind::Source { part, supply, most } => PlaceKind::Supply {
             part: *part,
             always: match supply {
@@ -416,7 +416,7 @@ fn kind(line: &Line, node: usize) -> Option<PlaceKind> {
         NodeKind::Station { tasks, .. } => PlaceKind::Station {
             tasks: tasks
                 .iter()
-                .map(|t| work(line, node, t.part, tasks.iter().map(|t| t.part).collect()))
+                .map(|t| work(line, node, t.part, tasks))
                 .collect(),
         },
         NodeKind::Conveyor { places, belt, .. } => PlaceKind::Conveyor {
@@ -427,14 +427,15 @@ fn kind(line: &Line, node: usize) -> Option<PlaceKind> {
         NodeKind::Buffer { capacity } => PlaceKind::Room {
             capacity: *capacity,
         },
-    })
+    }
 }
 
 /// What a task does, as [`Task::part`](crate::contract::line::Task::part) says it.
-fn work(line: &Line, node: usize, part: usize, all: Vec<usize>) -> Work {
+fn work(line: &Line, node: usize, part: usize, all: &[Task]) -> Work {
     let comes = |kind: usize| line.routes.iter().any(|r| r.to == node && r.part == kind);
     let bill = &line.parts[part].bill;
-    let joins = !comes(part) || { bill.iter() }.all(|(c, _)| comes(*c) && !all.contains(c));
+    let joins = !comes(part) || { bill.iter() }
+        .all(|(c, _)| comes(*c) && !all.iter().any(|t| t.part == *c));
     Work {
         part,
         plain: bill.is_empty() || comes(part),
