@@ -11,6 +11,9 @@
 //!   (McMillan, "Circular compositional reasoning about liveness", CHARME 1999). So a part's justice guarantees are relied on only after all its own justice
 //!   assumptions were discharged, turn by turn; what is left waits in circles, which are reported.
 //!
+//! A premise: that a part which answers first keeps what it says of its own answer is relied on without asking for its assumptions in that step. A
+//! part whose assumptions leave its environment no next step at all may say anything there; `check` tells of such contracts (LW206).
+//!
 //! What a proof rests on is a minimal set: it is first looked for near the obligation, by asking who sets what occurs, and then
 //! `QuickXplain` leaves away what is not needed.
 

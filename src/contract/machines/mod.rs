@@ -139,7 +139,7 @@ fn build<'a>(
     model.operations = operations;
     settings(e, parts, &mut model, &mut wires, properties);
     model.refines = promises::refined(e, &mut wires, parts, scope, sources);
-    model.guarantees = promises::guarantees(&mut wires, parts, &model, sources);
+    model.guarantees = promises::guarantees(&mut wires, parts, sources);
     e.tainted |= wires.tainted;
     e.findings.append(&mut wires.findings);
     let says_done = machine

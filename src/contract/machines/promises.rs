@@ -4,7 +4,7 @@ use super::component::binding;
 use super::{Parts, instance};
 use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::formula::{Label, classify};
-use crate::contract::machine::{Machine, Promised, Rules};
+use crate::contract::machine::{Promised, Rules};
 use crate::contract::scope::Scope;
 use crate::contract::shape::way;
 use crate::diagnostics::codes;
@@ -202,20 +202,18 @@ fn wire_of(wires: &[Wire<'_>], name: &str, domain: &Domain) -> Option<VarId> {
 pub(super) fn guarantees<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
-    model: &Machine,
     sources: &SourceMap,
 ) -> Rules {
     let machine = parts.machine;
-    let variables: Vec<Variable> = (0..wires.domains.len())
-        .map(|wire| Variable {
-            name: model.wire_name(wire),
-            owner: if wire < parts.plant.len() {
-                Owner::Environment
-            } else {
-                Owner::System
+    let variables: Vec<Variable> = { wire_names(parts).into_iter() }
+        .map(|(of, name, domain)| Variable {
+            name: of.map_or_else(|| name.to_owned(), |of| format!("{of}.{name}")),
+            owner: match of {
+                None => Owner::Environment,
+                Some(_) => Owner::System,
             },
             internal: false,
-            domain: model.wire_domain(wire).clone(),
+            domain: domain.clone(),
             unit: String::new(),
             span: machine.header.name.span,
         })

@@ -1,0 +1,99 @@
+//! The assembly cell in one piece and in parts: the holistic contract solved as a game, against its parts solved one by one and the proof that
+//! together they refine it.
+//!
+//! Each row is `linewright check` as a user starts it, on copies with other default sizes: user and system time of the process, everything
+//! solved and proved anew. The paper's tool had not finished its own holistic contract of such a cell after six hours.
+//!
+//!     cargo bench --bench composition
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+
+/// Cells of the wrist's circle, and of the grid's side.
+const SIZES: [(u32, u32); 4] = [(8, 3), (12, 4), (24, 8), (48, 16)];
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("a folder");
+    for entry in std::fs::read_dir(from).expect("examples").flatten() {
+        std::fs::copy(entry.path(), to.join(entry.file_name())).expect("a copy");
+    }
+}
+
+/// Puts other defaults into a file.
+fn resize(path: &Path, defaults: &[(&str, u32)]) {
+    let mut text = std::fs::read_to_string(path).expect("the file");
+    for (parameter, size) in defaults {
+        let start = text.find(parameter).expect("the parameter") + parameter.len();
+        let length = text[start..].find([',', ')']).expect("an end");
+        text.replace_range(start..start + length, &size.to_string());
+    }
+    std::fs::write(path, text).expect("the file is written");
+}
+
+/// The document of a check, and its processor time in seconds.
+fn check(file: &str, folder: &Path) -> (Value, f64) {
+    let output = Command::new("sh")
+        .args(["-c", r#""$@" 2>/dev/null > out.json; times"#, "sh"])
+        .args([
+            env!("CARGO_BIN_EXE_linewright"),
+            "check",
+            "--format",
+            "json",
+            file,
+        ])
+        .env("LINEWRIGHT_CACHE", "off")
+        .current_dir(folder)
+        .output()
+        .expect("sh starts");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let last = text.lines().last().unwrap_or_default();
+    let seconds = last.split_whitespace().map(|time| {
+        let (minutes, rest) = time.split_once('m').expect("minutes");
+        let number = |t: &str| t.parse::<f64>().expect("a number");
+        number(minutes) * 60.0 + number(rest.trim_end_matches('s'))
+    });
+    let json = std::fs::read_to_string(folder.join("out.json")).expect("a document");
+    (serde_json::from_str(&json).expect("JSON"), seconds.sum())
+}
+
+fn row((cells, grid): (u32, u32)) {
+    let folder = tempfile::tempdir().expect("a folder");
+    copy(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/ice-lab"),
+        folder.path(),
+    );
+    resize(
+        &folder.path().join("cell.lw"),
+        &[("cells: 2..360 = ", cells), ("grid: 2..64 = ", grid)],
+    );
+    resize(
+        &folder.path().join("holistic.lw"),
+        &[
+            ("cells: 2..360 = ", cells),
+            ("width: 2..64 = ", grid),
+            ("height: 2..64 = ", grid),
+        ],
+    );
+    let (whole, holistic) = check("holistic.lw", folder.path());
+    assert_eq!(whole["contracts"][0]["verdict"], "realizable");
+    let (parts, decomposed) = check("cell.lw", folder.path());
+    assert_eq!(parts["machines"][0]["refines"][0]["verdict"], "refined");
+    println!(
+        "| {cells} cells, {grid} by {grid} | {holistic:.2} s | {decomposed:.2} s | {:.1} |",
+        holistic / decomposed
+    );
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    // `cargo test --benches` only asks whether it runs.
+    if arguments.iter().any(|a| a == "--test") {
+        return;
+    }
+    println!(
+        "| size | holistic | decomposed, with the proof that it refines the holistic one | ratio |"
+    );
+    println!("|---|---|---|---|");
+    SIZES.into_iter().for_each(row);
+}
