@@ -25,11 +25,14 @@ pub fn of_machine(machine: &Machine) -> (System, Claim) {
             rules.definitions.clone(),
         ));
     }
-    let goal = rules.side.clone();
+    let mut goal = rules.side.clone();
     let claim = match &machine.done {
         Some(done) => Claim {
             given: facts(machine, done, &mut system),
-            goal,
+            goal: {
+                goal.justice.push(completes(machine, done));
+                goal
+            },
             exports: Exports::After(done.clone()),
         },
         None => Claim {
@@ -39,6 +42,19 @@ pub fn of_machine(machine: &Machine) -> (System, Claim) {
         },
     };
     (system, claim)
+}
+
+/// What is claimed of every machine with operations: one call follows on the other, so that each is done some day.
+pub const COMPLETES: &str = "every request completes";
+
+fn completes(machine: &Machine, done: &Expr) -> Formula {
+    Formula {
+        name: COMPLETES.to_owned(),
+        requirement: None,
+        expr: done.clone(),
+        span: machine.span,
+        text: "always eventually done".to_owned(),
+    }
 }
 
 /// A machine's components side by side, and the claim that they refine a contract together: under what it assumes, and nothing else, they

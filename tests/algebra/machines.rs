@@ -54,6 +54,41 @@ fn the_five_machines_of_the_ice_laboratory_are_proved() {
     insta::assert_snapshot!(text);
 }
 
+/// The sizes that the holistic contract has in its own file.
+#[test]
+fn the_cell_refines_the_holistic_contract_at_its_own_size() {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let folder = tempfile::tempdir().expect("a folder");
+    for file in ["cell.lw", "coordinator.lw", "holistic.lw", "jobs.lw"] {
+        let text = std::fs::read_to_string(format!("{root}/examples/ice-lab/{file}"));
+        let mut text = text.expect("an example");
+        if file == "cell.lw" {
+            for (small, own) in [
+                ("cells: 2..360 = 8", "cells: 2..360 = 24"),
+                ("2..64 = 3", "2..64 = 8"),
+            ] {
+                assert!(text.contains(small));
+                text = text.replace(small, own);
+            }
+        }
+        std::fs::write(folder.path().join(file), text).expect("a copy");
+    }
+    let path = folder.path().join("cell.lw").display().to_string();
+    let loaded = files::load(&[path], &StandardLibrary::default());
+    let promised = &loaded.library.machines[0].refines[0];
+    let whole = { loaded.library.contracts.iter() }
+        .find(|c| c.name == "HolisticCell")
+        .expect("the contract");
+    // The contract as its file has it, and not another size of it.
+    assert_eq!(promised.specification, whole.specification);
+    let (system, claim) = of_promise(&loaded.library.machines[0], promised);
+    let proof = proved(&system, &claim);
+    assert!(proof.holds(), "{}", table(&system, &claim, &proof));
+    let kept = { proof.discharges.iter() }.filter(|d| d.what.part.is_none());
+    assert_eq!(kept.count(), claim.goal.all().count());
+    assert!(claim.goal.all().count() > 80);
+}
+
 /// One line of a table by itself: the obligation, and nothing but what it rests on, without one of these.
 fn alone(
     system: &System,

@@ -2,7 +2,7 @@
 //! whether it refines the contracts that it is said to refine.
 
 use super::document::RefinesEntry;
-use crate::algebra::machine::{of_machine, of_promise};
+use crate::algebra::machine::{COMPLETES, of_machine, of_promise};
 use crate::algebra::proof::{Claim, Open, Proof, prove};
 use crate::algebra::system::System;
 use crate::cli::algebra::found;
@@ -39,13 +39,14 @@ pub(super) fn proved(machine: &Machine, walked: Composition, limits: &Limits) ->
             // What the walk shows of one assumption relies on all others.
             let (open, others): (Vec<_>, Vec<_>) =
                 { walked.findings.into_iter() }.partition(|f| f.code == codes::ASSUMPTION_OPEN);
+            let unfinished = !others.is_empty();
             result.findings.extend(others);
             let walked = if open.is_empty() {
                 walked.discharges
             } else {
                 Vec::new()
             };
-            components(machine, told, proof, &walked, &mut result);
+            components(machine, told, proof, &walked, unfinished, &mut result);
         }
         Err(limit) => {
             // What the coordinator's states show is then all that there is.
@@ -70,6 +71,7 @@ fn components(
     told: Told<'_>,
     mut proof: Proof,
     walked: &[crate::station::composition::Discharge],
+    unfinished: bool,
     result: &mut Proved,
 ) {
     let shown = |open: &Open| {
@@ -87,6 +89,21 @@ fn components(
         if let Some(known) = shown(open) {
             entries.push((open.what, by_controllers(known)));
             settled.push(open.what);
+        }
+    }
+    // That requests complete is shown of the controllers as well, operation by operation; where they do not, that is told there.
+    let completes = |o: &Open| o.what.part.is_none() && told.formula(o.what).name == COMPLETES;
+    if let Some(open) = proof.open.iter().find(|o| completes(o)) {
+        settled.push(open.what);
+        if !unfinished {
+            let walked = DischargeEntry {
+                component: machine.name.clone(),
+                assumption: COMPLETES.to_owned(),
+                rule: "controllers",
+                turn: None,
+                by: "the coordinator's reachable states".to_owned(),
+            };
+            entries.push((open.what, walked));
         }
     }
     proof.open.retain(|o| !settled.contains(&o.what));
