@@ -54,41 +54,44 @@ impl Waits {
     pub fn loops(&self) -> Vec<SameStepLoop> {
         let mut found: Vec<SameStepLoop> = Vec::new();
         let mut told: BTreeSet<VarId> = BTreeSet::new();
+        let next = |v: VarId| {
+            self.variables
+                .get(&v)
+                .into_iter()
+                .flatten()
+                .copied()
+                .collect()
+        };
         for start in self.variables.keys() {
             if told.contains(start) {
                 continue;
             }
-            if let Some(variables) = self.back_to(*start) {
+            if let Some(variables) = way_back(next, *start) {
                 told.extend(&variables);
                 found.push(SameStepLoop { variables });
             }
         }
         found
     }
+}
 
-    /// A shortest way from a variable back to itself.
-    fn back_to(&self, start: VarId) -> Option<Vec<VarId>> {
-        let mut ways = vec![vec![start]];
-        let mut seen = BTreeSet::new();
-        let mut next = 0;
-        while let Some(way) = ways.get(next).cloned() {
-            next += 1;
-            for on in self
-                .variables
-                .get(&way[way.len() - 1])
-                .into_iter()
-                .flatten()
-            {
-                if *on == start {
-                    return Some(way);
-                }
-                if seen.insert(*on) {
-                    ways.push(way.iter().copied().chain([*on]).collect());
-                }
+/// A shortest way from a node of a graph back to itself.
+pub fn way_back<N: Copy + Ord>(next: impl Fn(N) -> Vec<N>, start: N) -> Option<Vec<N>> {
+    let mut ways = vec![vec![start]];
+    let mut seen = BTreeSet::new();
+    let mut place = 0;
+    while let Some(way) = ways.get(place).cloned() {
+        place += 1;
+        for on in next(way[way.len() - 1]) {
+            if on == start {
+                return Some(way);
+            }
+            if seen.insert(on) {
+                ways.push([&way[..], &[on]].concat());
             }
         }
-        None
     }
+    None
 }
 
 /// By wires alone: for every part that sees inputs, the parts whose outputs it reads.

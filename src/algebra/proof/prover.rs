@@ -2,7 +2,7 @@
 
 use super::super::system::{FormulaRef, Half, System};
 use super::book::{Book, latest};
-use super::loops::Waits;
+use super::loops::{Waits, way_back};
 use super::{Broken, Circle, Claim, Discharge, Discharged, Exports, Open, Proof};
 use crate::game::{Lasso, Limit, Limits, Rule, RuleKind, Slip, Wanted, quick_xplain};
 use crate::gr1::{Expr, Time};
@@ -702,7 +702,7 @@ impl<'a> Prover<'a> {
             if told.contains(&start) {
                 continue;
             }
-            if let Some(way) = way_back(&edges, start) {
+            if let Some(way) = way_back(|i: usize| edges[i].iter().copied().collect(), start) {
                 told.extend(&way);
                 circles.push(Circle {
                     assumptions: way.into_iter().map(|i| self.at(left[i])).collect(),
@@ -831,23 +831,4 @@ fn reachable(edges: &[BTreeSet<usize>], from: usize) -> BTreeSet<usize> {
         }
     }
     seen
-}
-
-/// A shortest way from a node back to itself.
-pub fn way_back(edges: &[BTreeSet<usize>], start: usize) -> Option<Vec<usize>> {
-    let mut ways = vec![vec![start]];
-    let mut seen = BTreeSet::new();
-    let mut next = 0;
-    while let Some(way) = ways.get(next).cloned() {
-        next += 1;
-        for on in &edges[way[way.len() - 1]] {
-            if *on == start {
-                return Some(way);
-            }
-            if seen.insert(*on) {
-                ways.push([&way[..], &[*on]].concat());
-            }
-        }
-    }
-    None
 }

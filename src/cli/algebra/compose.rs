@@ -3,7 +3,7 @@
 use super::document::{self, Document};
 use super::words::Told;
 use super::{
-    CompatArguments, ComposeArguments, Joined, Outcome, bring_together, found, gave_up, load, tell,
+    CompatArguments, ComposeArguments, Joined, Outcome, bring_together, found, gave_up, tell,
 };
 use crate::algebra::compat::{Compatibility, compatible};
 use crate::algebra::join::Sharing;
@@ -24,20 +24,8 @@ use std::sync::Arc;
 /// Runs `compose`.
 pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let operands: Vec<_> = arguments.contracts.iter().collect();
-    let loaded = match load("compose", &operands, options)? {
-        Ok(loaded) => loaded,
-        Err(code) => return Ok(code),
-    };
     let common = &arguments.common;
-    let joined = bring_together(
-        "compose",
-        &loaded,
-        &operands,
-        common,
-        Sharing::OneDriver,
-        options,
-    )?;
-    let joined = match joined {
+    let joined = match bring_together("compose", &operands, common, Sharing::OneDriver, options)? {
         Ok(joined) => joined,
         Err(code) => return Ok(code),
     };
@@ -47,7 +35,7 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
     };
     let proof = match prove(&joined.system, &claim, &options.limits()) {
         Ok(proof) => proof,
-        Err(limit) => return gave_up(limit, "compose", &loaded, options),
+        Err(limit) => return gave_up(limit, "compose", &joined.loaded, options),
     };
     let told = Told {
         system: &joined.system,
@@ -72,7 +60,7 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
         },
         findings,
     };
-    tell(outcome, &loaded, options)
+    tell(outcome, &joined.loaded, options)
 }
 
 /// The table, what the whole assumes and guarantees, and the verdict in a sentence.
@@ -173,7 +161,7 @@ fn whole(system: &System, claim: &Claim, proof: &Proof) -> Specification {
 
 /// A controller of the whole.
 fn synth(
-    joined: &Joined<'_>,
+    joined: &Joined,
     claim: &Claim,
     proof: &Proof,
     options: &GlobalOptions,
@@ -207,26 +195,14 @@ fn synth(
 /// Runs `compat`.
 pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let operands: Vec<_> = arguments.contracts.iter().collect();
-    let loaded = match load("compat", &operands, options)? {
-        Ok(loaded) => loaded,
-        Err(code) => return Ok(code),
-    };
     let common = &arguments.common;
-    let joined = bring_together(
-        "compat",
-        &loaded,
-        &operands,
-        common,
-        Sharing::OneDriver,
-        options,
-    )?;
-    let joined = match joined {
+    let joined = match bring_together("compat", &operands, common, Sharing::OneDriver, options)? {
         Ok(joined) => joined,
         Err(code) => return Ok(code),
     };
     let answer = match compatible(&joined.system, &options.limits()) {
         Ok(answer) => answer,
-        Err(limit) => return gave_up(limit, "compat", &loaded, options),
+        Err(limit) => return gave_up(limit, "compat", &joined.loaded, options),
     };
     let names: Vec<String> = joined.system.parts.iter().map(|p| p.name.clone()).collect();
     let together = findings::list(&names);
@@ -284,7 +260,7 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
             "weaken the assumption to what the environment controls, or let a contract guarantee the rest",
         ));
     }
-    tell(outcome, &loaded, options)
+    tell(outcome, &joined.loaded, options)
 }
 
 fn shown(system: &System, steps: &[Vec<i64>]) -> String {

@@ -142,8 +142,8 @@ pub struct QuotientArguments {
 }
 
 /// Operands read and brought together.
-struct Joined<'a> {
-    loaded: &'a Loaded,
+struct Joined {
+    loaded: Loaded,
     system: System,
     /// One expression an operand.
     sets: Vec<Sets>,
@@ -185,27 +185,31 @@ fn load(
     Ok(Ok(loaded))
 }
 
-/// Brings operands together; what does not fit is printed, and the exit code given instead.
-fn bring_together<'a>(
+/// Reads operands and brings them together; what does not fit is printed, and the exit code given instead.
+fn bring_together(
     command: &str,
-    loaded: &'a Loaded,
     operands: &[&Operand],
     common: &Common,
     sharing: Sharing,
     options: &GlobalOptions,
-) -> anyhow::Result<Result<Joined<'a>, ExitCode>> {
+) -> anyhow::Result<Result<Joined, ExitCode>> {
+    let loaded = match load(command, operands, options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(Err(code)),
+    };
     let mut members = Members::default();
     let mut sets = Vec::new();
     for operand in operands {
-        sets.push(members.add(operand, loaded)?);
+        sets.push(members.add(operand, &loaded)?);
     }
     members.rename(&common.rename)?;
+    let spans = members.contracts.iter().map(|c| c.span).collect();
     match join(&members.list, sharing) {
         Ok(system) => Ok(Ok(Joined {
             loaded,
             system,
             sets,
-            spans: members.contracts.iter().map(|c| c.span).collect(),
+            spans,
         })),
         Err(mismatches) => {
             let findings: Vec<Diagnostic> = mismatches.iter().map(found::of_mismatch).collect();

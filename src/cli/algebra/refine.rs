@@ -3,7 +3,7 @@
 use super::document::{self, Document};
 use super::operand::{Operand, Operation};
 use super::words::{Told, lasso_table};
-use super::{Joined, Outcome, RefineArguments, bring_together, found, gave_up, load, tell};
+use super::{Joined, Outcome, RefineArguments, bring_together, found, gave_up, tell};
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::decide::Decider;
 use crate::algebra::join::Sharing;
@@ -22,19 +22,13 @@ use std::fmt::Write as _;
 /// Runs `refine` on two operands.
 pub fn run(arguments: &RefineArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let operands = [&arguments.old, &arguments.new];
-    let loaded = match load("refine", &operands, options)? {
-        Ok(loaded) => loaded,
-        Err(code) => return Ok(code),
-    };
-    let joined = bring_together(
+    let joined = match bring_together(
         "refine",
-        &loaded,
         &operands,
         &arguments.common,
         Sharing::SeveralViews,
         options,
-    )?;
-    let joined = match joined {
+    )? {
         Ok(joined) => joined,
         Err(code) => return Ok(code),
     };
@@ -48,12 +42,12 @@ pub fn run(arguments: &RefineArguments, options: &GlobalOptions) -> anyhow::Resu
         _ => sets(&joined, options),
     };
     match outcome {
-        Ok(outcome) => tell(outcome, &loaded, options),
-        Err(limit) => gave_up(limit, "refine", &loaded, options),
+        Ok(outcome) => tell(outcome, &joined.loaded, options),
+        Err(limit) => gave_up(limit, "refine", &joined.loaded, options),
     }
 }
 
-fn document(joined: &Joined<'_>, holds: bool, semantics: &'static str) -> Document {
+fn document(joined: &Joined, holds: bool, semantics: &'static str) -> Document {
     Document {
         schema: schema("refine"),
         verdict: if holds { "refined" } else { "broken" },
@@ -67,7 +61,7 @@ fn document(joined: &Joined<'_>, holds: bool, semantics: &'static str) -> Docume
 }
 
 /// One contract against another, formula by formula.
-fn single(joined: &Joined<'_>, options: &GlobalOptions) -> Result<Outcome, Limit> {
+fn single(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     let (old, new) = (0, 1);
     let refinement = refine(&joined.system, new, old, &options.limits())?;
     let names = [
@@ -170,7 +164,7 @@ pub fn told(
 }
 
 /// A contract against a composition: under what it assumes the parts discharge one another's assumptions and keep what it guarantees.
-fn composed(joined: &Joined<'_>, options: &GlobalOptions) -> Result<Outcome, Limit> {
+fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     let (whole, parts) = joined.system.parts.split_first().expect("two operands");
     let mut system = System {
         variables: joined.system.variables.clone(),
@@ -224,7 +218,7 @@ fn composed(joined: &Joined<'_>, options: &GlobalOptions) -> Result<Outcome, Lim
 }
 
 /// Any two expressions, as sets of runs.
-fn sets(joined: &Joined<'_>, options: &GlobalOptions) -> Result<Outcome, Limit> {
+fn sets(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     let mut decider = Decider::new(&joined.system, &options.limits())?;
     let refutation = decider.refutation(&joined.sets[1], &joined.sets[0])?;
     let mut outcome = Outcome {
@@ -242,7 +236,7 @@ fn sets(joined: &Joined<'_>, options: &GlobalOptions) -> Result<Outcome, Limit> 
     Ok(outcome)
 }
 
-fn refuted(joined: &Joined<'_>, half: Half, shown: &str) -> Diagnostic {
+fn refuted(joined: &Joined, half: Half, shown: &str) -> Diagnostic {
     let message = match half {
         Half::Assumptions => {
             "it is not refined: an environment of the first may do this, and the second does not allow for it"
@@ -258,7 +252,7 @@ fn refuted(joined: &Joined<'_>, half: Half, shown: &str) -> Diagnostic {
 
 /// Whether one expression refines another; for what is proved on the way of other commands.
 pub fn refutes(
-    joined: &Joined<'_>,
+    joined: &Joined,
     small: &Sets,
     large: &Sets,
     options: &GlobalOptions,

@@ -3,7 +3,7 @@
 use super::document::{self, Document};
 use super::operand::{Operand, Operation};
 use super::words::lasso_table;
-use super::{Common, Joined, Outcome, bring_together, gave_up, load, refine, tell};
+use super::{Common, Joined, Outcome, bring_together, gave_up, refine, tell};
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::join::Sharing;
 use crate::cli::console::schema;
@@ -22,31 +22,19 @@ pub fn run(
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     let word = operation.word();
-    let loaded = match load(word, operands, options)? {
-        Ok(loaded) => loaded,
-        Err(code) => return Ok(code),
-    };
-    let joined = bring_together(
-        word,
-        &loaded,
-        operands,
-        common,
-        Sharing::SeveralViews,
-        options,
-    )?;
-    let joined = match joined {
+    let joined = match bring_together(word, operands, common, Sharing::SeveralViews, options)? {
         Ok(joined) => joined,
         Err(code) => return Ok(code),
     };
     match outcome(operation, &joined, options) {
-        Ok(outcome) => tell(outcome, &loaded, options),
-        Err(limit) => gave_up(limit, word, &loaded, options),
+        Ok(outcome) => tell(outcome, &joined.loaded, options),
+        Err(limit) => gave_up(limit, word, &joined.loaded, options),
     }
 }
 
 fn outcome(
     operation: Operation,
-    joined: &Joined<'_>,
+    joined: &Joined,
     options: &GlobalOptions,
 ) -> Result<Outcome, Limit> {
     let result = operation.fold(joined.sets.clone());
@@ -87,7 +75,7 @@ fn outcome(
 }
 
 /// What is proved of a result by the laws that define it: a sentence, and which contract refines which.
-fn claims(operation: Operation, joined: &Joined<'_>, result: &Sets) -> Vec<(String, Sets, Sets)> {
+fn claims(operation: Operation, joined: &Joined, result: &Sets) -> Vec<(String, Sets, Sets)> {
     let names: Vec<&str> = joined
         .system
         .parts
@@ -122,7 +110,7 @@ fn claims(operation: Operation, joined: &Joined<'_>, result: &Sets) -> Vec<(Stri
 }
 
 /// The result as a list of pairs, and how they are put together.
-fn text(operation: Operation, joined: &Joined<'_>) -> String {
+fn text(operation: Operation, joined: &Joined) -> String {
     let mut text = String::new();
     for pair in document::pairs(&joined.system) {
         let _ = writeln!(text, "{}", pair.name);

@@ -14,39 +14,10 @@ pub fn fair<K: Kernel>(
     again: &[K::Function],
 ) -> Result<K::Function, Limit> {
     let m = &steps.m;
-    let always = [m.constant(true)];
-    let again = if again.is_empty() { &always } else { again };
-    let mut z = m.and(&steps.states, within)?;
-    // Without an end first: it is the cheapest part, and often all that is needed.
-    loop {
-        let smaller = m.and(&z, &steps.before(&z)?)?;
-        if smaller == z {
-            break;
-        }
-        z = smaller;
-        m.safe_point()?;
-    }
-    loop {
-        let before = z.clone();
-        for justice in again {
-            if m.is_false(&z) {
-                return Ok(z);
-            }
-            let met = m.and(justice, &m.prime(&z)?)?;
-            let mut y = m.and(&z, &steps.before_step(&met)?)?;
-            let mut new = y.clone();
-            while !m.is_false(&new) {
-                let more = m.and(&z, &steps.before(&new)?)?;
-                new = m.and_not(&more, &y)?;
-                y = m.or(&y, &new)?;
-                m.safe_point()?;
-            }
-            z = y;
-        }
-        if z == before {
-            return Ok(z);
-        }
-    }
+    let one = |states: &K::Function| steps.before(states);
+    let met =
+        |justice: &K::Function, z: &K::Function| steps.before_step(&m.and(justice, &m.prime(z)?)?);
+    settle(steps, within, again, one, met)
 }
 
 /// The states with a past without a beginning in `within` that has met all justice again and again: none exactly where no run does so
@@ -57,12 +28,26 @@ pub fn past<K: Kernel>(
     within: &K::Function,
     again: &[K::Function],
 ) -> Result<K::Function, Limit> {
+    let one = |states: &K::Function| steps.after(states);
+    let met = |justice: &K::Function, z: &K::Function| steps.after_step(&steps.m.and(z, justice)?);
+    settle(steps, within, again, one, met)
+}
+
+/// The fixpoint in either direction: `one` takes a step, `met(J, Z)` is a step that meets J, to or from Z.
+fn settle<K: Kernel>(
+    steps: &Steps<K>,
+    within: &K::Function,
+    again: &[K::Function],
+    one: impl Fn(&K::Function) -> Result<K::Function, Limit>,
+    met: impl Fn(&K::Function, &K::Function) -> Result<K::Function, Limit>,
+) -> Result<K::Function, Limit> {
     let m = &steps.m;
     let always = [m.constant(true)];
     let again = if again.is_empty() { &always } else { again };
     let mut z = m.and(&steps.states, within)?;
+    // Without an end first: it is the cheapest part, and often all that is needed.
     loop {
-        let smaller = m.and(&z, &steps.after(&z)?)?;
+        let smaller = m.and(&z, &one(&z)?)?;
         if smaller == z {
             break;
         }
@@ -75,11 +60,10 @@ pub fn past<K: Kernel>(
             if m.is_false(&z) {
                 return Ok(z);
             }
-            let met = m.and(&z, justice)?;
-            let mut y = m.and(&z, &steps.after_step(&met)?)?;
+            let mut y = m.and(&z, &met(justice, &z)?)?;
             let mut new = y.clone();
             while !m.is_false(&new) {
-                let more = m.and(&z, &steps.after(&new)?)?;
+                let more = m.and(&z, &one(&new)?)?;
                 new = m.and_not(&more, &y)?;
                 y = m.or(&y, &new)?;
                 m.safe_point()?;

@@ -29,9 +29,10 @@ mod query;
 mod tests;
 mod walk;
 
+use crate::algebra;
 use crate::contract::machine::{Component, Machine, Role};
 use crate::diagnostics::{Diagnostic, codes};
-use crate::gr1::{Expr, Formula, Owner, Time, VarId};
+use crate::gr1::{Expr, Formula, Time, VarId};
 use crate::mealy;
 use query::{Answer, Question};
 use walk::{Node, Walk};
@@ -126,17 +127,9 @@ fn undecided(machine: &Machine) -> Composition {
 /// A component's formula over wires: inputs replaced by their bindings, outputs by their wires.
 pub(super) fn over_wires(machine: &Machine, index: usize, expr: &Expr) -> Expr {
     let component = &machine.components[index];
-    let specification = &component.specification;
-    let first = machine.first_wire(index);
-    let inputs: Vec<VarId> = specification.inputs().collect();
-    let outputs: Vec<VarId> = specification.outputs().collect();
+    let (specification, first) = (&component.specification, machine.first_wire(index));
     expr.substitute(&mut |v, time| {
-        if specification.variable(v).owner == Owner::System {
-            let place = outputs.iter().position(|o| *o == v).unwrap_or(0);
-            return Expr::Var(VarId((first + place) as u32), time);
-        }
-        let place = inputs.iter().position(|i| *i == v).unwrap_or(0);
-        component.bindings[place].substitute(&mut |w, _| Expr::Var(w, time))
+        algebra::machine::over_wires(specification, &component.bindings, first, v, time)
     })
 }
 
