@@ -34,11 +34,13 @@ pub fn of_machine(machine: &Machine) -> (System, Claim) {
                 goal
             },
             exports: Exports::After(done.clone()),
+            ..Claim::default()
         },
         None => Claim {
             given: Side::default(),
             goal,
             exports: Exports::Always,
+            ..Claim::default()
         },
     };
     (system, claim)
@@ -90,6 +92,7 @@ pub fn of_promise(machine: &Machine, promised: &Promised) -> (System, Claim) {
         given: whole.assumptions,
         goal: whole.guarantees,
         exports: Exports::Never,
+        ..Claim::default()
     };
     (system, claim)
 }

@@ -65,6 +65,7 @@ pub fn refine(
             given: old.assumptions.clone(),
             goal: goal.clone(),
             exports: Exports::Never,
+            ..Claim::default()
         };
         let proof = prove(&system, &claim, limits)?;
         Ok(Question {

@@ -61,6 +61,16 @@ pub fn list(side: &Side, kind: RuleKind) -> &[Formula] {
     }
 }
 
+/// The formulas of one kind, to be changed.
+pub fn list_mut(side: &mut Side, kind: RuleKind) -> &mut Vec<Formula> {
+    match kind {
+        RuleKind::Initial => &mut side.initial,
+        RuleKind::Invariant => &mut side.invariants,
+        RuleKind::Safety => &mut side.safety,
+        RuleKind::Justice => &mut side.justice,
+    }
+}
+
 /// The kinds, in the order in which a side lists them.
 pub const KINDS: [RuleKind; 4] = [
     RuleKind::Initial,

@@ -2,9 +2,10 @@
 
 use super::algebra::words::{DischargeEntry, Told, entry};
 use crate::algebra::proof::prove;
+use crate::algebra::system::FormulaRef;
 use crate::contract::line::Line;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::game::{Limit, Limits};
+use crate::game::{Limit, Limits, RuleKind};
 use crate::line::abstraction::Verdict;
 use crate::line::abstraction::{self, Abstraction, findings};
 use std::time::{Duration, Instant};
@@ -13,7 +14,9 @@ use std::time::{Duration, Instant};
 const SECONDS: u64 = 120;
 const NODES: u64 = 2_000_000;
 /// Of lines with more variables it is not asked whether everything goes on.
-const MOST_VARIABLES: usize = 24;
+const MOST_VARIABLES: usize = 48;
+/// Of lines with more variables the table leaves out what everything that goes on rests on: to leave away what is not needed takes minutes.
+const MOST_IN_TABLE: usize = 24;
 
 /// What is known of a line.
 #[derive(Debug, Default)]
@@ -80,8 +83,11 @@ fn table(
     limits: &Limits,
 ) -> Result<Vec<DischargeEntry>, Limit> {
     let mut claim = abstraction.claim.clone();
-    if !verdict.undecided.is_empty() {
-        claim.goal.justice.clear();
+    let is_large = abstraction.system.variables.len() > MOST_IN_TABLE;
+    if is_large || !verdict.undecided.is_empty() {
+        let lemmas = std::mem::take(&mut claim.lemmas);
+        let safe = |at: FormulaRef| at.kind != RuleKind::Justice && !lemmas.contains(&at);
+        (claim.goal, _) = claim.only(safe);
     }
     let proof = prove(&abstraction.system, &claim, limits)?;
     let told = Told {

@@ -126,10 +126,10 @@ fn alone(
     let mut given = pick(&claim.given, &|k, n| {
         names.contains(&at(None, Half::Assumptions, k, n))
     });
-    // What was handed on is the environment's.
+    // What was handed on is the environment's, and what was shown of the goal before is known.
     for name in names
         .iter()
-        .filter(|n| n.part.is_some() && n.half == Half::Assumptions)
+        .filter(|n| n.part.is_some() == (n.half == Half::Assumptions))
     {
         add(
             &mut given,
@@ -150,6 +150,7 @@ fn alone(
             given,
             goal,
             exports,
+            ..Claim::default()
         },
     )
 }

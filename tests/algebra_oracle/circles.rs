@@ -363,6 +363,7 @@ fn claim(r: &mut Random, system: &System) -> Claim {
         given,
         goal,
         exports,
+        ..Claim::default()
     }
 }
 

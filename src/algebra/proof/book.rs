@@ -203,7 +203,8 @@ fn entry(
         None => system.driver(*v).is_none(),
     };
     let mut defines: BTreeSet<VarId> = mentions.iter().copied().filter(own).collect();
-    if defines.is_empty() {
+    // The goal is about all that it speaks of.
+    if defines.is_empty() || (part.is_none() && half == Some(Half::Guarantees)) {
         defines.clone_from(&mentions);
     }
     let guarantee = part.filter(|_| half != Some(Half::Assumptions));

@@ -18,14 +18,17 @@
 //! `QuickXplain` leaves away what is not needed.
 
 mod book;
+mod goal;
+mod justice;
 mod loops;
 mod prover;
 
 pub use book::latest;
 
-use super::system::{FormulaRef, System};
+use super::system::{FormulaRef, Half, System, formulas, list_mut};
 use crate::game::{Lasso, Limit, Limits};
 use crate::gr1::{Side, VarId};
+use std::collections::BTreeSet;
 
 /// What is to be shown of a system.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -34,8 +37,36 @@ pub struct Claim {
     pub given: Side,
     /// What the parts are to keep together, beside each other's assumptions.
     pub goal: Side,
+    /// Formulas of the goal that need not be shown: where one can be, the others may rest on it.
+    pub lemmas: BTreeSet<FormulaRef>,
     /// Whether an assumption that speaks of what comes from outside may be handed on to the environment.
     pub exports: Exports,
+}
+
+impl Claim {
+    /// The formulas of the goal that are wanted, and which of them are lemmas.
+    pub fn only(&self, wanted: impl Fn(FormulaRef) -> bool) -> (Side, BTreeSet<FormulaRef>) {
+        let (mut goal, mut lemmas) = (Side::default(), BTreeSet::new());
+        for (kind, index, formula) in formulas(&self.goal) {
+            let mut at = FormulaRef {
+                part: None,
+                half: Half::Guarantees,
+                kind,
+                index,
+            };
+            if !wanted(at) {
+                continue;
+            }
+            let is_lemma = self.lemmas.contains(&at);
+            let list = list_mut(&mut goal, kind);
+            at.index = list.len();
+            list.push(formula.clone());
+            if is_lemma {
+                lemmas.insert(at);
+            }
+        }
+        (goal, lemmas)
+    }
 }
 
 /// What happens to an assumption that no guarantee discharges and that speaks of what comes from outside.
@@ -136,4 +167,12 @@ impl Proof {
 /// When a limit was reached.
 pub fn prove(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, Limit> {
     prover::Prover::new(system, claim, limits)?.prove()
+}
+
+/// Whether a claim holds, as [`prove`] says it, sooner: what a discharge rests on is then enough, and not all of it needed.
+///
+/// # Errors
+/// When a limit was reached.
+pub fn decide(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, Limit> {
+    prover::Prover::new(system, claim, limits)?.quick().prove()
 }

@@ -2,9 +2,9 @@
 
 use super::super::system::{FormulaRef, Half, System};
 use super::book::{Book, latest};
-use super::loops::{Waits, way_back};
-use super::{Broken, Circle, Claim, Discharge, Discharged, Exports, Open, Proof};
-use crate::game::{Lasso, Limit, Limits, Rule, RuleKind, Slip, Wanted, quick_xplain};
+use super::loops::Waits;
+use super::{Broken, Claim, Discharge, Discharged, Exports, Open, Proof};
+use crate::game::{Limit, Limits, Rule, RuleKind, Slip, quick_xplain};
 use crate::gr1::{Expr, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,17 +12,21 @@ use std::collections::{BTreeMap, BTreeSet};
 const NEAR: usize = 1;
 
 /// As many rings as there are.
-const ALL: usize = usize::MAX;
+pub(super) const ALL: usize = usize::MAX;
 
 /// The state of a proof.
 pub struct Prover<'a> {
-    book: Book<'a>,
-    claim: &'a Claim,
+    pub(super) book: Book<'a>,
+    pub(super) claim: &'a Claim,
     /// Who answers before whom in a step.
     order: Order,
     /// Assumptions that were handed on to the environment, by rule.
-    exported: Vec<usize>,
-    proof: Proof,
+    pub(super) exported: Vec<usize>,
+    /// Formulas of the goal that were shown: justice of the goal may rest on them.
+    pub(super) shown: Vec<usize>,
+    /// Whether it is wanted to know what is needed, and not only that it is enough.
+    minimal: bool,
+    pub(super) proof: Proof,
 }
 
 /// The parts in an order in which they may answer within a step.
@@ -43,7 +47,7 @@ impl Order {
 }
 
 /// What came out of one obligation.
-enum Found {
+pub(super) enum Found {
     /// It follows from these rules.
     Follows(Vec<usize>),
     /// It does not.
@@ -58,8 +62,18 @@ impl<'a> Prover<'a> {
             claim,
             order: Order::default(),
             exported: Vec::new(),
+            shown: Vec::new(),
+            minimal: true,
             proof: Proof::default(),
         })
+    }
+
+    /// The same, content with reasons that are enough.
+    pub fn quick(self) -> Self {
+        Self {
+            minimal: false,
+            ..self
+        }
     }
 
     /// Does it all.
@@ -125,16 +139,17 @@ impl<'a> Prover<'a> {
     // ---- safety ----------------------------------------------------------------------------------------------------
 
     /// Rules that hold from the beginning: what is given, what was handed on, and what parts guarantee.
-    fn hypotheses(&self) -> Vec<usize> {
+    pub(super) fn hypotheses(&self) -> Vec<usize> {
         let mut found = self.book.numbers(|at| is_given(*at));
         found.extend(&self.exported);
         found.extend(self.book.numbers(|at| is_guarantee(*at)));
+        found.extend(self.shown.iter().filter(|i| self.is_lemma(**i)));
         found.retain(|i| !self.book.is_justice(*i));
         found
     }
 
     /// These, and the safety that parts assume: it was kept so far. It follows from the others unless one of the assumptions is open.
-    fn with_assumptions(&self, mut rules: Vec<usize>) -> Vec<usize> {
+    pub(super) fn with_assumptions(&self, mut rules: Vec<usize>) -> Vec<usize> {
         let assumed = self.book.numbers(|at| is_assumption(*at));
         rules.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
         rules.sort_unstable();
@@ -308,7 +323,7 @@ impl<'a> Prover<'a> {
 
     /// The smallest part of the hypotheses from which a rule follows step by step, as far as so many rings of them are looked at; `None`
     /// when it does not follow. `assumed` says that it is an assumption of a part.
-    fn step_minimal(
+    pub(super) fn step_minimal(
         &mut self,
         rule: usize,
         assumed: Option<usize>,
@@ -328,17 +343,25 @@ impl<'a> Prover<'a> {
 
     /// The smallest part of some candidates that is enough: what is given alone, a single guarantee, and then ring by ring, up to so many
     /// rings.
-    fn minimal(
+    pub(super) fn minimal(
         &mut self,
         goal: usize,
         candidates: &[usize],
         most_rings: usize,
         holds: &mut impl FnMut(&mut Self, &[usize]) -> Result<bool, Limit>,
     ) -> Result<Option<Vec<usize>>, Limit> {
+        let rings = self.book.rings(&[goal], candidates);
+        if !self.minimal {
+            let near = rings.into_iter().take(most_rings).flatten();
+            let enough: Vec<usize> = match most_rings {
+                ALL => candidates.to_vec(),
+                _ => near.collect(),
+            };
+            return Ok(holds(self, &enough)?.then_some(enough));
+        }
         if holds(self, &[])? {
             return Ok(Some(Vec::new()));
         }
-        let rings = self.book.rings(&[goal], candidates);
         let environment: Vec<usize> = { rings.iter().flatten().copied() }
             .filter(|i| self.is_environments(*i))
             .collect();
@@ -369,18 +392,21 @@ impl<'a> Prover<'a> {
     }
 
     /// Leaves away what is not needed.
-    fn fewest(
+    pub(super) fn fewest(
         &mut self,
         enough: &[usize],
         holds: &mut impl FnMut(&mut Self, &[usize]) -> Result<bool, Limit>,
     ) -> Result<Vec<usize>, Limit> {
+        if !self.minimal {
+            return Ok(enough.to_vec());
+        }
         let mut asked = |kept: &[usize]| holds(self, kept);
         let mut found = quick_xplain(&mut asked, &[], false, enough)?;
         found.sort_unstable();
         Ok(found)
     }
 
-    fn is_environments(&self, rule: usize) -> bool {
+    pub(super) fn is_environments(&self, rule: usize) -> bool {
         self.exported.contains(&rule) || self.book.entries[rule].at.is_some_and(is_given)
     }
 
@@ -423,7 +449,10 @@ impl<'a> Prover<'a> {
 
     /// Whether an assumption that is not discharged may be handed on to the environment, and on what that rests; if not, how it is broken
     /// where it would not be the environment's own choice, if it may be handed on at all.
-    fn export(&mut self, rule: usize) -> Result<Result<Vec<usize>, Option<Broken>>, Limit> {
+    pub(super) fn export(
+        &mut self,
+        rule: usize,
+    ) -> Result<Result<Vec<usize>, Option<Broken>>, Limit> {
         let Rule { kind, expr } = self.book.rule(rule).clone();
         let outside = self.is_about_outside(rule);
         let after = match &self.claim.exports {
@@ -470,7 +499,7 @@ impl<'a> Prover<'a> {
         Ok(Ok(by.into_iter().filter(|i| *i != rule).collect()))
     }
 
-    fn hand_on(&mut self, rule: usize, by: &[usize]) {
+    pub(super) fn hand_on(&mut self, rule: usize, by: &[usize]) {
         self.exported.push(rule);
         let what = self.at(rule);
         let by = by.iter().map(|i| self.at(*i)).collect();
@@ -491,7 +520,7 @@ impl<'a> Prover<'a> {
         self.record(rule, kind, by);
     }
 
-    fn record(&mut self, rule: usize, kind: Discharged, by: &[usize]) {
+    pub(super) fn record(&mut self, rule: usize, kind: Discharged, by: &[usize]) {
         let what = self.at(rule);
         let by = by.iter().map(|i| self.at(*i)).collect();
         self.proof.discharges.push(Discharge {
@@ -501,318 +530,30 @@ impl<'a> Prover<'a> {
         });
     }
 
-    fn at(&self, rule: usize) -> FormulaRef {
+    pub(super) fn at(&self, rule: usize) -> FormulaRef {
         let at = self.book.entries[rule].at;
         at.expect("a formula that somebody wrote; please report this")
     }
 
-    fn part_of(&self, rule: usize) -> usize {
+    pub(super) fn part_of(&self, rule: usize) -> usize {
         let part = self.book.entries[rule].part;
         part.expect("an assumption of a part; please report this")
     }
-
-    // ---- justice ---------------------------------------------------------------------------------------------------
-
-    /// Justice that parts assume, turn by turn. Gives the parts whose justice guarantees can be relied on in the end.
-    fn justice(&mut self) -> Result<BTreeSet<usize>, Limit> {
-        let assumed = self.book.numbers(|at| is_assumption(*at));
-        let mut left: Vec<usize> = assumed;
-        left.retain(|i| self.book.is_justice(*i));
-        let mut turn = 0;
-        let mut exported = false;
-        loop {
-            let reliable = self.reliable(&left);
-            if left.is_empty() {
-                return Ok(reliable);
-            }
-            let before = left.len();
-            left = self.by_the_environment(&left)?;
-            if left.len() == before {
-                left = self.by_justice(&left, &reliable, turn)?;
-                turn += usize::from(left.len() < before);
-            }
-            if left.len() < before {
-                continue;
-            }
-            if !exported {
-                exported = true;
-                let mut open = Vec::new();
-                for rule in std::mem::take(&mut left) {
-                    match self.export(rule)? {
-                        Ok(by) => self.hand_on(rule, &by),
-                        Err(_) => open.push(rule),
-                    }
-                }
-                left = open;
-                continue;
-            }
-            for rule in &left {
-                if let Some(lasso) = self.never_again(*rule, &reliable)? {
-                    let what = self.at(*rule);
-                    let why = Broken::Lasso(lasso);
-                    self.proof.open.push(Open { what, why });
-                }
-            }
-            self.proof.circles = self.circles(&left);
-            return Ok(reliable);
-        }
-    }
-
-    /// Tries what is known of the environment; gives the justice assumptions that were not met.
-    fn by_the_environment(&mut self, left: &[usize]) -> Result<Vec<usize>, Limit> {
-        let environments: Vec<usize> = { self.reasons(&BTreeSet::new()) }
-            .into_iter()
-            .filter(|i| self.is_environments(*i))
-            .collect();
-        let mut waiting = Vec::new();
-        for rule in left {
-            let found = self.minimal(*rule, &environments, ALL, &mut |p, kept| {
-                Ok(p.starved(kept, *rule)?.is_none())
-            })?;
-            match found {
-                Some(by) => self.record_again(*rule, &by, 0),
-                None => waiting.push(*rule),
-            }
-        }
-        Ok(waiting)
-    }
-
-    /// Meets one justice assumption with what these parts guarantee, one that speaks of few parts if it can; gives the others.
-    fn by_justice(
-        &mut self,
-        left: &[usize],
-        reliable: &BTreeSet<usize>,
-        turn: usize,
-    ) -> Result<Vec<usize>, Limit> {
-        let parts = |rule: &usize| {
-            let drivers = self.book.entries[*rule].mentions.iter();
-            let drivers = drivers.filter_map(|v| self.book.system.driver(*v));
-            drivers.collect::<BTreeSet<usize>>().len()
-        };
-        let mut order = left.to_vec();
-        order.sort_by_key(parts);
-        for rule in order {
-            if let Some(by) = self.again_minimal(rule, reliable)? {
-                self.record_again(rule, &by, turn);
-                return Ok(left.iter().copied().filter(|i| *i != rule).collect());
-            }
-        }
-        Ok(left.to_vec())
-    }
-
-    /// Records a discharge that may rest on justice.
-    fn record_again(&mut self, rule: usize, by: &[usize], turn: usize) {
-        let environments = by.iter().all(|i| self.is_environments(*i));
-        let kind = match (environments, by.iter().any(|i| self.book.is_justice(*i))) {
-            (true, _) => Discharged::Environment,
-            (false, false) => Discharged::Induction,
-            (false, true) => Discharged::Justice { turn },
-        };
-        self.record(rule, kind, by);
-    }
-
-    /// The parts none of whose justice assumptions is left.
-    fn reliable(&self, left: &[usize]) -> BTreeSet<usize> {
-        let waiting: BTreeSet<usize> = left.iter().map(|i| self.part_of(*i)).collect();
-        (0..self.book.system.parts.len())
-            .filter(|p| !waiting.contains(p))
-            .collect()
-    }
-
-    /// Rules that justice may rest on: safety, and the justice of the environment and of these parts.
-    fn reasons(&self, reliable: &BTreeSet<usize>) -> Vec<usize> {
-        let mut found = self.hypotheses();
-        found.extend(self.book.numbers(|at| {
-            at.kind == RuleKind::Justice
-                && (is_given(*at)
-                    || (is_guarantee(*at) && at.part.is_some_and(|p| reliable.contains(&p))))
-        }));
-        found.extend(self.exported.iter().filter(|i| self.book.is_justice(**i)));
-        found.sort_unstable();
-        found.dedup();
-        found
-    }
-
-    fn again_minimal(
-        &mut self,
-        rule: usize,
-        reliable: &BTreeSet<usize>,
-    ) -> Result<Option<Vec<usize>>, Limit> {
-        let candidates = self.reasons(reliable);
-        let mut holds = |p: &mut Self, kept: &[usize]| Ok(p.starved(kept, rule)?.is_none());
-        if let Some(by) = self.minimal(rule, &candidates, ALL, &mut holds)? {
-            return Ok(Some(by));
-        }
-        let all = self.with_assumptions(candidates);
-        if holds(self, &all)? {
-            return self.fewest(&all, &mut holds).map(Some);
-        }
-        Ok(None)
-    }
-
-    /// A run that keeps everything and from some step on never meets a justice again.
-    fn never_again(
-        &mut self,
-        rule: usize,
-        reliable: &BTreeSet<usize>,
-    ) -> Result<Option<Lasso>, Limit> {
-        let all = self.with_assumptions(self.reasons(reliable));
-        self.starved(&all, rule)
-    }
-
-    fn starved(&mut self, kept: &[usize], rule: usize) -> Result<Option<Lasso>, Limit> {
-        let wanted = self.wanted(kept, &[rule]);
-        self.book.runs.lasso(&Wanted {
-            never_again: vec![rule],
-            ..wanted
-        })
-    }
-
-    /// Runs that keep these rules; the monitors of `others` are defined as well.
-    fn wanted(&self, kept: &[usize], others: &[usize]) -> Wanted {
-        let all = kept.iter().chain(others).copied();
-        let mut keep = self.book.definitions(all);
-        let (again, safe): (Vec<usize>, Vec<usize>) =
-            kept.iter().copied().partition(|i| self.book.is_justice(*i));
-        keep.extend(safe);
-        Wanted {
-            keep,
-            again,
-            never_again: Vec::new(),
-        }
-    }
-
-    /// Circles among justice assumptions that were not met: one waits for those that the part whose variables it speaks of makes.
-    fn circles(&self, left: &[usize]) -> Vec<Circle> {
-        let waits_for = |a: usize| -> BTreeSet<usize> {
-            let own = self.part_of(a);
-            let drivers = self.book.entries[a].mentions.iter();
-            let drivers: BTreeSet<usize> = drivers
-                .filter_map(|v| self.book.system.driver(*v))
-                .filter(|p| *p != own)
-                .collect();
-            (0..left.len())
-                .filter(|i| drivers.contains(&self.part_of(left[*i])))
-                .collect()
-        };
-        let edges: Vec<BTreeSet<usize>> = left.iter().map(|a| waits_for(*a)).collect();
-        let mut told: BTreeSet<usize> = BTreeSet::new();
-        let mut circles = Vec::new();
-        for start in 0..left.len() {
-            if told.contains(&start) {
-                continue;
-            }
-            if let Some(way) = way_back(|i: usize| edges[i].iter().copied().collect(), start) {
-                told.extend(&way);
-                circles.push(Circle {
-                    assumptions: way.into_iter().map(|i| self.at(left[i])).collect(),
-                });
-            }
-        }
-        circles
-    }
-
-    // ---- the goal --------------------------------------------------------------------------------------------------
-
-    /// What the parts are to keep together.
-    fn goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
-        // After everybody's assumptions.
-        let turns = { self.proof.discharges.iter() }
-            .map(|d| match d.rule {
-                Discharged::Justice { turn } => turn + 1,
-                _ => 0,
-            })
-            .max();
-        let turns = turns.unwrap_or(0);
-        for rule in self.book.numbers(|at| is_goal(*at)) {
-            let found = if self.book.is_justice(rule) {
-                match self.again_minimal(rule, reliable)? {
-                    Some(by) => Found::Follows(by),
-                    None => match self.never_again(rule, reliable)? {
-                        Some(lasso) => Found::Fails(Broken::Lasso(lasso)),
-                        None => unreachable!("what follows was found; please report this"),
-                    },
-                }
-            } else {
-                match self.step_minimal(rule, None, ALL)? {
-                    Some(by) => Found::Follows(by),
-                    None => self.fairly(rule, reliable)?,
-                }
-            };
-            match found {
-                Found::Follows(by) => self.record_again(rule, &by, turns),
-                Found::Fails(why) => {
-                    let what = self.at(rule);
-                    self.proof.open.push(Open { what, why });
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Safety of the goal once more, of infinite runs only: a step that leads to where no run goes on breaks nothing.
-    fn fairly(&mut self, rule: usize, reliable: &BTreeSet<usize>) -> Result<Found, Limit> {
-        let slipped = self.book.slipped;
-        let Rule { kind, expr } = self.book.rule(rule).clone();
-        let first = match kind {
-            RuleKind::Safety | RuleKind::Justice => Expr::FALSE,
-            RuleKind::Initial | RuleKind::Invariant => expr.clone().not(),
-        };
-        let later = match kind {
-            RuleKind::Initial | RuleKind::Justice => Expr::FALSE,
-            RuleKind::Invariant => {
-                let next = expr.substitute(&mut |v, _| Expr::Var(v, Time::Next));
-                next.not()
-            }
-            RuleKind::Safety => expr.clone().not(),
-        };
-        let start = self.book.add(Rule {
-            kind: RuleKind::Initial,
-            expr: Expr::now(slipped).equals(first),
-        });
-        let on = self.book.add(Rule {
-            kind: RuleKind::Safety,
-            expr: Expr::next(slipped).equals(Expr::now(slipped).or(later)),
-        });
-        let seen = self.book.add(Rule {
-            kind: RuleKind::Justice,
-            expr: Expr::now(slipped),
-        });
-        let candidates = self.with_assumptions(self.reasons(reliable));
-        let slips = |p: &mut Self, kept: &[usize]| -> Result<Option<Lasso>, Limit> {
-            let mut wanted = p.wanted(kept, &[rule]);
-            wanted.keep.extend([start, on]);
-            wanted.again.push(seen);
-            p.book.runs.lasso(&wanted)
-        };
-        match slips(self, &candidates)? {
-            None => {
-                let mut holds = |p: &mut Self, kept: &[usize]| Ok(slips(p, kept)?.is_none());
-                Ok(Found::Follows(self.fewest(&candidates, &mut holds)?))
-            }
-            Some(lasso) => {
-                let mut steps = [lasso.prefix, lasso.cycle].concat();
-                let first = steps.iter().position(|s| s[slipped.index()] != 0);
-                steps.truncate(first.map_or(steps.len(), |i| i + 1));
-                Ok(Found::Fails(Broken::Trace(steps)))
-            }
-        }
-    }
 }
 
-fn is_given(at: FormulaRef) -> bool {
+pub(super) fn is_given(at: FormulaRef) -> bool {
     at.part.is_none() && at.half == Half::Assumptions
 }
 
-fn is_goal(at: FormulaRef) -> bool {
+pub(super) fn is_goal(at: FormulaRef) -> bool {
     at.part.is_none() && at.half == Half::Guarantees
 }
 
-fn is_guarantee(at: FormulaRef) -> bool {
+pub(super) fn is_guarantee(at: FormulaRef) -> bool {
     at.part.is_some() && at.half == Half::Guarantees
 }
 
-fn is_assumption(at: FormulaRef) -> bool {
+pub(super) fn is_assumption(at: FormulaRef) -> bool {
     at.part.is_some() && at.half == Half::Assumptions
 }
 

@@ -186,6 +186,7 @@ fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> 
         given: whole.assumptions.clone(),
         goal: whole.guarantees.clone(),
         exports: Exports::Never,
+        ..Claim::default()
     };
     let proof = prove(&system, &claim, &options.limits())?;
     let told = Told {

@@ -344,6 +344,40 @@ impl<K: Kernel> Board<K> {
         Ok(found)
     }
 
+    /// See [`super::Runs::any_lasso`].
+    pub fn is_any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit> {
+        let all = { wanted.keep.iter() }
+            .chain(&wanted.again)
+            .chain(&wanted.never_again);
+        let variables = Self::mentioned(rules, all.copied());
+        let (key, mut reached) = self.reach(rules, &wanted.keep, &variables)?;
+        let m = self.m.clone();
+        let mut settled = m.constant(true);
+        for index in &wanted.never_again {
+            let broken = self.broken(rules, *index)?;
+            settled = m.and(&settled, &broken)?;
+        }
+        let mut again = Vec::new();
+        for index in &wanted.again {
+            again.push(self.function(rules, *index)?);
+        }
+        let steps = reached.steps.only(&settled)?;
+        let mut next_look = FIRST_LOOK;
+        let mut past = m.constant(false);
+        loop {
+            let more = reached.grow()?;
+            if reached.rings.len() == next_look || !more {
+                next_look *= LOOK_AGAIN;
+                past = fair::past(&steps, &reached.all, &again)?;
+            }
+            if !more || !m.is_false(&past) {
+                break;
+            }
+        }
+        self.remember(key, reached);
+        Ok(!m.is_false(&past))
+    }
+
     /// See [`super::Runs::depends`].
     pub fn find_dependencies(
         &mut self,

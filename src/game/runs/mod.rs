@@ -90,6 +90,7 @@ const SMALL_PAIRS: usize = 24;
 
 trait Ask: Debug + Send {
     fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit>;
+    fn any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit>;
     fn step(&mut self, rules: &[Rule], slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit>;
     fn depends(
         &mut self,
@@ -171,6 +172,17 @@ impl Runs {
         }
     }
 
+    /// Whether there is a run as it is wanted: [`Runs::lasso`] without the run, which costs less.
+    ///
+    /// # Errors
+    /// When a limit was reached.
+    pub fn any_lasso(&mut self, wanted: &Wanted) -> Result<bool, Limit> {
+        match self.asked.any_lasso(&self.rules, wanted) {
+            Err(Limit::Memory) if self.grow()? => self.asked.any_lasso(&self.rules, wanted),
+            answer => answer,
+        }
+    }
+
     /// The shortest run up to a step that breaks the rule, that step included; `None` when no step can break it.
     ///
     /// # Errors
@@ -199,6 +211,10 @@ impl Runs {
 impl<K: Kernel> Ask for Board<K> {
     fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
         self.find_lasso(rules, wanted)
+    }
+
+    fn any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit> {
+        self.is_any_lasso(rules, wanted)
     }
 
     fn step(&mut self, rules: &[Rule], slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit> {

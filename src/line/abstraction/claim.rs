@@ -5,13 +5,17 @@
 //! of, and where none is any more, it may say so. (That is a guess about the future, which every run has one right answer to: who says
 //! so and is asked again cannot go on.)
 
+use super::lemmas;
 use super::parts::formula;
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
 use super::words::{all, any, becomes, count, is, later, stays, sum};
 use crate::algebra::proof::{Claim, Exports};
+use crate::algebra::system::{FormulaRef, Half};
 use crate::contract::line::Line;
+use crate::game::RuleKind;
 use crate::gr1::{BinaryOp, Expr, Formula, Side};
+use std::collections::BTreeSet;
 
 /// The requirements, by what they are about; the names of the goal's formulas begin with these.
 pub const NO_PART_LOST: &str = "no_part_lost";
@@ -26,9 +30,25 @@ pub const ORDERS_ARE_FINISHED: &str = "orders_are_finished";
 
 /// The claim of a line.
 pub(super) fn claim(model: Model<'_>, line: &Line) -> Claim {
+    let mut goal = goal(model, line);
+    let mut lemmas = BTreeSet::new();
+    for (kind, formula) in lemmas::lemmas(model, line) {
+        let list = match kind {
+            RuleKind::Justice => &mut goal.justice,
+            _ => &mut goal.invariants,
+        };
+        lemmas.insert(FormulaRef {
+            part: None,
+            half: Half::Guarantees,
+            kind,
+            index: list.len(),
+        });
+        list.push(formula);
+    }
     Claim {
         given: given(model, line),
-        goal: goal(model, line),
+        goal,
+        lemmas,
         exports: Exports::Never,
     }
 }

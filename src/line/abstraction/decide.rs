@@ -4,11 +4,11 @@
 //! with formulas left away.
 
 use super::{Abstraction, Unfit};
-use crate::algebra::proof::Broken;
+use crate::algebra::proof::{self, Broken, Claim, Exports};
 use crate::algebra::system::{FormulaRef, Half, formulas, list, rule};
 use crate::contract::line::Line;
-use crate::game::{Limit, Limits, Rule, RuleKind, Runs, Slip, Wanted};
-use crate::gr1::Expr;
+use crate::game::{Limit, Limits, Rule, RuleKind, Runs, Slip};
+use crate::gr1::Side;
 
 /// A formula of the goal that does not hold, and a run that shows it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,6 +36,9 @@ impl Verdict {
         self.open.is_empty() && self.undecided.is_empty()
     }
 }
+
+/// Where everything that takes time waits for everything that does not, no question is about a few places only.
+const MOST_AT_ONCE: usize = 24;
 
 /// The rules of a line: what all places guarantee, and what is given. Rules of the goal come after them.
 fn rules(abstraction: &Abstraction) -> Vec<Rule> {
@@ -65,9 +68,11 @@ pub fn examine(
         } else if verdict.open.is_empty() {
             let goals = formulas(&abstraction.claim.goal);
             let justice = goals.filter(|(kind, ..)| *kind == RuleKind::Justice);
+            let justice = justice.map(|(kind, index, _)| at(kind, index));
+            let lemmas = &abstraction.claim.lemmas;
             verdict
                 .undecided
-                .extend(justice.map(|(kind, index, _)| at(kind, index)));
+                .extend(justice.filter(|goal| !lemmas.contains(goal)));
         }
         Ok(verdict)
     };
@@ -77,7 +82,7 @@ pub fn examine(
         return Ok((loose, verdict));
     }
     let strict = Abstraction::at_once(line)?;
-    if is_small(&strict)
+    if strict.system.variables.len() <= most_variables.min(MOST_AT_ONCE)
         && let Ok(verdict) = asked(&strict)
     {
         return Ok((strict, verdict));
@@ -108,20 +113,16 @@ fn at(kind: RuleKind, index: usize) -> FormulaRef {
     }
 }
 
-/// The rules, those of them that hold throughout, those that are met again and again, and where the goal's begin.
-fn asked(abstraction: &Abstraction) -> (Vec<Rule>, Vec<usize>, Vec<usize>, usize) {
+fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> {
     let rules = rules(abstraction);
     let first_goal = rules.len() - abstraction.claim.goal.all().count();
-    let (again, keep) = (0..first_goal).partition(|r: &usize| rules[*r].kind == RuleKind::Justice);
-    (rules, keep, again, first_goal)
-}
-
-fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> {
-    let (rules, keep, _, first_goal) = asked(abstraction);
+    let keep: Vec<usize> = (0..first_goal)
+        .filter(|r| rules[*r].kind != RuleKind::Justice)
+        .collect();
     let mut runs = Runs::new(&abstraction.system.variables, rules, limits)?;
     let mut verdict = Verdict::default();
     for (place, (kind, index, _)) in formulas(&abstraction.claim.goal).enumerate() {
-        if kind == RuleKind::Justice {
+        if kind == RuleKind::Justice || abstraction.claim.lemmas.contains(&at(kind, index)) {
             continue;
         }
         let slip = Slip {
@@ -137,66 +138,31 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
     Ok(verdict)
 }
 
+/// What comes in the end, goal by goal: a proof goes from what is near to what is far, so that most goals are about a few places only.
 fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
-    let (rules, keep, again, first_goal) = asked(abstraction);
-    let mut runs = Runs::new(&abstraction.system.variables, rules.clone(), limits);
-    for (place, (kind, index, formula)) in formulas(&abstraction.claim.goal).enumerate() {
-        if kind != RuleKind::Justice {
-            continue;
-        }
-        let wanted = Wanted {
-            keep: keep.clone(),
-            again: nearest_first(abstraction, &again, &rules, &formula.expr),
-            never_again: vec![first_goal + place],
-        };
-        match runs.as_mut().map(|runs| runs.lasso(&wanted)) {
-            Ok(Ok(None)) => {}
-            Ok(Ok(Some(lasso))) => verdict.open.push(Open {
-                what: at(kind, index),
-                why: Broken::Lasso(lasso),
-            }),
-            Ok(Err(_)) | Err(_) => verdict.undecided.push(at(kind, index)),
-        }
+    let claim = &abstraction.claim;
+    let goals = (0..claim.goal.justice.len()).map(|index| at(RuleKind::Justice, index));
+    let goals = goals.filter(|goal| !claim.lemmas.contains(goal));
+    // What safety shows is known, and places keep their guarantees whatever others do: only the lemmas are left of either.
+    let mut alone = abstraction.system.clone();
+    for part in &mut alone.parts {
+        part.assumptions = Side::default();
     }
-}
-
-/// Justice in the order in which it is likely to matter for a goal: that of its own place, of those that parts go to from there, of
-/// those before them. A run that starves one place mostly does so by one nearby, and where no run is left the rest is not looked at.
-fn nearest_first(
-    abstraction: &Abstraction,
-    again: &[usize],
-    rules: &[Rule],
-    goal: &Expr,
-) -> Vec<usize> {
-    let shape = &abstraction.shape;
-    let owner = |expr: &Expr| {
-        let mut found = None;
-        expr.for_each_var(&mut |v, _| found = found.or_else(|| abstraction.system.driver(v)));
-        found
+    let (goal, lemmas) =
+        claim.only(|at| at.kind == RuleKind::Justice || abstraction.claim.lemmas.contains(&at));
+    let asked = Claim {
+        given: claim.given.clone(),
+        goal,
+        lemmas,
+        exports: Exports::Never,
     };
-    let mut order: Vec<usize> = owner(goal).into_iter().collect();
-    let mut next = 0;
-    while let Some(&place) = order.get(next) {
-        next += 1;
-        let around = shape
-            .after(place)
-            .into_iter()
-            .chain(shape.places[place].from.iter().copied());
-        for other in around {
-            if !order.contains(&other) {
-                order.push(other);
-            }
-        }
+    match proof::decide(&alone, &asked, limits) {
+        Ok(proof) => verdict.open.extend(proof.open.into_iter().map(|open| Open {
+            what: open.what,
+            why: open.why,
+        })),
+        Err(_) => verdict.undecided.extend(goals),
     }
-    let distance = |rule: &usize| {
-        let place = owner(&rules[*rule].expr);
-        place
-            .and_then(|p| order.iter().position(|o| *o == p))
-            .unwrap_or(usize::MAX)
-    };
-    let mut sorted = again.to_vec();
-    sorted.sort_by_key(distance);
-    sorted
 }
 
 impl Abstraction {

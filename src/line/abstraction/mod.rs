@@ -33,6 +33,7 @@ mod chain;
 mod claim;
 mod decide;
 mod findings;
+mod lemmas;
 mod parts;
 mod shape;
 mod vocabulary;
