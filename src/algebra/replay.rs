@@ -94,7 +94,7 @@ fn everything<'a>(
 }
 
 /// Whether a formula holds in a step, the one before it given; justice asks nothing of a step.
-fn holds_at(kind: RuleKind, formula: &Formula, steps: &[Vec<i64>], at: usize) -> bool {
+pub fn holds_at(kind: RuleKind, formula: &Formula, steps: &[Vec<i64>], at: usize) -> bool {
     match kind {
         RuleKind::Initial => at > 0 || eval::holds(&formula.expr, &steps[0], &[]),
         RuleKind::Invariant => eval::holds(&formula.expr, &steps[at], &[]),

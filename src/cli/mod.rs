@@ -8,6 +8,7 @@ pub mod algebra;
 pub mod build;
 pub mod cache;
 pub mod check;
+pub mod closed;
 pub mod completions;
 pub mod console;
 pub mod controller;

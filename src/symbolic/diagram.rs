@@ -85,20 +85,21 @@ impl Diagram {
 
     /// For every root the share of all valuations in which it holds.
     pub fn shares(&self) -> Vec<f64> {
-        let share = |known: &[f64], edge: Edge| {
-            let share = edge.node().map_or(0.0, |n| known[n]);
+        // Both shares are kept, of what holds and of what does not: a small one is lost when it is taken from 1.
+        let share = |known: &[(f64, f64)], edge: Edge| {
+            let (yes, no) = edge.node().map_or((0.0, 1.0), |n| known[n]);
             if edge.is_negated() {
-                1.0 - share
+                (no, yes)
             } else {
-                share
+                (yes, no)
             }
         };
-        let mut known: Vec<f64> = Vec::with_capacity(self.nodes.len());
+        let mut known: Vec<(f64, f64)> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
-            let both = share(&known, node.high) + share(&known, node.low);
-            known.push(both / 2.0);
+            let (high, low) = (share(&known, node.high), share(&known, node.low));
+            known.push((f64::midpoint(high.0, low.0), f64::midpoint(high.1, low.1)));
         }
-        self.roots.iter().map(|r| share(&known, *r)).collect()
+        self.roots.iter().map(|r| share(&known, *r).0).collect()
     }
 
     /// The same decisions, as far as these functions need them, which are its roots.

@@ -320,16 +320,20 @@ pub fn lasso_table(system: &System, run: &Lasso) -> String {
         .map(VarId)
         .filter(|v| !system.variables[v.index()].internal)
         .collect();
-    let last = steps.len() - 1;
-    let end = if run.prefix.len() == last {
+    steps_table(system, &all, &steps) + &lasso_end(run)
+}
+
+/// Where a lasso goes on.
+pub fn lasso_end(run: &Lasso) -> String {
+    let last = run.prefix.len() + run.cycle.len() - 1;
+    if run.prefix.len() == last {
         format!("step {last} goes on for ever")
     } else {
         format!(
             "after step {last} it goes on with step {}, for ever",
             run.prefix.len()
         )
-    };
-    steps_table(system, &all, &steps) + &end
+    }
 }
 
 fn implication(expr: &Expr) -> Option<(&Expr, &Expr)> {
@@ -366,6 +370,9 @@ pub struct DischargeEntry {
     pub by: String,
 }
 
+/// Who meets what is handed on.
+pub const HANDED_ON: &str = "the line, checked at every call";
+
 /// A discharge for the documents of `check`.
 pub fn entry(told: Told<'_>, discharge: &Discharge) -> DischargeEntry {
     DischargeEntry {
@@ -377,7 +384,7 @@ pub fn entry(told: Told<'_>, discharge: &Discharge) -> DischargeEntry {
             _ => None,
         },
         by: match discharge.rule {
-            Discharged::Exported => "the line, checked at every call".to_owned(),
+            Discharged::Exported => HANDED_ON.to_owned(),
             _ => told.by(discharge),
         },
     }

@@ -6,7 +6,6 @@ use super::{explained, machine};
 use crate::cli::console::schema;
 use crate::cli::files::Loaded;
 use crate::cli::findings::lost;
-use crate::cli::libraries;
 use crate::cli::lines;
 use crate::cli::machines::{self, Planned};
 use crate::cli::outline::{Declaration, Kind};
@@ -239,7 +238,7 @@ impl Assembly<'_> {
         }
         let proved = planned
             .and_then(|p| p.controlled(self.checked))
-            .map(|c| machine::proved(c.machine, libraries::compose(&c), &self.limits))
+            .map(|c| machine::proved(&c, &self.limits))
             .unwrap_or_default();
         let fits = !has_errors(&proved.findings);
         findings.extend(proved.findings);
@@ -265,6 +264,7 @@ impl Assembly<'_> {
                 })
                 .unwrap_or_default(),
             discharges: proved.discharges,
+            closed: proved.closed,
             refines: proved.refines,
             findings: json::findings(&self.loaded.library.sources, findings),
         }

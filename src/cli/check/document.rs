@@ -111,6 +111,9 @@ pub(super) struct MachineEntry {
     pub(super) components: Vec<ComponentEntry>,
     /// How each assumption of a component is met, where the composition was checked.
     pub(super) discharges: Vec<DischargeEntry>,
+    /// What its controllers do together, where each component has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) closed: Option<ClosedEntry>,
     /// The contracts that it is said to refine.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) refines: Vec<RefinesEntry>,
@@ -124,12 +127,36 @@ pub(super) struct ComponentEntry {
     pub(super) verdict: &'static str,
 }
 
+/// The closed composition: all components are their controllers.
+#[derive(Debug, Serialize)]
+pub(super) struct ClosedEntry {
+    /// `holds`, `broken`, `open` where a controller that went in as its contract leaves something undecided, or `gave_up`.
+    pub(super) verdict: &'static str,
+    /// How many states can be reached: values of all wires, the tables' states, and what is remembered of operations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) states: Option<u64>,
+    /// How each component took part.
+    pub(super) components: Vec<TakenEntry>,
+}
+
+/// How a component took part in the closed composition.
+#[derive(Debug, Serialize)]
+pub(super) struct TakenEntry {
+    pub(super) name: String,
+    /// `table` or `contract`.
+    #[serde(rename = "as")]
+    pub(super) form: &'static str,
+}
+
 /// A contract that a machine is said to refine.
 #[derive(Debug, Serialize)]
 pub(super) struct RefinesEntry {
     pub(super) contract: String,
     /// `refined`, `broken` or `gave_up`.
     pub(super) verdict: &'static str,
+    /// Where the components' contracts do not show it, what the controllers do: `holds`, `broken`, `open` or `gave_up`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) closed: Option<&'static str>,
     /// How each assumption of a component and each guarantee of the contract is met.
     pub(super) discharges: Vec<DischargeEntry>,
 }

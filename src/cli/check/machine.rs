@@ -1,13 +1,16 @@
 //! What `check` says of a machine as a whole: how its components discharge one another's assumptions, whether it keeps its own guarantees, and
 //! whether it refines the contracts that it is said to refine.
 
-use super::document::RefinesEntry;
+use super::document::{ClosedEntry, RefinesEntry, TakenEntry};
+use crate::algebra::closed::{Closed, Form, Met, Verdict};
 use crate::algebra::machine::{COMPLETES, of_machine, of_promise};
-use crate::algebra::proof::{Claim, Open, Proof, prove};
-use crate::algebra::system::System;
+use crate::algebra::proof::{Circle, Claim, Discharged, Proof, prove};
+use crate::algebra::system::{FormulaRef, System};
 use crate::cli::algebra::found;
-use crate::cli::algebra::words::{DischargeEntry, Told, entry};
-use crate::contract::machine::{Machine, Promised};
+use crate::cli::algebra::words::{DischargeEntry, HANDED_ON, Told, entry, rule};
+use crate::cli::closed::{self, bounded, undecided};
+use crate::cli::libraries::{self, Controlled};
+use crate::contract::machine::Promised;
 use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::game::{Limit, Limits, RuleKind};
 use crate::source::Span;
@@ -18,131 +21,267 @@ use crate::station::composition::{By, Composition};
 pub(super) struct Proved {
     /// How each assumption of a component is met, and each guarantee of the machine.
     pub(super) discharges: Vec<DischargeEntry>,
+    /// What its controllers do together.
+    pub(super) closed: Option<ClosedEntry>,
     /// The contracts that it is said to refine.
     pub(super) refines: Vec<RefinesEntry>,
     /// What is wrong.
     pub(super) findings: Vec<Diagnostic>,
 }
 
-/// Proves what is to be shown of a machine. `walked` is what its synthesized coordinator shows beside: what no contract implies may still
-/// hold of the controllers that there are.
-pub(super) fn proved(machine: &Machine, walked: Composition, limits: &Limits) -> Proved {
+/// Proves what is to be shown of a machine: of all controllers that keep the contracts, and of those that there are, since what no contract
+/// implies may still hold of them.
+pub(super) fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
+    let machine = controlled.machine;
     let mut result = Proved::default();
     let (system, claim) = of_machine(machine);
+    let closed = Closed::of_machine(machine, &controlled.controllers);
+    let decided = closed.decide(&bounded(limits));
+    result.closed = Some(closed_entry(&closed, &decided));
+    // Of what is too large for that, the coordinator's states are walked, with all else left free.
+    let walked = match &decided {
+        Ok(_) => Composition::default(),
+        Err(_) => libraries::compose(controlled),
+    };
+    let both = Both {
+        told: Told {
+            system: &system,
+            claim: &claim,
+            whole: &machine.name,
+        },
+        span: machine.span,
+        closed: &closed,
+        verdict: decided.as_ref().ok(),
+        walked: &walked,
+    };
     match prove(&system, &claim, limits) {
-        Ok(proof) => {
-            let told = Told {
-                system: &system,
-                claim: &claim,
-                whole: &machine.name,
-            };
-            // What the walk shows of one assumption relies on all others.
-            let (open, others): (Vec<_>, Vec<_>) =
-                { walked.findings.into_iter() }.partition(|f| f.code == codes::ASSUMPTION_OPEN);
-            let unfinished = !others.is_empty();
-            result.findings.extend(others);
-            let walked = if open.is_empty() {
-                walked.discharges
-            } else {
-                Vec::new()
-            };
-            components(machine, told, proof, &walked, unfinished, &mut result);
-        }
+        Ok(proof) => result.discharges = both.merged(proof, &mut result.findings),
         Err(limit) => {
-            // What the coordinator's states show is then all that there is.
-            result
-                .findings
-                .push(undecided(machine.span, &machine.name, limit));
-            result.findings.extend(walked.findings);
-            result.discharges = walked.discharges.iter().map(by_controllers).collect();
+            // What the controllers show is then all that there is.
+            let limited = undecided(machine.span, &machine.name, limit);
+            if let Some(verdict) = both.verdict {
+                let met = { verdict.met.iter() }.map(|(at, met)| both.shown(*at, *met));
+                result.discharges = met.collect();
+                both.told_open(verdict, &[], &mut result.findings);
+                if !verdict.undecided.is_empty() {
+                    result.findings.push(limited);
+                }
+            } else {
+                result.findings.push(limited);
+                let open = walked.findings.iter();
+                let open = open.filter(|f| f.code == codes::ASSUMPTION_OPEN);
+                result.findings.extend(open.cloned());
+            }
         }
     }
+    if let Ok(verdict) = &decided {
+        let operations = closed::operations(&closed, verdict);
+        result.findings.extend(operations);
+    } else {
+        let walked = walked.findings.into_iter();
+        let others = walked.filter(|f| f.code != codes::ASSUMPTION_OPEN);
+        result.findings.extend(others);
+    }
     for promised in &machine.refines {
-        result
-            .refines
-            .push(refines(machine, promised, limits, &mut result.findings));
+        let refined = refines(controlled, promised, limits, &mut result.findings);
+        result.refines.push(refined);
     }
     result
 }
 
-/// The table of the components, and what is open.
-fn components(
-    machine: &Machine,
-    told: Told<'_>,
-    mut proof: Proof,
-    walked: &[crate::station::composition::Discharge],
-    unfinished: bool,
-    result: &mut Proved,
-) {
-    let shown = |open: &Open| {
-        let name = &told.formula(open.what).name;
-        let owner = told.owner(open.what);
-        let is = |d: &&crate::station::composition::Discharge| {
-            d.component == owner && d.assumption == *name && d.by != By::Line
+/// A proof from contracts, and what the controllers show.
+struct Both<'a> {
+    told: Told<'a>,
+    span: Span,
+    closed: &'a Closed<'a>,
+    /// `None` where a limit was reached.
+    verdict: Option<&'a Verdict>,
+    /// What the coordinator's states show then.
+    walked: &'a Composition,
+}
+
+impl Both<'_> {
+    /// The table of what is met, and the findings of what is not.
+    fn merged(&self, mut proof: Proof, findings: &mut Vec<Diagnostic>) -> Vec<DischargeEntry> {
+        let mut entries: Vec<(FormulaRef, DischargeEntry)> = Vec::new();
+        entries.extend(
+            proof
+                .discharges
+                .iter()
+                .map(|d| (d.what, entry(self.told, d))),
+        );
+        if let Some(verdict) = self.verdict.filter(|_| proof.loops.is_empty()) {
+            for open in &proof.open {
+                if let Some(met) = verdict.is_met(open.what) {
+                    entries.push((open.what, self.shown(open.what, met)));
+                }
+            }
+            let is_met = |at: &FormulaRef| verdict.is_met(*at).is_some();
+            let (resolved, circles) = { proof.circles.into_iter() }
+                .partition(|c: &Circle| c.assumptions.iter().any(is_met));
+            proof.circles = circles;
+            self.told_resolved(resolved, findings);
+            self.told_open(verdict, &members(&proof), findings);
+            let settled =
+                |at: FormulaRef| verdict.is_met(at).is_some() || verdict.is_open(at).is_some();
+            proof.open.retain(|o| !settled(o.what));
+        } else {
+            let shown = self.by_the_walk(&proof);
+            let is_met = |at: &FormulaRef| shown.iter().any(|(known, _)| known == at);
+            proof.open.retain(|o| !is_met(&o.what));
+            proof.circles.retain(|c| !c.assumptions.iter().any(is_met));
+            entries.extend(shown);
+        }
+        entries.sort_by_key(|(at, _)| (at.part.unwrap_or(usize::MAX), at.kind, at.index));
+        self.told_unsettled(&mut proof, findings);
+        entries.into_iter().map(|(_, e)| e).collect()
+    }
+
+    /// What the contracts do not show, and the coordinator's states do. They show an assumption as far as all others are kept, and that
+    /// requests complete where nothing is wrong with an operation.
+    fn by_the_walk(&self, proof: &Proof) -> Vec<(FormulaRef, DischargeEntry)> {
+        let sound = { self.walked.findings.iter() }.all(|f| f.code != codes::ASSUMPTION_OPEN);
+        let complete = self.walked.findings.is_empty() && !self.walked.discharges.is_empty();
+        let shows = |at: FormulaRef| {
+            let name = &self.told.formula(at).name;
+            let owner = self.told.owner(at);
+            let mut walked = self.walked.discharges.iter();
+            let known =
+                walked.any(|d| d.component == owner && d.assumption == *name && d.by != By::Line);
+            (sound && known) || (complete && at.part.is_none() && name == COMPLETES)
         };
-        walked.iter().find(is)
-    };
-    let mut entries: Vec<(crate::algebra::system::FormulaRef, DischargeEntry)> = Vec::new();
-    entries.extend(proof.discharges.iter().map(|d| (d.what, entry(told, d))));
-    let mut settled = Vec::new();
-    for open in &proof.open {
-        if let Some(known) = shown(open) {
-            entries.push((open.what, by_controllers(known)));
-            settled.push(open.what);
+        let open = proof.open.iter().filter(|o| shows(o.what));
+        open.map(|o| {
+            let mut shown = self.shown(o.what, Met::Held);
+            "the coordinator's reachable states".clone_into(&mut shown.by);
+            (o.what, shown)
+        })
+        .collect()
+    }
+
+    /// What the controllers themselves break.
+    fn told_open(&self, verdict: &Verdict, but: &[FormulaRef], findings: &mut Vec<Diagnostic>) {
+        // Of requests it is told operation by operation, and of a circle as one.
+        let open = verdict.open.iter();
+        let open =
+            open.filter(|o| !closed::is_completion(self.closed, o) && !but.contains(&o.what));
+        findings.extend(open.map(|o| closed::open(self.closed, self.told.whole, o, self.span)));
+        assert!(
+            verdict.stuck.is_empty(),
+            "a controller has no answer although its assumptions are kept; please report this"
+        );
+    }
+
+    /// What the contracts do not show, and the controllers neither show nor break.
+    fn told_unsettled(&self, proof: &mut Proof, findings: &mut Vec<Diagnostic>) {
+        let circular = members(proof);
+        // A circle is one finding, and not one for each of its members as well.
+        proof.open.retain(|o| !circular.contains(&o.what));
+        for mut finding in found::of_proof(self.told, proof, &|part| Some(self.at(part))) {
+            let of_justice = proof.open.iter().any(|o| {
+                let formula = self.told.formula(o.what);
+                o.what.kind == RuleKind::Justice
+                    && o.what.part.is_some()
+                    && finding.labels.iter().any(|l| l.0 == formula.span)
+            });
+            // It may come true for a reason that nobody has written down.
+            if of_justice && finding.code == codes::ASSUMPTION_OPEN {
+                finding.severity = Severity::Warning;
+            }
+            findings.push(finding);
         }
     }
-    // That requests complete is shown of the controllers as well, operation by operation; where they do not, that is told there.
-    let completes = |o: &Open| o.what.part.is_none() && told.formula(o.what).name == COMPLETES;
-    if let Some(open) = proof.open.iter().find(|o| completes(o)) {
-        settled.push(open.what);
-        if !unfinished {
-            let walked = DischargeEntry {
-                component: machine.name.clone(),
-                assumption: COMPLETES.to_owned(),
-                rule: "controllers",
-                turn: None,
-                by: "the coordinator's reachable states".to_owned(),
-            };
-            entries.push((open.what, walked));
-        }
-    }
-    proof.open.retain(|o| !settled.contains(&o.what));
-    proof
-        .circles
-        .retain(|c| !c.assumptions.iter().any(|a| settled.contains(a)));
-    entries.sort_by_key(|(at, _)| (at.part.unwrap_or(usize::MAX), at.kind, at.index));
-    result.discharges = entries.into_iter().map(|(_, e)| e).collect();
-    let circular: Vec<_> = { proof.circles.iter() }
-        .flat_map(|c| c.assumptions.iter().copied())
-        .collect();
-    // A circle is one finding, and not one for each of its members as well.
-    proof.open.retain(|o| !circular.contains(&o.what));
-    let at = |part: Option<usize>| -> Option<Span> {
-        let component = part.and_then(|p| machine.components.get(p));
-        Some(component.map_or(machine.span, |c| c.span))
-    };
-    for mut finding in found::of_proof(told, &proof, &at) {
-        let of_justice = proof.open.iter().any(|o| {
-            let formula = told.formula(o.what);
-            o.what.kind == RuleKind::Justice
-                && o.what.part.is_some()
-                && finding.labels.iter().any(|l| l.0 == formula.span)
-        });
-        // It may come true for a reason that nobody has written down.
-        if of_justice && finding.code == codes::ASSUMPTION_OPEN {
+
+    /// Circles of contracts that the controllers get out of.
+    fn told_resolved(&self, circles: Vec<Circle>, findings: &mut Vec<Diagnostic>) {
+        let proof = Proof {
+            circles,
+            ..Proof::default()
+        };
+        for mut finding in found::of_proof(self.told, &proof, &|part| Some(self.at(part))) {
             finding.severity = Severity::Warning;
+            findings.push(finding.with_note(
+                "the controllers that were synthesized do not wait for ever; others that keep these contracts may",
+            ));
         }
-        result.findings.push(finding);
+    }
+
+    /// Where a part stands in the text.
+    fn at(&self, part: Option<usize>) -> Span {
+        let component = part.and_then(|p| self.closed.machine.components.get(p));
+        component.map_or(self.span, |c| c.span)
+    }
+
+    /// What only the controllers show.
+    fn shown(&self, at: FormulaRef, met: Met) -> DischargeEntry {
+        DischargeEntry {
+            component: self.told.owner(at).to_owned(),
+            assumption: self.told.formula(at).name.clone(),
+            rule: match met {
+                Met::Held => "controllers",
+                Met::Exported => rule(Discharged::Exported),
+            },
+            turn: None,
+            by: match met {
+                Met::Held => "all states that the controllers reach".to_owned(),
+                Met::Exported => HANDED_ON.to_owned(),
+            },
+        }
     }
 }
 
-/// A contract that the machine is said to refine.
+/// The assumptions that stand in circles.
+fn members(proof: &Proof) -> Vec<FormulaRef> {
+    let circles = proof.circles.iter();
+    circles
+        .flat_map(|c| c.assumptions.iter().copied())
+        .collect()
+}
+
+/// What the controllers do together, for the document.
+fn closed_entry(closed: &Closed<'_>, decided: &Result<Verdict, Limit>) -> ClosedEntry {
+    let components = closed.machine.components.iter().zip(&closed.taking);
+    ClosedEntry {
+        verdict: word(decided),
+        states: decided.as_ref().ok().map(|v| count(v.states)),
+        components: components
+            .map(|(component, taking)| TakenEntry {
+                name: component.name.clone(),
+                form: match taking.form {
+                    Form::Table => "table",
+                    Form::Contract => "contract",
+                },
+            })
+            .collect(),
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a count that was made of powers of two"
+)]
+fn count(states: f64) -> u64 {
+    states.round() as u64
+}
+
+fn word(decided: &Result<Verdict, Limit>) -> &'static str {
+    match decided {
+        Err(_) => "gave_up",
+        Ok(verdict) if verdict.is_broken() => "broken",
+        Ok(verdict) if !verdict.holds() => "open",
+        Ok(_) => "holds",
+    }
+}
+
+/// A contract that the machine is said to refine. Where the components' contracts do not show it, the controllers may.
 fn refines(
-    machine: &Machine,
+    controlled: &Controlled<'_>,
     promised: &Promised,
     limits: &Limits,
     findings: &mut Vec<Diagnostic>,
 ) -> RefinesEntry {
+    let machine = controlled.machine;
     let (system, claim): (System, Claim) = of_promise(machine, promised);
     let told = Told {
         system: &system,
@@ -152,23 +291,32 @@ fn refines(
     let mut refined = RefinesEntry {
         contract: promised.contract.clone(),
         verdict: "refined",
+        closed: None,
         discharges: Vec::new(),
     };
     match prove(&system, &claim, limits) {
-        Ok(proof) => {
+        Ok(proof) if proof.holds() => {
             refined.discharges = proof.discharges.iter().map(|d| entry(told, d)).collect();
-            if !proof.holds() {
+        }
+        Ok(proof) => {
+            let closed = Closed::of_promise(machine, &controlled.controllers, promised);
+            let decided = closed.decide(&bounded(limits));
+            refined.closed = Some(word(&decided));
+            let both = Both {
+                told,
+                span: promised.span,
+                closed: &closed,
+                verdict: decided.as_ref().ok(),
+                walked: &Composition::default(),
+            };
+            let mut found = Vec::new();
+            refined.discharges = both.merged(proof, &mut found);
+            if !found.is_empty() {
                 refined.verdict = "broken";
-                let at = |part: Option<usize>| -> Option<Span> {
-                    let component = part.and_then(|p| machine.components.get(p));
-                    Some(component.map_or(promised.span, |c| c.span))
-                };
-                findings.extend(
-                    found::of_proof(told, &proof, &at).into_iter().map(|f| {
-                        f.with_label(promised.span, "on the way to refining this contract")
-                    }),
-                );
             }
+            let on_the_way = "on the way to refining this contract";
+            let found = found.into_iter();
+            findings.extend(found.map(|f| f.with_label(promised.span, on_the_way)));
         }
         Err(limit) => {
             refined.verdict = "gave_up";
@@ -176,29 +324,4 @@ fn refines(
         }
     }
     refined
-}
-
-fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
-    Diagnostic::warning(
-        codes::GAVE_UP,
-        span,
-        format!("whether the parts of `{name}` fit together was not decided: {limit}"),
-    )
-    .with_help("give it more with --timeout SECONDS and --memory MIB, or make the domains smaller")
-}
-
-/// What only the controllers that were synthesized show.
-fn by_controllers(discharge: &crate::station::composition::Discharge) -> DischargeEntry {
-    DischargeEntry {
-        component: discharge.component.clone(),
-        assumption: discharge.assumption.clone(),
-        rule: "controllers",
-        turn: None,
-        by: match &discharge.by {
-            By::Guarantee(name) => name.clone(),
-            By::Coordinator => "the coordinator's reachable states".to_owned(),
-            By::Plant => "what the machine's file fixes".to_owned(),
-            By::Line => "the line, checked at every call".to_owned(),
-        },
-    }
 }

@@ -433,50 +433,107 @@ impl<K: Kernel> Board<K> {
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         let all = slip.before.iter().chain(&slip.last).chain([&slip.broken]);
         let variables = Self::mentioned(rules, all.copied());
-        let last = self.steps(rules, &slip.last, &variables)?;
         let broken = self.broken(rules, slip.broken)?;
-        let m = self.m.clone();
-        let bad = match rules[slip.broken].kind {
-            RuleKind::Safety | RuleKind::Justice => broken,
-            RuleKind::Initial | RuleKind::Invariant => {
-                let at_once = m.and(&last.initial, &broken)?;
-                let path = Path {
-                    encoding: &self.encoding,
-                    variables: &variables,
-                    smallest: &smallest(&self.variables),
-                };
-                if let Some(first) = path.state(&m, &at_once)? {
-                    return Ok(Some(vec![first.0]));
-                }
-                if rules[slip.broken].kind == RuleKind::Initial {
-                    return Ok(None);
-                }
-                m.prime(&broken)?
-            }
-        };
         let (key, mut reached) = self.reach(rules, &slip.before, &variables)?;
-        // An invariant that only the last step keeps says nothing of the states before it.
-        let from = last.backward.product(&m, &bad)?;
-        let mut ring = 0;
-        let found = loop {
-            let here = m.and(&reached.rings[ring], &from)?;
-            if !m.is_false(&here) {
-                break Some((ring, here));
-            }
-            ring += 1;
-            if ring == reached.rings.len() && !reached.grow()? {
-                break None;
-            }
-        };
-        let run = match found {
-            Some((ring, here)) => {
-                let last = last.only(&bad)?;
-                Some(self.up_to(&variables, &reached, (ring, &here), &last)?)
-            }
-            None => None,
+        let alike = slip.before == slip.last;
+        let state = rules[slip.broken].kind == RuleKind::Invariant;
+        let run = if alike && state {
+            self.find_state(&variables, &mut reached, &broken)?
+        } else {
+            let last = if alike {
+                reached.steps.clone()
+            } else {
+                self.steps(rules, &slip.last, &variables)?
+            };
+            let kind = rules[slip.broken].kind;
+            self.find_step(&variables, &mut reached, &last, (kind, &broken))?
         };
         self.remember(key, reached);
         Ok(run)
+    }
+
+    /// A shortest run to a state that breaks an invariant, where the last step keeps what all others do.
+    fn find_state(
+        &self,
+        variables: &BTreeSet<VarId>,
+        reached: &mut Reached<K>,
+        broken: &K::Function,
+    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+        let mut ring = 0;
+        loop {
+            let here = self.m.and(&reached.rings[ring], broken)?;
+            if !self.m.is_false(&here) {
+                let smallest = smallest(&self.variables);
+                let run = self
+                    .path(variables, &smallest)
+                    .back_to_start(reached, ring, &here)?;
+                return Ok(Some(run.into_iter().map(|(v, _)| v).collect()));
+            }
+            ring += 1;
+            if ring == reached.rings.len() && !reached.grow()? {
+                return Ok(None);
+            }
+        }
+    }
+
+    /// A shortest run to a last step, kept to `last`, that breaks a rule of this kind.
+    fn find_step(
+        &self,
+        variables: &BTreeSet<VarId>,
+        reached: &mut Reached<K>,
+        last: &Steps<K>,
+        (kind, broken): (RuleKind, &K::Function),
+    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+        let m = &self.m;
+        let bad = match kind {
+            RuleKind::Safety | RuleKind::Justice => broken.clone(),
+            RuleKind::Initial | RuleKind::Invariant => {
+                let at_once = m.and(&last.initial, broken)?;
+                let smallest = smallest(&self.variables);
+                if let Some(first) = self.path(variables, &smallest).state(m, &at_once)? {
+                    return Ok(Some(vec![first.0]));
+                }
+                if kind == RuleKind::Initial {
+                    return Ok(None);
+                }
+                m.prime(broken)?
+            }
+        };
+        // An invariant that only the last step keeps says nothing of the states before it.
+        let from = last.backward.product(m, &bad)?;
+        let mut ring = 0;
+        loop {
+            let here = m.and(&reached.rings[ring], &from)?;
+            if !m.is_false(&here) {
+                let last = last.only(&bad)?;
+                return self
+                    .up_to(variables, reached, (ring, &here), &last)
+                    .map(Some);
+            }
+            ring += 1;
+            if ring == reached.rings.len() && !reached.grow()? {
+                return Ok(None);
+            }
+        }
+    }
+
+    fn path<'a>(&'a self, variables: &'a BTreeSet<VarId>, smallest: &'a [i64]) -> Path<'a> {
+        Path {
+            encoding: &self.encoding,
+            variables,
+            smallest,
+        }
+    }
+
+    /// See [`super::Runs::count`].
+    pub fn count_states(&mut self, rules: &[Rule], keep: &[usize]) -> Result<f64, Limit> {
+        let variables = Self::mentioned(rules, keep.iter().copied());
+        let (key, mut reached) = self.reach(rules, keep, &variables)?;
+        while reached.grow()? {}
+        let share = self.m.export(&[&reached.all]).shares()[0];
+        let bits = reached.steps.now.iter().count();
+        self.remember(key, reached);
+        Ok(share * 2f64.powi(i32::try_from(bits).unwrap_or(i32::MAX)))
     }
 
     /// A run to a state in a ring, and one step more.

@@ -99,6 +99,7 @@ trait Ask: Debug + Send {
         answer: VarId,
         own: &[VarId],
     ) -> Result<Vec<VarId>, Limit>;
+    fn count(&mut self, rules: &[Rule], keep: &[usize]) -> Result<f64, Limit>;
 }
 
 impl Runs {
@@ -194,6 +195,17 @@ impl Runs {
         }
     }
 
+    /// How many states can be reached under these rules, a state being a value for every variable that they mention. Exact below 2⁵³.
+    ///
+    /// # Errors
+    /// When a limit was reached.
+    pub fn count(&mut self, keep: &[usize]) -> Result<f64, Limit> {
+        match self.asked.count(&self.rules, keep) {
+            Err(Limit::Memory) if self.grow()? => self.asked.count(&self.rules, keep),
+            answer => answer,
+        }
+    }
+
     /// Goes on with the large kernel, where that has not been done. Says whether there is any sense in asking again.
     fn grow(&mut self) -> Result<bool, Limit> {
         if self.order.pairs().len() > SMALL_PAIRS {
@@ -229,6 +241,10 @@ impl<K: Kernel> Ask for Board<K> {
         own: &[VarId],
     ) -> Result<Vec<VarId>, Limit> {
         self.find_dependencies(rules, keep, answer, own)
+    }
+
+    fn count(&mut self, rules: &[Rule], keep: &[usize]) -> Result<f64, Limit> {
+        self.count_states(rules, keep)
     }
 }
 

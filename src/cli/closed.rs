@@ -1,0 +1,176 @@
+//! The closed composition of a machine: what is found in it, in words.
+
+use super::algebra::found;
+use super::algebra::words::{Told, lasso_end, steps_table};
+use crate::algebra::closed::{Closed, Misrun, Verdict, Wrong};
+use crate::algebra::machine::COMPLETES;
+use crate::algebra::proof::{Open, Proof};
+use crate::algebra::replay;
+use crate::contract::machine::Machine;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::game::{Limit, Limits};
+use crate::gr1::{VarId, eval};
+use crate::source::Span;
+use std::collections::BTreeSet;
+
+/// A composition with more nodes than this at once is not decided; what decides is never the clock.
+const MOST_NODES: u64 = 3_000_000;
+
+/// How much a closed composition may take.
+pub fn bounded(limits: &Limits) -> Limits {
+    Limits {
+        most_nodes: Some(limits.most_nodes.map_or(MOST_NODES, |n| n.min(MOST_NODES))),
+        ..*limits
+    }
+}
+
+/// An obligation that is not met.
+pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagnostic {
+    let told = Told {
+        system: &closed.system,
+        claim: &closed.claim,
+        whole,
+    };
+    let proof = Proof {
+        open: vec![open.clone()],
+        ..Proof::default()
+    };
+    let at = |part: Option<usize>| -> Option<Span> {
+        let component = part.and_then(|p| closed.machine.components.get(p));
+        Some(component.map_or(span, |c| c.span))
+    };
+    let mut findings = found::of_proof(told, &proof, &at);
+    findings.swap_remove(0)
+}
+
+/// Whether it is that all requests complete: of that it is told operation by operation.
+pub fn is_completion(closed: &Closed<'_>, open: &Open) -> bool {
+    let formula = replay::formula(&closed.system, &closed.claim, open.what);
+    open.what.part.is_none() && formula.name == COMPLETES
+}
+
+/// What is wrong with operations.
+pub fn operations(closed: &Closed<'_>, verdict: &Verdict) -> Vec<Diagnostic> {
+    let misruns = verdict.misruns.iter().map(|m| misrun(closed, m));
+    let unclear = { verdict.unclear.iter() }.map(|o| unclear(closed.machine, *o));
+    misruns.chain(unclear).collect()
+}
+
+fn misrun(closed: &Closed<'_>, misrun: &Misrun) -> Diagnostic {
+    let operation = &closed.machine.operations[misrun.operation];
+    match &misrun.why {
+        Wrong::NeverBegins => Diagnostic::warning(
+            codes::OPERATION,
+            operation.span,
+            format!("the operation `{}` can never begin: an assumption of the coordinator forbids it everywhere", operation.name),
+        )
+        .with_help("weaken that assumption, or add an operation that leads to where it holds"),
+        Wrong::Order(steps) => order(closed, misrun.operation, steps),
+        Wrong::Endless(run) => {
+            let last = &run.cycle[0];
+            let begun = begun(closed, last);
+            let waits = match (active(closed, last), operation.sequence.get(begun)) {
+                (Some(action), _) => format!("wait for {action}"),
+                (None, Some(next)) => format!("wait before {}", name(closed.machine, *next)),
+                (None, None) => "wait before the end".to_owned(),
+            };
+            let steps = [run.prefix.clone(), run.cycle.clone()].concat();
+            Diagnostic::error(
+                codes::REQUEST_INCOMPLETE,
+                operation.span,
+                format!("the operation `{}` may never end: it can {waits} for ever", operation.name),
+            )
+            .with_note(table(closed, &steps) + &lasso_end(run))
+            .with_help("let the coordinator guarantee that it goes on once an action is executed")
+        }
+    }
+}
+
+fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnostic {
+    let machine = closed.machine;
+    let operation = &machine.operations[operation];
+    let last = &steps[steps.len() - 1];
+    let begun = begun(closed, last);
+    let named = |place: usize| {
+        let action = operation.sequence.get(place);
+        action.map_or("to be done".to_owned(), |i| name(machine, *i))
+    };
+    let (before, does) = match active(closed, last) {
+        Some(action) if begun.checked_sub(1).map(named) != Some(action.clone()) => {
+            (begun.saturating_sub(1), format!("asks for {action}"))
+        }
+        _ => (begun, "says that it is done".to_owned()),
+    };
+    Diagnostic::error(
+        codes::OPERATION,
+        operation.span,
+        format!(
+            "after {before} action(s) of `{}` the coordinator {does}, but the operation names {}",
+            operation.name,
+            named(before)
+        ),
+    )
+    .with_note(table(closed, steps) + &format!("step {} is the one", steps.len() - 1))
+    .with_help("make the operation's list and the coordinator's contract agree")
+}
+
+fn name(machine: &Machine, component: usize) -> String {
+    format!("`{}`", machine.components[component].name)
+}
+
+/// How many actions have begun.
+fn begun(closed: &Closed<'_>, values: &[i64]) -> usize {
+    let watch = closed.watch.as_ref();
+    watch.map_or(0, |w| usize::try_from(values[w.begun.index()]).unwrap_or(0))
+}
+
+/// The action that is active: the first declared one that is.
+fn active(closed: &Closed<'_>, values: &[i64]) -> Option<String> {
+    let mut components = closed.machine.components.iter();
+    let active = components.position(|c| {
+        let active = c.active.as_ref();
+        active.is_some_and(|a| eval::holds(a, values, &[]))
+    });
+    active.map(|i| name(closed.machine, i))
+}
+
+/// A run as a table: what is asked for, what says that an action is active, and what says that the operation is done.
+fn table(closed: &Closed<'_>, steps: &[Vec<i64>]) -> String {
+    let mut shown: BTreeSet<VarId> = BTreeSet::new();
+    let machine = closed.machine;
+    shown.extend(closed.watch.as_ref().and_then(|w| w.operation));
+    let active = machine.components.iter().filter_map(|c| c.active.as_ref());
+    for expr in active.chain(&machine.done) {
+        expr.for_each_var(&mut |v, _| {
+            shown.insert(v);
+        });
+    }
+    steps_table(
+        &closed.system,
+        &shown.into_iter().collect::<Vec<_>>(),
+        steps,
+    )
+}
+
+fn unclear(machine: &Machine, operation: usize) -> Diagnostic {
+    let operation = &machine.operations[operation];
+    Diagnostic::warning(
+        codes::OPERATION,
+        operation.span,
+        format!(
+            "whether the operation `{}` runs what it names was not decided: a controller is too large for that",
+            operation.name
+        ),
+    )
+    .with_help("it is checked when the library runs; smaller domains let it be decided beforehand")
+}
+
+/// Nothing was decided.
+pub fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
+    Diagnostic::warning(
+        codes::GAVE_UP,
+        span,
+        format!("whether the parts of `{name}` fit together was not decided: {limit}"),
+    )
+    .with_help("give it more with --timeout SECONDS and --memory MIB, or make the domains smaller")
+}
