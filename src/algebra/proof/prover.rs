@@ -22,6 +22,8 @@ pub struct Prover<'a> {
     order: Order,
     /// Assumptions that were handed on to the environment, by rule.
     exported: Vec<usize>,
+    /// Whether the goal's safety has to be kept step by step.
+    stepwise: bool,
     proof: Proof,
 }
 
@@ -58,8 +60,17 @@ impl<'a> Prover<'a> {
             claim,
             order: Order::default(),
             exported: Vec::new(),
+            stepwise: false,
             proof: Proof::default(),
         })
+    }
+
+    /// The same, but safety of the goal has to be kept step by step, also on runs that cannot go on.
+    pub fn stepwise(self) -> Self {
+        Self {
+            stepwise: true,
+            ..self
+        }
     }
 
     /// Does it all.
@@ -736,6 +747,7 @@ impl<'a> Prover<'a> {
             } else {
                 match self.step_minimal(rule, None, ALL)? {
                     Some(by) => Found::Follows(by),
+                    None if self.stepwise => self.step_of_goal(rule)?,
                     None => self.fairly(rule, reliable)?,
                 }
             };
@@ -748,6 +760,20 @@ impl<'a> Prover<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Safety of the goal with all that was kept so far.
+    fn step_of_goal(&mut self, rule: usize) -> Result<Found, Limit> {
+        let mut all = self.with_assumptions(self.hypotheses());
+        if self.book.rule(rule).kind == RuleKind::Initial {
+            let first = [RuleKind::Initial, RuleKind::Invariant];
+            all.retain(|i| first.contains(&self.book.rule(*i).kind));
+        }
+        if let Some(trace) = self.step(&all, rule, None)? {
+            return Ok(Found::Fails(Broken::Trace(trace)));
+        }
+        let mut holds = |p: &mut Self, kept: &[usize]| p.step_holds(kept, rule, None);
+        Ok(Found::Follows(self.fewest(&all, &mut holds)?))
     }
 
     /// Safety of the goal once more, of infinite runs only: a step that leads to where no run goes on breaks nothing.

@@ -2,6 +2,7 @@
 //! whether it refines the contracts that it is said to refine.
 
 use super::document::RefinesEntry;
+use super::layers;
 use crate::algebra::machine::{COMPLETES, of_machine, of_promise};
 use crate::algebra::proof::{Claim, Open, Proof, prove};
 use crate::algebra::system::System;
@@ -28,6 +29,10 @@ pub(super) struct Proved {
 /// hold of the controllers that there are.
 pub(super) fn proved(machine: &Machine, walked: Composition, limits: &Limits) -> Proved {
     let mut result = Proved::default();
+    // An inner machine is known by what it promises; that it keeps the promise is shown first.
+    layers::promises(machine, limits, &mut result.findings);
+    let beyond = layers::beyond(machine);
+    let machine = machine.abstracted();
     let (system, claim) = of_machine(machine);
     match prove(&system, &claim, limits) {
         Ok(proof) => {
@@ -61,6 +66,11 @@ pub(super) fn proved(machine: &Machine, walked: Composition, limits: &Limits) ->
         result
             .refines
             .push(refines(machine, promised, limits, &mut result.findings));
+    }
+    for finding in &mut result.findings {
+        if [codes::ASSUMPTION_OPEN, codes::PROMISE_BROKEN].contains(&finding.code) {
+            finding.notes.extend(beyond.clone());
+        }
     }
     result
 }
@@ -178,7 +188,7 @@ fn refines(
     refined
 }
 
-fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
+pub(super) fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
     Diagnostic::warning(
         codes::GAVE_UP,
         span,
