@@ -61,6 +61,7 @@ fn libraries_of_three_and_four_layers_agree_with_the_interpreter_step_by_step() 
 #[test]
 fn operations_of_all_layers_run_to_their_end() {
     let folder = folder();
+    let mut took = Vec::new();
     for (file, name) in [
         ("examples/transfer/cell.lw", "TransferCell"),
         ("tests/layers/hall.lw", "Hall"),
@@ -85,13 +86,19 @@ fn operations_of_all_layers_run_to_their_end() {
                 );
                 assert_eq!(ours.map(f64::to_bits), theirs.map(f64::to_bits));
                 assert!((ours[0] - (target / 45.0_f64).round() * 45.0).abs() < 1e-9);
-                // Two picks of 4 steps and two places of 4 steps of theirs, and the table's own time.
-                let actions =
-                    2.0 * 4.0 * 0.8 + 2.0 * 4.0 * 0.6 + 0.5 + 0.01 * (target - 10.0).abs();
-                assert!(a.seconds > actions - 2.0, "{name}: {} s", a.seconds);
+                // Two picks and two places of 4 steps each, and the table; beside them 20, 40 and 30 W.
+                let turning = 0.5 + 0.01 * (target - 10.0).abs();
+                let joules = 120.0 * 8.0 * (0.8 + 0.6) + 90.0 * turning + 90.0 * a.seconds;
+                assert!((a.joules - joules).abs() < 1e-6, "{a:?}, not {joules} J");
+                took.push((a.steps, a.seconds));
             } else {
                 panic!("{name} to {target}: {expected:?}");
             }
         }
+    }
+    let (cell, hall) = took.split_at(took.len() / 2);
+    for ((steps, seconds), (more, longer)) in cell.iter().zip(hall) {
+        assert_eq!(steps + 2, *more);
+        assert!((seconds + 2.0 * 0.2 - longer).abs() < 1e-9);
     }
 }
