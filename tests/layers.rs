@@ -376,7 +376,7 @@ machine Inner {
 machine Outer {
     signal on: bool = true
     parameter heavy: kg = 2
-    machine inner: Inner { operation = operation  go = on  weight = heavy }
+    machine inner: Inner { operation = if operation = all then run else stop  go = on  weight = heavy }
     operation all: inner.run
     done inner.done
 }

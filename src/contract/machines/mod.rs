@@ -350,7 +350,10 @@ fn called<T>(
 ) -> Option<T> {
     let calls = found.into_iter().filter(|d| {
         let argument = |s: Span| c.arguments.iter().any(|a| a.value.span == s);
-        d.code == codes::ARGUMENT && d.span.is_some_and(|s| s == c.contract.span || argument(s))
+        // Of machines that contain each other none would tell it of itself.
+        d.code == codes::MACHINE_IN_ITSELF
+            || d.code == codes::ARGUMENT
+                && d.span.is_some_and(|s| s == c.contract.span || argument(s))
     });
     let before = e.findings.len();
     e.findings.extend(calls);
