@@ -14,6 +14,8 @@ mod expressions;
 mod fixtures;
 #[path = "station/functions.rs"]
 mod functions;
+#[path = "station/layers.rs"]
+mod layers;
 
 use differential::{Random, assert_same, differential};
 use linewright::mealy;

@@ -109,7 +109,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let folder = arguments.out.as_deref().unwrap_or(&default);
     let mut libraries = Vec::new();
     for plan in planned.iter().filter_map(|p| p.controlled(&checked)) {
-        let misfits = libraries::compose(&plan).findings;
+        let misfits = libraries::misfits(&plan);
         let fits = !has_errors(&misfits);
         findings.extend(misfits);
         if !fits {

@@ -1,8 +1,11 @@
 //! Machines with their controllers: whether they fit together, and their station libraries.
 
 use super::output;
+use crate::algebra::machine::of_machine;
+use crate::algebra::proof::prove;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, Severity, codes};
+use crate::game::Limits;
 use crate::mealy;
 use crate::station::composition::{self, Composition};
 use crate::station::profile::Profile;
@@ -22,6 +25,22 @@ pub struct Controlled<'a> {
 /// Whether a machine's coordinator and actions fit together.
 pub fn compose(controlled: &Controlled<'_>) -> Composition {
     composition::check(controlled.machine, &controlled.controllers)
+}
+
+/// What does not fit. The states of coordinators show who answers a wait where one action does; within a machine of machines a wait is
+/// answered by several, one after the other. There the proof has the last word.
+pub fn misfits(controlled: &Controlled<'_>) -> Vec<Diagnostic> {
+    let mut findings = compose(controlled).findings;
+    let doubt =
+        |f: &Diagnostic| f.code == codes::ASSUMPTION_OPEN && f.severity == Severity::Warning;
+    if controlled.machine.layers.inner.is_empty() || !findings.iter().any(doubt) {
+        return findings;
+    }
+    let (system, claim) = of_machine(controlled.machine);
+    if prove(&system, &claim, &Limits::default()).is_ok_and(|proof| proof.holds()) {
+        findings.retain(|f| !doubt(f));
+    }
+    findings
 }
 
 /// What `build` makes.

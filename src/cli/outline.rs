@@ -5,6 +5,7 @@
 //! reserved words: one that begins a line begins a declaration, also where a brace before it is missing.
 
 use crate::source::{FileId, SourceMap, Span};
+use crate::syntax::is_component;
 
 /// What is declared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -46,6 +47,8 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
     let mut keyword: Option<(Kind, usize)> = None;
     for (start, token) in tokens(text) {
         match token {
+            // A machine within a machine declares nothing.
+            "machine" if depth > 0 && is_component(&text[start + token.len()..]) => {}
             "contract" | "machine" | "line" if depth == 0 || begins_line(text, start) => {
                 depth = 0;
                 keyword = Some((

@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
     let controlled: Option<Vec<_>> = planned.iter().map(|p| p.controlled(&checked)).collect();
     for machine in controlled.iter().flatten() {
-        findings.extend(libraries::compose(machine).findings);
+        findings.extend(libraries::misfits(machine));
     }
     let Some(controlled) = controlled.filter(|_| !has_errors(&findings)) else {
         console.failed("run", sources, &findings)?;

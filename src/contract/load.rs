@@ -210,6 +210,12 @@ fn unused(
     let end = sources.file(file.id).text.len();
     let starts: Vec<usize> = file.tree.items.iter().map(start).collect();
     let everything = files.iter().flat_map(|f| &f.tree.items);
+    let machines: Vec<&ast::Machine> = { everything.clone() }
+        .filter_map(|i| match i {
+            ast::Item::Machine(m) => Some(m),
+            _ => None,
+        })
+        .collect();
     let contracts: Vec<&ast::Contract> = everything
         .filter_map(|i| match i {
             ast::Item::Contract(c) => Some(c),
@@ -223,7 +229,7 @@ fn unused(
         let extent = Span::new(file.id, starts[i].min(next), next);
         found.extend(match item {
             ast::Item::Contract(c) => uses::contract(c, extent, sources, &doubt),
-            ast::Item::Machine(m) => uses::machine(m, &contracts, extent, &doubt),
+            ast::Item::Machine(m) => uses::machine(m, &contracts, &machines, extent, &doubt),
             _ => Vec::new(),
         });
     }

@@ -16,9 +16,15 @@
 //! 4. The coordinator's inputs are computed and its assumptions checked; then all advance together.
 //!
 //! A broken assumption ends the step with an error and changes nothing.
+//!
+//! # Layers
+//!
+//! A machine may have machines as components. What is here is flat all the same: the components of an inner machine `left` stand among
+//! the others as `left.pick`, its coordinator is one more, and whatever is emitted or run knows of no layers.
+//! [`Layers`] keeps what proofs need of them.
 
 use super::TaxonomyCode;
-use crate::gr1::{Domain, Expr, Side, Specification, Variable, described};
+use crate::gr1::{BinaryOp, Domain, Expr, Side, Specification, UnaryOp, Variable, described};
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -58,6 +64,29 @@ pub struct Machine {
     pub refines: Vec<Promised>,
     /// What it guarantees as a whole, over wires.
     pub guarantees: Rules,
+    /// The machines that it was made of.
+    pub layers: Layers,
+    /// Where its name stands.
+    pub span: Span,
+}
+
+/// The machines that a machine was made of; none for most.
+#[derive(Debug, Clone, Default)]
+pub struct Layers {
+    /// The machines one layer below, in the order of their declaration.
+    pub inner: Vec<Inner>,
+    /// The same machine as proofs look at it: an inner machine that refines a contract is one component with that contract, and nothing
+    /// is known of it beside. `None` where there are no inner machines.
+    pub abstracted: Option<Arc<Machine>>,
+}
+
+/// A machine within a machine.
+#[derive(Debug, Clone)]
+pub struct Inner {
+    /// Its name there: `left`.
+    pub name: String,
+    /// The machine by itself, with the arguments that it has there.
+    pub machine: Arc<Machine>,
     /// Where its name stands.
     pub span: Span,
 }
@@ -286,6 +315,66 @@ pub enum RealBinary {
 }
 
 impl RealExpr {
+    /// The same with other expressions for properties and for wires.
+    #[must_use]
+    pub fn substitute(
+        &self,
+        property: &impl Fn(usize) -> Self,
+        wire: &impl Fn(usize) -> Self,
+    ) -> Self {
+        let sub = |x: &Self| Box::new(x.substitute(property, wire));
+        match self {
+            Self::Number(x) => Self::Number(*x),
+            Self::Property(i) => property(*i),
+            Self::Wire(i) => wire(*i),
+            Self::Unary(op, a) => Self::Unary(*op, sub(a)),
+            Self::Binary(op, a, b) => Self::Binary(*op, sub(a), sub(b)),
+            Self::If(c, a, b) => Self::If(sub(c), sub(a), sub(b)),
+        }
+    }
+
+    /// Calls `seen` with every property and every wire in it.
+    pub fn for_each(&self, seen: &mut impl FnMut(&Self)) {
+        match self {
+            Self::Number(_) => {}
+            Self::Property(_) | Self::Wire(_) => seen(self),
+            Self::Unary(_, a) => a.for_each(seen),
+            Self::Binary(_, a, b) => {
+                a.for_each(seen);
+                b.for_each(seen);
+            }
+            Self::If(c, a, b) => {
+                c.for_each(seen);
+                a.for_each(seen);
+                b.for_each(seen);
+            }
+        }
+    }
+
+    /// A whole-number expression over wires.
+    pub fn of_wires(expr: &Expr) -> Self {
+        let sub = |x: &Expr| Box::new(Self::of_wires(x));
+        match expr {
+            Expr::Const(c) => Self::Number(*c as f64),
+            Expr::Var(v, _) => Self::Wire(v.index()),
+            Expr::Unary(op, a) => Self::Unary(
+                match op {
+                    UnaryOp::Not => RealUnary::Not,
+                    UnaryOp::Neg => RealUnary::Neg,
+                    UnaryOp::Abs => RealUnary::Abs,
+                },
+                sub(a),
+            ),
+            // Whole numbers are divided downwards.
+            Expr::Binary(BinaryOp::Div, a, b) => {
+                let ratio = Self::Binary(RealBinary::Div, sub(a), sub(b));
+                Self::Unary(RealUnary::Floor, Box::new(ratio))
+            }
+            Expr::Binary(op, a, b) => Self::Binary(RealBinary::of(*op), sub(a), sub(b)),
+            Expr::If(c, a, b) => Self::If(sub(c), sub(a), sub(b)),
+        }
+    }
+
     /// The value, with these properties and wires.
     pub fn eval(&self, properties: &[f64], wires: &[i64]) -> f64 {
         let truth = |b: bool| if b { 1.0 } else { 0.0 };
@@ -333,6 +422,30 @@ impl RealExpr {
                     a.eval(properties, wires)
                 }
             }
+        }
+    }
+}
+
+impl RealBinary {
+    /// The same operator on real numbers.
+    pub fn of(op: BinaryOp) -> Self {
+        match op {
+            BinaryOp::And => Self::And,
+            BinaryOp::Or => Self::Or,
+            BinaryOp::Implies => Self::Implies,
+            BinaryOp::Eq => Self::Eq,
+            BinaryOp::Ne => Self::Ne,
+            BinaryOp::Lt => Self::Lt,
+            BinaryOp::Le => Self::Le,
+            BinaryOp::Gt => Self::Gt,
+            BinaryOp::Ge => Self::Ge,
+            BinaryOp::Add => Self::Add,
+            BinaryOp::Sub => Self::Sub,
+            BinaryOp::Mul => Self::Mul,
+            BinaryOp::Div => Self::Div,
+            BinaryOp::Mod => Self::Mod,
+            BinaryOp::Min => Self::Min,
+            BinaryOp::Max => Self::Max,
         }
     }
 }
@@ -388,6 +501,11 @@ impl Machine {
         });
         let domain = outputs.into_iter().nth(wire - self.plant.len());
         domain.expect("a wire of this machine; please report this")
+    }
+
+    /// The machine as proofs look at it: with what inner machines promise in the place of what they are made of.
+    pub fn abstracted(&self) -> &Self {
+        self.layers.abstracted.as_deref().unwrap_or(self)
     }
 
     /// The coordinator, if there is one: component 0.

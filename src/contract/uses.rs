@@ -181,10 +181,36 @@ fn formals(define: &ast::Define) -> Vec<Diagnostic> {
         .collect()
 }
 
-/// What a machine declares and does not use. `contracts` are those in sight: an input that is not bound takes the signal of its name.
+/// Takes what an inner machine asks for and what is not bound for used; whether there was a machine.
+fn take_plant<'a>(
+    used: &mut Mentions<'a>,
+    machines: &[&'a ast::Machine],
+    name: &str,
+    bound: impl Fn(&str) -> bool,
+) -> bool {
+    let mut any = false;
+    for machine in machines.iter().filter(|m| m.header.name.text == name) {
+        any = true;
+        for item in &machine.items {
+            if let MachineItem::Property(t)
+            | MachineItem::Parameter(t)
+            | MachineItem::Signal(t)
+            | MachineItem::Abstract(t) = item
+                && !bound(&t.name.text)
+            {
+                used.name(&t.name.text);
+            }
+        }
+    }
+    any
+}
+
+/// What a machine declares and does not use. `contracts` and `machines` are those in sight: an input that is not bound takes the signal of
+/// its name.
 pub(super) fn machine<'a>(
     machine: &'a ast::Machine,
     contracts: &[&'a ast::Contract],
+    machines: &[&'a ast::Machine],
     extent: Span,
     doubt: &Doubt<'_>,
 ) -> Vec<Diagnostic> {
@@ -198,7 +224,12 @@ pub(super) fn machine<'a>(
                 let root = |b: &ast::Binding| b.name.text.split('.').next() == Some(name);
                 component.bindings.iter().any(root)
             };
-            if !take_inputs(&mut used, of_name, bound) {
+            let taken = if component.is_machine() {
+                take_plant(&mut used, machines, name, bound)
+            } else {
+                take_inputs(&mut used, of_name, bound)
+            };
+            if !taken {
                 // What it takes is not known.
                 return Vec::new();
             }

@@ -119,7 +119,7 @@ impl Term {
             }
             (_, Self::Int(_) | Self::Real(_), Self::Int(_) | Self::Real(_)) => {
                 let (x, y) = (a.to_real(0), b.to_real(0));
-                let whole = RealExpr::Binary(real_op(op), Box::new(x), Box::new(y));
+                let whole = RealExpr::Binary(RealBinary::of(op), Box::new(x), Box::new(y));
                 let value = whole.eval(&[], &[]);
                 return match op {
                     B::Add | B::Sub | B::Mul | B::Div | B::Mod | B::Min | B::Max => {
@@ -249,7 +249,7 @@ impl Term {
                 },
                 sub(a),
             ),
-            Self::Binary(op, a, b) => RealExpr::Binary(real_op(*op), sub(a), sub(b)),
+            Self::Binary(op, a, b) => RealExpr::Binary(RealBinary::of(*op), sub(a), sub(b)),
             Self::If(c, a, b) => RealExpr::If(sub(c), sub(a), sub(b)),
         }
     }
@@ -268,27 +268,6 @@ fn exact(op: BinaryOp, x: i64, y: i64) -> Option<i64> {
         _ => crate::gr1::eval::binary(op, x, y),
     };
     (value.unsigned_abs() <= LIMIT).then_some(value)
-}
-
-fn real_op(op: BinaryOp) -> RealBinary {
-    match op {
-        BinaryOp::And => RealBinary::And,
-        BinaryOp::Or => RealBinary::Or,
-        BinaryOp::Implies => RealBinary::Implies,
-        BinaryOp::Eq => RealBinary::Eq,
-        BinaryOp::Ne => RealBinary::Ne,
-        BinaryOp::Lt => RealBinary::Lt,
-        BinaryOp::Le => RealBinary::Le,
-        BinaryOp::Gt => RealBinary::Gt,
-        BinaryOp::Ge => RealBinary::Ge,
-        BinaryOp::Add => RealBinary::Add,
-        BinaryOp::Sub => RealBinary::Sub,
-        BinaryOp::Mul => RealBinary::Mul,
-        BinaryOp::Div => RealBinary::Div,
-        BinaryOp::Mod => RealBinary::Mod,
-        BinaryOp::Min => RealBinary::Min,
-        BinaryOp::Max => RealBinary::Max,
-    }
 }
 
 /// What an expression stands for.

@@ -122,6 +122,7 @@ codes! {
     PROMISE_BROKEN = "LW310", "what is promised as a whole is not kept";
     PORTS = "LW311", "the ports of contracts do not fit together";
     INCOMPATIBLE = "LW312", "no environment fits the contracts";
+    MACHINE_IN_ITSELF = "LW313", "a machine contains itself";
 
     LINE_UNKNOWN = "LW401", "a station, part type or route end is not declared";
     LINE_ROUTE = "LW402", "a part has no way onward";

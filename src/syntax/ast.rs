@@ -538,7 +538,7 @@ pub enum MachineItem {
     Signal(Typed),
     /// `abstract ...`
     Abstract(Typed),
-    /// `coordinator ...` or `action ...`
+    /// `coordinator ...`, `action ...` or `machine name: ...`
     Component(Component),
     /// `operation ...`
     Operation {
@@ -577,16 +577,27 @@ pub enum MachineItem {
     Type(TypeDecl),
 }
 
+/// What a component is in its machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// `coordinator ...`
+    Coordinator,
+    /// `action ...`
+    Action,
+    /// `machine ...`: a machine within the machine.
+    Machine,
+}
+
 /// `action turn: Turn(cells = 8) when ... { ... }`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Component {
-    /// Whether it is the coordinator.
-    pub coordinator: bool,
+    /// What it is.
+    pub place: Place,
     /// Its name.
     pub name: Name,
-    /// The contract's name.
+    /// The contract's name, or the machine's.
     pub contract: Name,
-    /// The contract's arguments.
+    /// The contract's arguments, or the machine's.
     pub arguments: Vec<Argument>,
     /// When it is active.
     pub when: Option<Expr>,
@@ -600,10 +611,22 @@ pub struct Component {
     pub broken: bool,
 }
 
+impl Component {
+    /// Whether it is a coordinator.
+    pub fn is_coordinator(&self) -> bool {
+        self.place == Place::Coordinator
+    }
+
+    /// Whether it is a machine within the machine.
+    pub fn is_machine(&self) -> bool {
+        self.place == Place::Machine
+    }
+}
+
 /// `move_a(tx = 1)`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Performed {
-    /// What is done.
+    /// What is done; dotted for an operation of a machine within the machine.
     pub name: Name,
     /// What it is given.
     pub arguments: Vec<Argument>,

@@ -129,6 +129,15 @@ pub(super) fn scan(file: FileId, text: &str) -> Scan {
     scan
 }
 
+/// Whether this follows the word `machine` where a machine stands within another one: `left: PickUnit`, and not `PickUnit {`.
+pub fn is_component(rest: &str) -> bool {
+    let name = rest.trim_start();
+    let end = name
+        .find(|c: char| !c.is_alphanumeric() && c != '_')
+        .unwrap_or(name.len());
+    end > 0 && name[end..].trim_start().starts_with(':')
+}
+
 impl Scanner<'_> {
     fn run(&mut self) {
         let text = self.text;
@@ -192,7 +201,10 @@ impl Scanner<'_> {
     }
 
     fn word(&mut self, word: &str, offset: usize) {
-        if matches!(word, "contract" | "moore" | "machine" | "line" | "import") && self.line_start {
+        if matches!(word, "contract" | "moore" | "machine" | "line" | "import")
+            && self.line_start
+            && !(word == "machine" && is_component(&self.text[offset + word.len()..]))
+        {
             self.missing_brace(word, offset);
         }
         let goes_on = INFIX.contains(&word)

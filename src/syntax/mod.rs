@@ -10,4 +10,5 @@ mod mend;
 mod parser;
 mod spans;
 
+pub use mend::is_component;
 pub use parser::parse;

@@ -120,8 +120,8 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         (
             Rule::bad_machine_item,
             "step" | "idle" | "power" | "limit" | "failures" | "property" | "parameter" | "signal"
-            | "abstract" | "coordinator" | "action" | "operation" | "done" | "write" | "refines"
-            | "guarantee",
+            | "abstract" | "coordinator" | "action" | "machine" | "operation" | "done" | "write"
+            | "refines" | "guarantee",
         ) => Some(Rule::only_machine_item),
         (
             Rule::bad_line_item,
@@ -249,6 +249,7 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
                 "abstract",
                 "coordinator",
                 "action",
+                "machine",
                 "operation",
                 "done",
                 "write",

@@ -265,7 +265,7 @@ impl<'n> Choices<'n> {
 
     fn performed(&mut self) -> Performed {
         Performed {
-            name: self.plain(),
+            name: self.dotted(),
             arguments: self.arguments(0),
         }
     }
@@ -349,7 +349,11 @@ impl<'n> Choices<'n> {
 
     fn component(&mut self) -> Component {
         Component {
-            coordinator: self.maybe(),
+            place: match self.pick(3) {
+                0 => Place::Coordinator,
+                1 => Place::Action,
+                _ => Place::Machine,
+            },
             name: self.plain(),
             contract: self.dotted(),
             arguments: self.arguments(0),

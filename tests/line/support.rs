@@ -375,6 +375,7 @@ fn machine(name: &str, properties: &[&str]) -> Machine {
         failures: None,
         refines: Vec::new(),
         guarantees: linewright::contract::machine::Rules::default(),
+        layers: linewright::contract::machine::Layers::default(),
         span: span(),
     }
 }

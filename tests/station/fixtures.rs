@@ -424,6 +424,7 @@ pub fn manipulator() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
         failures: None,
         refines: Vec::new(),
         guarantees: linewright::contract::machine::Rules::default(),
+        layers: linewright::contract::machine::Layers::default(),
         span: Span::default(),
     };
     with_controllers(machine)
@@ -529,6 +530,7 @@ pub fn belt() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
         failures: None,
         refines: Vec::new(),
         guarantees: linewright::contract::machine::Rules::default(),
+        layers: linewright::contract::machine::Layers::default(),
         span: Span::default(),
     })
 }

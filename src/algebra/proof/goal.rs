@@ -35,6 +35,7 @@ impl Prover<'_> {
         for rule in goals {
             let found = match self.step_minimal(rule, None, ALL)? {
                 Some(by) => Found::Follows(by),
+                None if self.stepwise => self.step_of_goal(rule)?,
                 None => self.fairly(rule, reliable)?,
             };
             match found {
@@ -138,6 +139,20 @@ impl Prover<'_> {
     fn open(&mut self, rule: usize, why: Broken) {
         let what = self.at(rule);
         self.proof.open.push(Open { what, why });
+    }
+
+    /// Safety of the goal with all that was kept so far.
+    fn step_of_goal(&mut self, rule: usize) -> Result<Found, Limit> {
+        let mut all = self.with_assumptions(self.hypotheses());
+        if self.book.rule(rule).kind == RuleKind::Initial {
+            let first = [RuleKind::Initial, RuleKind::Invariant];
+            all.retain(|i| first.contains(&self.book.rule(*i).kind));
+        }
+        if let Some(trace) = self.step(&all, rule, None)? {
+            return Ok(Found::Fails(Broken::Trace(trace)));
+        }
+        let mut holds = |p: &mut Self, kept: &[usize]| p.step_holds(kept, rule, None);
+        Ok(Found::Follows(self.fewest(&all, &mut holds)?))
     }
 
     /// Safety of the goal once more, of infinite runs only: a step that leads to where no run goes on breaks nothing.

@@ -176,3 +176,14 @@ pub fn prove(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, L
 pub fn decide(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, Limit> {
     prover::Prover::new(system, claim, limits)?.quick().prove()
 }
+
+/// The same, but what is claimed of safety has to be kept step by step: it may not rest on what happens later, nor on runs that cannot go
+/// on. Whoever relies on such a claim within a step, as a proof does that knows a machine by the contract that it refines, needs this.
+///
+/// # Errors
+/// When a limit was reached.
+pub fn prove_stepwise(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, Limit> {
+    prover::Prover::new(system, claim, limits)?
+        .stepwise()
+        .prove()
+}

@@ -26,6 +26,8 @@ pub struct Prover<'a> {
     pub(super) shown: Vec<usize>,
     /// Whether it is wanted to know what is needed, and not only that it is enough.
     minimal: bool,
+    /// Whether the goal's safety has to be kept step by step.
+    pub(super) stepwise: bool,
     pub(super) proof: Proof,
 }
 
@@ -64,6 +66,7 @@ impl<'a> Prover<'a> {
             exported: Vec::new(),
             shown: Vec::new(),
             minimal: true,
+            stepwise: false,
             proof: Proof::default(),
         })
     }
@@ -72,6 +75,14 @@ impl<'a> Prover<'a> {
     pub fn quick(self) -> Self {
         Self {
             minimal: false,
+            ..self
+        }
+    }
+
+    /// The same, but safety of the goal has to be kept step by step, also on runs that cannot go on.
+    pub fn stepwise(self) -> Self {
+        Self {
+            stepwise: true,
             ..self
         }
     }
@@ -410,7 +421,7 @@ impl<'a> Prover<'a> {
         self.exported.contains(&rule) || self.book.entries[rule].at.is_some_and(is_given)
     }
 
-    fn step_holds(
+    pub(super) fn step_holds(
         &mut self,
         kept: &[usize],
         rule: usize,
@@ -421,7 +432,7 @@ impl<'a> Prover<'a> {
 
     /// A run up to the first step that breaks a rule, kept to some others. Of a part's assumption the last step is only held to what can be
     /// relied on when the part's inputs are there.
-    fn step(
+    pub(super) fn step(
         &mut self,
         kept: &[usize],
         rule: usize,

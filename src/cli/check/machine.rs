@@ -2,6 +2,7 @@
 //! whether it refines the contracts that it is said to refine.
 
 use super::document::{ClosedEntry, RefinesEntry, TakenEntry};
+use super::layers;
 use crate::algebra::closed::{Closed, Form, Met, Verdict};
 use crate::algebra::machine::{COMPLETES, of_machine, of_promise};
 use crate::algebra::proof::{Circle, Claim, Discharged, Proof, prove};
@@ -10,7 +11,7 @@ use crate::cli::algebra::found;
 use crate::cli::algebra::words::{DischargeEntry, HANDED_ON, Told, entry, rule};
 use crate::cli::closed::{self, bounded, undecided};
 use crate::cli::libraries::{self, Controlled};
-use crate::contract::machine::Promised;
+use crate::contract::machine::{Machine, Promised};
 use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::game::{Limit, Limits, RuleKind};
 use crate::source::Span;
@@ -32,16 +33,19 @@ pub(super) struct Proved {
 /// Proves what is to be shown of a machine: of all controllers that keep the contracts, and of those that there are, since what no contract
 /// implies may still hold of them.
 pub(super) fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
-    let machine = controlled.machine;
     let mut result = Proved::default();
+    // An inner machine is known by what it promises; that it keeps the promise is shown first.
+    layers::promises(controlled.machine, limits, &mut result.findings);
+    let beyond = layers::beyond(controlled.machine);
+    let machine = controlled.machine.abstracted();
     let (system, claim) = of_machine(machine);
-    let closed = Closed::of_machine(machine, &controlled.controllers);
+    let closed = Closed::of_machine(controlled.machine, &controlled.controllers);
     let decided = closed.decide(&bounded(limits));
     result.closed = Some(closed_entry(&closed, &decided));
     // Of what is too large for that, the coordinator's states are walked, with all else left free.
     let walked = match &decided {
-        Ok(_) => Composition::default(),
-        Err(_) => libraries::compose(controlled),
+        Err(_) if !is_layered(controlled) => libraries::compose(controlled),
+        _ => Composition::default(),
     };
     let both = Both {
         told: Told {
@@ -50,8 +54,9 @@ pub(super) fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
             whole: &machine.name,
         },
         span: machine.span,
+        machine,
         closed: &closed,
-        verdict: decided.as_ref().ok(),
+        verdict: decided.as_ref().ok().filter(|_| !is_layered(controlled)),
         walked: &walked,
     };
     match prove(&system, &claim, limits) {
@@ -75,6 +80,10 @@ pub(super) fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
         }
     }
     if let Ok(verdict) = &decided {
+        // The proof knows inner machines by their promises, the controllers are those of all layers.
+        if is_layered(controlled) {
+            both.told_open(verdict, &[], &mut result.findings);
+        }
         let operations = closed::operations(&closed, verdict);
         result.findings.extend(operations);
     } else {
@@ -82,19 +91,31 @@ pub(super) fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
         let others = walked.filter(|f| f.code != codes::ASSUMPTION_OPEN);
         result.findings.extend(others);
     }
-    for promised in &machine.refines {
-        let refined = refines(controlled, promised, limits, &mut result.findings);
+    for (promised, flat) in machine.refines.iter().zip(&controlled.machine.refines) {
+        let refined = refines(controlled, promised, flat, limits, &mut result.findings);
         result.refines.push(refined);
     }
+    for finding in &mut result.findings {
+        if [codes::ASSUMPTION_OPEN, codes::PROMISE_BROKEN].contains(&finding.code) {
+            finding.notes.extend(beyond.clone());
+        }
+    }
     result
+}
+
+/// Whether there are machines in a machine, which its proof knows by what they promise.
+fn is_layered(controlled: &Controlled<'_>) -> bool {
+    controlled.machine.layers.abstracted.is_some()
 }
 
 /// A proof from contracts, and what the controllers show.
 struct Both<'a> {
     told: Told<'a>,
     span: Span,
+    /// The machine as the proof looks at it.
+    machine: &'a Machine,
     closed: &'a Closed<'a>,
-    /// `None` where a limit was reached.
+    /// What they show of the same formulas; `None` where a limit was reached, and for machines of machines.
     verdict: Option<&'a Verdict>,
     /// What the coordinator's states show then.
     walked: &'a Composition,
@@ -208,7 +229,7 @@ impl Both<'_> {
 
     /// Where a part stands in the text.
     fn at(&self, part: Option<usize>) -> Span {
-        let component = part.and_then(|p| self.closed.machine.components.get(p));
+        let component = part.and_then(|p| self.machine.components.get(p));
         component.map_or(self.span, |c| c.span)
     }
 
@@ -274,14 +295,15 @@ fn word(decided: &Result<Verdict, Limit>) -> &'static str {
     }
 }
 
-/// A contract that the machine is said to refine. Where the components' contracts do not show it, the controllers may.
+/// A contract that the machine is said to refine, over the wires of the proof and over those of all layers. Where the components' contracts do not show it, the controllers may.
 fn refines(
     controlled: &Controlled<'_>,
     promised: &Promised,
+    flat: &Promised,
     limits: &Limits,
     findings: &mut Vec<Diagnostic>,
 ) -> RefinesEntry {
-    let machine = controlled.machine;
+    let machine = controlled.machine.abstracted();
     let (system, claim): (System, Claim) = of_promise(machine, promised);
     let told = Told {
         system: &system,
@@ -299,14 +321,15 @@ fn refines(
             refined.discharges = proof.discharges.iter().map(|d| entry(told, d)).collect();
         }
         Ok(proof) => {
-            let closed = Closed::of_promise(machine, &controlled.controllers, promised);
+            let closed = Closed::of_promise(controlled.machine, &controlled.controllers, flat);
             let decided = closed.decide(&bounded(limits));
             refined.closed = Some(word(&decided));
             let both = Both {
                 told,
                 span: promised.span,
+                machine,
                 closed: &closed,
-                verdict: decided.as_ref().ok(),
+                verdict: decided.as_ref().ok().filter(|_| !is_layered(controlled)),
                 walked: &Composition::default(),
             };
             let mut found = Vec::new();

@@ -3,6 +3,7 @@
 mod assembly;
 mod document;
 mod explained;
+mod layers;
 mod machine;
 mod table;
 mod view;

@@ -1,6 +1,6 @@
 //! Components in their places: every input bound, no loop within a step.
 
-use super::{Parts, jobs, plant};
+use super::{Parts, jobs, nested, plant, same_step};
 use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::machine::{ActionTime, Component, RealExpr, Role};
 use crate::contract::shape::{Segment, entries, measured, way};
@@ -8,7 +8,7 @@ use crate::contract::units::Unit;
 use crate::contract::value::{Dimension, Term, Type, Value};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::interval::{Interval, interval};
-use crate::gr1::{Domain, Expr, Specification, Time, Timing, VarId};
+use crate::gr1::{Domain, Expr, Specification, Time, VarId};
 use crate::source::Span;
 use crate::syntax::ast;
 use std::collections::BTreeMap;
@@ -59,10 +59,17 @@ pub(super) fn scope_of_wires<'a>(e: &Elaborator<'a>, parts: &Parts<'a>) -> Elabo
 pub(super) fn component<'a>(
     e: &mut Elaborator<'a>,
     wires: &mut Elaborator<'a>,
-    parts: &Parts<'a>,
+    parts: &mut Parts<'a>,
     index: usize,
     firsts: &[usize],
 ) -> Option<Component> {
+    if let Some(mut nested) = parts.nested[index].take() {
+        let decl = parts.components[index].0;
+        nested::no_settings(e, decl);
+        nested.properties = nested::bind_properties(e, parts, decl, &nested);
+        parts.nested[index] = Some(nested);
+    }
+    let parts = &*parts;
     let (decl, specification) = &parts.components[index];
     let mut known: Vec<&str> = specification
         .inputs()
@@ -70,6 +77,9 @@ pub(super) fn component<'a>(
         .map(|name| way(name).0)
         .collect();
     known.dedup();
+    if let Some(nested) = &parts.nested[index] {
+        known.extend(nested.level.properties.keys().map(String::as_str));
+    }
     for b in &decl.bindings {
         if !known.contains(&way(&b.name.text).0) {
             let help = match nearest(&b.name.text, known.iter().copied()) {
@@ -85,7 +95,7 @@ pub(super) fn component<'a>(
         }
     }
     bindings_once(wires, decl, specification);
-    let active = match (&decl.when, decl.coordinator) {
+    let active = match (&decl.when, decl.is_coordinator()) {
         (Some(when), false) => wires
             .boolean(when, Time::Now)
             .and_then(|t| wires.formula(&t, when.span)),
@@ -110,49 +120,7 @@ pub(super) fn component<'a>(
     if bindings.len() != specification.inputs().count() {
         return None;
     }
-    // Same-step loops: a Mealy action may read what stands on the wires before it answers.
-    if specification.timing == Timing::Mealy {
-        let readable = |wire: usize| {
-            wire < parts.plant.len()
-                || parts.components.iter().enumerate().any(|(i, (_, s))| {
-                    let range = firsts[i]..firsts[i] + s.outputs().count();
-                    range.contains(&wire) && (s.timing == Timing::Moore || i < index)
-                })
-        };
-        for (expr, id) in bindings.iter().zip(specification.inputs()) {
-            let mut offending = None;
-            expr.for_each_var(&mut |v, _| {
-                if !readable(v.index()) {
-                    offending = Some(v.index());
-                }
-            });
-            if let Some(wire) = offending {
-                let input = &specification.variable(id).name;
-                let owner = firsts.iter().rposition(|f| *f <= wire).unwrap_or(index);
-                let other = &parts.components[owner].0.name.text;
-                let span = decl
-                    .bindings
-                    .iter()
-                    .find(|b| b.name.text == *input)
-                    .map_or(decl.name.span, |b| b.value.span);
-                let what = if owner == index {
-                    format!("`{}` reads its own output in the same step", decl.name.text)
-                } else {
-                    format!(
-                        "`{}` reads `{other}`, which answers after it in the same step",
-                        decl.name.text
-                    )
-                };
-                wires.findings.push(
-                    Diagnostic::error(codes::SAME_STEP_LOOP, span, what).with_help(if owner == index {
-                        "make the contract `moore`, or drop the feedback".to_owned()
-                    } else {
-                        format!("declare `{other}` before `{}`, or make one of the two contracts `moore`", decl.name.text)
-                    }),
-                );
-            }
-        }
-    }
+    same_step::check(wires, parts, index, firsts, &bindings);
     let properties = parts.properties.len();
     let time = decl.time.as_ref().and_then(|(value, per_step)| {
         let term = e.quantity(value, Dimension::Time)?;
@@ -168,7 +136,10 @@ pub(super) fn component<'a>(
         .as_ref()
         .and_then(|value| e.quantity(value, Dimension::Power))
         .map_or(RealExpr::Number(0.0), |t| t.to_real(properties));
-    if (decl.time.is_some() || decl.power.is_some()) && decl.when.is_none() && !decl.coordinator {
+    if (decl.time.is_some() || decl.power.is_some())
+        && decl.when.is_none()
+        && !decl.is_coordinator()
+    {
         wires.error_with(
             codes::OPERATION,
             decl.name.span,
@@ -182,7 +153,7 @@ pub(super) fn component<'a>(
     Some(Component {
         name: decl.name.text.clone(),
         contract: decl.contract.text.clone(),
-        role: if decl.coordinator {
+        role: if decl.is_coordinator() {
             Role::Coordinator
         } else {
             Role::Action
@@ -429,7 +400,7 @@ fn otherwise<'a>(
         return Some(Some((term, b.value.span)));
     }
     // Of several coordinators with an output of that name none is meant.
-    let led = parts.components.iter().filter(|(c, _)| c.coordinator);
+    let led = parts.components.iter().filter(|(c, _)| c.is_coordinator());
     let mut outputs = led
         .filter(|(c, _)| c.name.text != decl.name.text)
         .filter_map(|(c, _)| wires.variables.get(&format!("{}.{name}", c.name.text)));

@@ -22,6 +22,11 @@ pub(super) struct Job<'a> {
     pub arguments: &'a [ast::Argument],
 }
 
+/// Who performs what stands in a sequence: `left` of `left.fetch`.
+pub(super) fn performer(run: &str) -> &str {
+    run.split('.').next().unwrap_or(run)
+}
+
 /// The operations that run an action, in order, each once.
 pub(super) fn jobs<'a>(machine: &'a ast::Machine, action: &str) -> Vec<Job<'a>> {
     let mut found = Vec::new();
@@ -29,7 +34,9 @@ pub(super) fn jobs<'a>(machine: &'a ast::Machine, action: &str) -> Vec<Job<'a>> 
         let MachineItem::Operation { name, sequence, .. } = item else {
             continue;
         };
-        let mut runs = sequence.iter().filter(|p| p.name.text == action);
+        let mut runs = sequence
+            .iter()
+            .filter(|p| performer(&p.name.text) == action);
         if let Some(first) = runs.next() {
             found.push(Job {
                 operation: name,
@@ -55,12 +62,13 @@ pub(super) fn check(e: &mut Elaborator<'_>, parts: &Parts<'_>, sources: &SourceM
             let component = parts
                 .components
                 .iter()
-                .find(|(c, _)| c.name.text == run.name.text && !c.coordinator);
+                .find(|(c, _)| c.name.text == performer(&run.name.text) && !c.is_coordinator());
             if let Some((_, specification)) = component {
                 inputs_exist(e, run, specification);
             }
             let mut earlier = sequence[..i].iter();
-            if let Some(first) = earlier.find(|p| p.name.text == run.name.text)
+            if let Some(first) =
+                earlier.find(|p| performer(&p.name.text) == performer(&run.name.text))
                 && !same(sources, &first.arguments, &run.arguments)
             {
                 e.findings.push(

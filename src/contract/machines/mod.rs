@@ -1,10 +1,13 @@
 //! From a machine's syntax tree and arguments to its model: contracts instantiated, wires laid, expressions resolved.
 
 mod component;
+mod expand;
 mod jobs;
+mod nested;
 mod plant;
 mod promises;
 mod properties;
+mod same_step;
 mod settings;
 
 pub(super) use properties::{
@@ -14,13 +17,14 @@ pub(super) use settings::{failures, positive};
 
 use super::elaborate::{Elaborator, nearest};
 use super::instantiate::{self, Arguments, instantiate};
-use super::machine::{Machine, PlantInput, Property, PropertyKind, Rules};
+use super::machine::{Layers, Machine, PlantInput, Property, PropertyKind, Rules};
 use super::scope::{self, Decl, Scope, double};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{Domain, Specification, Timing};
 use crate::source::{SourceMap, Span};
 use crate::syntax::ast::{self, MachineItem};
 use component::{component, scope_of_wires};
+use nested::{Level, Nested, nested};
 use plant::{declare_plant, operations};
 use settings::settings;
 use std::collections::BTreeMap;
@@ -36,7 +40,12 @@ struct Parts<'a> {
     property_types: BTreeMap<String, (usize, PropertyType)>,
     plant: Vec<PlantInput>,
     plant_entries: BTreeMap<String, Vec<usize>>,
+    /// A machine stands among them with its view for a contract.
     components: Vec<(&'a ast::Component, Arc<Specification>)>,
+    /// For every component, the machine that it is.
+    nested: Vec<Option<Nested>>,
+    /// The machines that this one stands within, the outermost first, and its own name.
+    path: Vec<&'a str>,
 }
 
 /// A machine with these arguments. `None` when something is wrong; findings say what.
@@ -48,6 +57,19 @@ pub(super) fn machine(
     call: Option<Span>,
     findings: &mut Vec<Diagnostic>,
 ) -> Option<Machine> {
+    level(scope, sources, machine, given, call, &[], findings).map(expand::finish)
+}
+
+/// The same as it is written, with its layers. `path` are the machines that it stands within.
+fn level(
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+    machine: &ast::Machine,
+    given: &Arguments,
+    call: Option<Span>,
+    path: &[&str],
+    findings: &mut Vec<Diagnostic>,
+) -> Option<Level> {
     let mut e = scope.elaborator();
     e.real = true;
     if instantiate::bind(&mut e, &machine.header.parameters, given, call).is_none() {
@@ -68,6 +90,8 @@ pub(super) fn machine(
         plant: Vec::new(),
         plant_entries: BTreeMap::new(),
         components: Vec::new(),
+        nested: Vec::new(),
+        path: [path, &[machine.header.name.text.as_str()]].concat(),
     };
     let result = build(&mut e, &mut parts, scope, sources);
     let broken = e.refused();
@@ -80,12 +104,12 @@ fn build<'a>(
     parts: &mut Parts<'a>,
     scope: &Scope<'_>,
     sources: &SourceMap,
-) -> Option<Machine> {
+) -> Option<Level> {
     let machine = parts.machine;
     no_doubles(e, machine);
     declare_properties(e, parts);
     instantiate_components(e, parts, scope, sources);
-    let operations = operations(e, parts);
+    let (operations, performed) = operations(e, parts);
     jobs::check(e, parts, sources);
     declare_plant(e, parts);
     let mut model = Machine {
@@ -105,6 +129,7 @@ fn build<'a>(
         failures: None,
         refines: Vec::new(),
         guarantees: Rules::default(),
+        layers: Layers::default(),
         span: machine.header.name.span,
     };
     settings::numbers(e, machine, &mut model);
@@ -162,7 +187,12 @@ fn build<'a>(
             "a machine has both `operation ...` and `done ...`, or neither (a belt that is only stepped)",
         );
     }
-    Some(model)
+    Some(Level {
+        machine: model,
+        nested: std::mem::take(&mut parts.nested),
+        performed,
+        properties: std::mem::take(&mut parts.property_types),
+    })
 }
 
 /// Statements that may stand once, and names that may be declared once.
@@ -296,7 +326,6 @@ fn instance<'a>(
         &c.arguments,
         &c.contract.text,
     );
-    // What is wrong within the contract is reported once, with the contract; here only what the call gets wrong.
     let mut found = Vec::new();
     let instance = instantiate(
         scope,
@@ -306,30 +335,41 @@ fn instance<'a>(
         Some(c.contract.span),
         &mut found,
     );
+    let instance = called(e, c, found, "contract", instance)?;
+    Some(instance.specification)
+}
+
+/// What came of a call. What is wrong within the contract or machine (`what`) is reported once, where it stands; here only what the call
+/// gets wrong.
+fn called<T>(
+    e: &mut Elaborator<'_>,
+    c: &ast::Component,
+    found: Vec<Diagnostic>,
+    what: &str,
+    result: Option<T>,
+) -> Option<T> {
     let calls = found.into_iter().filter(|d| {
         let argument = |s: Span| c.arguments.iter().any(|a| a.value.span == s);
-        d.code == codes::ARGUMENT && d.span.is_some_and(|s| s == c.contract.span || argument(s))
+        // Of machines that contain each other none would tell it of itself.
+        d.code == codes::MACHINE_IN_ITSELF
+            || d.code == codes::ARGUMENT
+                && d.span.is_some_and(|s| s == c.contract.span || argument(s))
     });
     let before = e.findings.len();
     e.findings.extend(calls);
-    if let Some(instance) = instance {
-        return Some(instance.specification);
+    if result.is_some() {
+        return result;
     }
-    // Without arguments the contract is wrong by itself.
+    // Without arguments it is wrong by itself.
     if c.arguments.is_empty() {
         e.tainted = true;
     } else if e.findings.len() == before {
+        let name = &c.contract.text;
         e.error_with(
             codes::NAME_UNKNOWN,
             c.contract.span,
-            format!(
-                "the contract `{}` cannot be used with these arguments",
-                c.contract.text
-            ),
-            format!(
-                "see the findings of `{}`, or other arguments",
-                c.contract.text
-            ),
+            format!("the {what} `{name}` cannot be used with these arguments"),
+            format!("see the findings of `{name}`, or other arguments"),
         );
     }
     None
@@ -346,7 +386,7 @@ fn instantiate_components<'a>(
         _ => None,
     });
     let mut ordered: Vec<&'a ast::Component> = items.collect();
-    ordered.sort_by_key(|c| !c.coordinator);
+    ordered.sort_by_key(|c| !c.is_coordinator());
     if ordered.is_empty() {
         e.error_with(
             codes::OPERATION,
@@ -356,12 +396,18 @@ fn instantiate_components<'a>(
         );
     }
     for c in ordered {
-        if let Some(specification) = instance(e, scope, sources, c) {
+        if c.is_machine() {
+            if let Some((nested, view)) = nested(e, parts, scope, sources, c) {
+                parts.components.push((c, view));
+                parts.nested.push(Some(nested));
+            }
+        } else if let Some(specification) = instance(e, scope, sources, c) {
             parts.components.push((c, specification));
+            parts.nested.push(None);
         }
     }
     for (c, s) in &parts.components {
-        if c.coordinator && s.timing != Timing::Moore {
+        if c.is_coordinator() && s.timing != Timing::Moore {
             e.findings.push(
                 Diagnostic::error(
                     codes::COORDINATOR_KIND,

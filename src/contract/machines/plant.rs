@@ -1,6 +1,7 @@
 //! What the plant gives: the operation, signals, and abstractions of properties.
 
 use super::Parts;
+use super::jobs::performer;
 use super::properties::{PropertyType, assigned, assigned_array};
 use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::instantiate::taxonomy_codes;
@@ -12,8 +13,14 @@ use crate::gr1::Domain;
 use crate::source::Span;
 use crate::syntax::ast::{self, ExprKind, Machine, MachineItem, Performed};
 
-/// The jobs, and the plant wire that selects one: wire 0.
-pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> Vec<Operation> {
+/// A component that runs, and which operation of it where it is a machine.
+type Run = (usize, Option<usize>);
+
+/// The jobs, each with the components that it runs, and the plant wire that selects one: wire 0.
+pub(super) fn operations<'a>(
+    e: &mut Elaborator<'a>,
+    parts: &mut Parts<'a>,
+) -> (Vec<Operation>, Vec<Vec<Run>>) {
     let mut declared = Vec::new();
     for item in &parts.machine.items {
         if let MachineItem::Operation {
@@ -26,7 +33,7 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
         }
     }
     if declared.is_empty() {
-        return Vec::new();
+        return (Vec::new(), Vec::new());
     }
     // The type of the input that is bound to `operation` is the type of the wire; where several coordinators have jobs, the wire
     // has those of all.
@@ -82,6 +89,7 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
     });
     parts.plant_entries.insert("operation".to_owned(), vec![0]);
     let mut result = Vec::new();
+    let mut performed = Vec::new();
     for (name, code_names, sequence) in declared {
         let Some(value) = labels.iter().position(|l| *l == name.text) else {
             let mut finding = Diagnostic::error(
@@ -101,57 +109,75 @@ pub(super) fn operations<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) -> V
             e.findings.push(finding);
             continue;
         };
-        let mut indices = Vec::new();
+        let mut runs: Vec<Run> = Vec::new();
         for Performed { name: action, .. } in sequence {
-            match parts
-                .components
-                .iter()
-                .position(|(c, _)| c.name.text == action.text && !c.coordinator)
-            {
-                Some(i) => indices.push(i),
-                None if is_action(parts.machine, &action.text) => e.tainted = true,
-                None => {
-                    let actions = parts.components.iter().filter(|(c, _)| !c.coordinator);
-                    let known = actions.map(|(c, _)| c.name.text.as_str());
-                    let help = match nearest(&action.text, known) {
-                        Some(near) => format!("did you mean `{near}`?"),
-                        None => "name actions of this machine, in the order in which they run"
-                            .to_owned(),
-                    };
-                    e.error_with(
-                        codes::NAME_UNKNOWN,
-                        action.span,
-                        format!("this machine has no action `{}`", action.text),
-                        help,
-                    );
-                }
-            }
+            runs.extend(run(e, parts, action, false));
         }
         if sequence.is_empty() {
-            match parts
-                .components
-                .iter()
-                .position(|(c, _)| c.name.text == name.text && !c.coordinator)
-            {
-                Some(i) => indices.push(i),
-                None if is_action(parts.machine, &name.text) => e.tainted = true,
-                None => e.error_with(
-                    codes::OPERATION,
-                    name.span,
-                    format!("no action is called `{}`", name.text),
-                    "name the actions after a colon: `operation emptying: pick, turn, place`",
-                ),
-            }
+            runs.extend(run(e, parts, name, true));
         }
         result.push(Operation {
             name: name.text.clone(),
             codes: taxonomy_codes(code_names, &mut e.findings),
-            sequence: indices,
+            sequence: runs.iter().map(|(component, _)| *component).collect(),
             value: value as i64,
             span: name.span,
         });
+        performed.push(runs);
     }
-    result
+    (result, performed)
+}
+
+/// What a name in a sequence runs. `alone` says that it is the operation's own name.
+fn run<'a>(
+    e: &mut Elaborator<'a>,
+    parts: &Parts<'a>,
+    name: &'a ast::Name,
+    alone: bool,
+) -> Option<Run> {
+    let who = performer(&name.text);
+    let is = |(c, _): &(&ast::Component, _)| c.name.text == who && !c.is_coordinator();
+    if let Some(place) = parts.components.iter().position(is) {
+        return match &parts.nested[place] {
+            Some(nested) => Some((place, Some(nested.operation(e, name)?))),
+            None if who == name.text => Some((place, None)),
+            None => {
+                e.error_with(
+                    codes::NAME_UNKNOWN,
+                    name.span,
+                    format!("`{who}` is an action, and has no operations"),
+                    format!("write `{who}`"),
+                );
+                None
+            }
+        };
+    }
+    if is_action(parts.machine, who) {
+        e.tainted = true;
+        return None;
+    }
+    if alone {
+        e.error_with(
+            codes::OPERATION,
+            name.span,
+            format!("no action is called `{who}`"),
+            "name the actions after a colon: `operation emptying: pick, turn, place`",
+        );
+        return None;
+    }
+    let actions = parts.components.iter().filter(|(c, _)| !c.is_coordinator());
+    let known = actions.map(|(c, _)| c.name.text.as_str());
+    let help = match nearest(who, known) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => "name actions of this machine, in the order in which they run".to_owned(),
+    };
+    e.error_with(
+        codes::NAME_UNKNOWN,
+        name.span,
+        format!("this machine has no action `{who}`"),
+        help,
+    );
+    None
 }
 
 /// Whether a binding is the wire that says which operation runs.
@@ -239,8 +265,7 @@ pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
 
 /// Whether the machine declares an action of this name, also one that could not be used.
 fn is_action(machine: &Machine, name: &str) -> bool {
-    machine
-        .items
-        .iter()
-        .any(|i| matches!(i, MachineItem::Component(c) if !c.coordinator && c.name.text == name))
+    machine.items.iter().any(
+        |i| matches!(i, MachineItem::Component(c) if !c.is_coordinator() && c.name.text == name),
+    )
 }

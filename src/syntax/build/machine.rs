@@ -1,6 +1,6 @@
 //! Machines: properties, components, operations.
 
-use super::super::ast::{Binding, Component, Machine, MachineItem, Performed, Typed};
+use super::super::ast::{Binding, Component, Machine, MachineItem, Performed, Place, Typed};
 use super::super::parser::Rule;
 use super::{Builder, Children};
 use crate::diagnostics::{Diagnostic, codes};
@@ -122,7 +122,7 @@ impl Builder {
         let contract = self.name(&c.next());
         let arguments = c.take(Rule::arguments);
         let mut refines = Component {
-            coordinator: false,
+            place: Place::Action,
             name: contract.clone(),
             contract,
             arguments: self.arguments(arguments),
@@ -162,14 +162,18 @@ impl Builder {
     pub(super) fn component(&mut self, pair: Pair<'_, Rule>) -> Component {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
-        let coordinator = c.next().as_str().trim() == "coordinator";
+        let place = match c.next().as_str().trim() {
+            "coordinator" => Place::Coordinator,
+            "machine" => Place::Machine,
+            _ => Place::Action,
+        };
         let name = self.name(&c.next());
         let contract = self.name(&c.next());
         let arguments = c.take(Rule::arguments);
         let arguments = self.arguments(arguments);
         let when = c.take(Rule::expression).map(|e| self.expr(e));
         let mut component = Component {
-            coordinator,
+            place,
             name,
             contract,
             arguments,

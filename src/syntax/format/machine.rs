@@ -1,6 +1,6 @@
 //! Machines.
 
-use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Typed};
+use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Place, Typed};
 use super::printer::Printer;
 use crate::source::Span;
 
@@ -115,10 +115,10 @@ impl Printer<'_> {
     }
 
     fn component(&mut self, place: Span, c: &Component) {
-        self.put(if c.coordinator {
-            "coordinator "
-        } else {
-            "action "
+        self.put(match c.place {
+            Place::Coordinator => "coordinator ",
+            Place::Action => "action ",
+            Place::Machine => "machine ",
         });
         self.name(&c.name);
         self.put(": ");
