@@ -3,6 +3,8 @@
 
 #[path = "algebra/machines.rs"]
 mod machines;
+#[path = "algebra/mutants.rs"]
+mod mutants;
 #[path = "algebra/pairs.rs"]
 mod pairs;
 #[path = "algebra/tables.rs"]

@@ -6,6 +6,8 @@ mod examples;
 mod explorer;
 #[path = "line_proof/lines.rs"]
 mod lines;
+#[path = "algebra/mutants.rs"]
+mod mutants;
 #[path = "line_proof/random.rs"]
 mod random;
 #[path = "line_proof/replay.rs"]
@@ -13,3 +15,5 @@ mod replay;
 #[path = "line/support.rs"]
 #[allow(dead_code, reason = "shared with the tests of the runner")]
 mod support;
+#[path = "algebra/tables.rs"]
+mod tables;

@@ -91,7 +91,9 @@ fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, cou
             counts.for_the_step += 1;
         }
     }
-    let environment = found.by.iter().all(|at| at.part.is_none());
+    // A goal may rest on others that were shown before it.
+    let given = |at: &FormulaRef| at.part.is_none() && at.half == Half::Assumptions;
+    let environment = found.by.iter().all(given);
     let justice = found.by.iter().any(|at| at.kind == RuleKind::Justice);
     match found.rule {
         Discharged::Environment => assert!(environment),

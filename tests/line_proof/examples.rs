@@ -1,5 +1,6 @@
 //! The lines of `examples`: what is proved of them, and that the proof rests on what it says.
 
+use crate::mutants::nothing_can_be_left_out;
 use crate::replay::accepts;
 use crate::support::{Builder, constant};
 use linewright::algebra::proof::prove;
@@ -309,19 +310,43 @@ fn what_is_left_out_is_missed_or_was_not_needed() {
     assert!(missed > not_needed.len());
 }
 
-/// The same over the table of the proof: everything that a discharge names is needed for it.
-#[test]
-#[ignore = "takes many minutes"]
-fn everything_that_the_table_names_is_needed() {
-    let abstraction = Abstraction::of(&load(ICE)).unwrap();
-    let proof = prove(&abstraction.system, &abstraction.claim, &Limits::default()).unwrap();
+/// The table of a line, and its mutants.
+fn table_of(path: &str) -> (usize, usize) {
+    let abstraction = Abstraction::of(&load(path)).unwrap();
+    let Abstraction { system, claim, .. } = &abstraction;
+    let proof = prove(system, claim, &Limits::default()).unwrap();
     assert!(proof.holds());
-    assert!(proof.discharges.len() >= abstraction.claim.goal.all().count());
-    for discharge in &proof.discharges {
-        for named in &discharge.by {
-            let weaker = without(&abstraction, *named);
-            let again = prove(&weaker.system, &weaker.claim, &Limits::default()).unwrap();
-            assert!(!again.holds(), "{discharge:?} does not need {named:?}");
-        }
+    for (kind, index, formula) in formulas(&claim.goal) {
+        let at = FormulaRef {
+            part: None,
+            half: Half::Guarantees,
+            kind,
+            index,
+        };
+        let shown = proof.discharges.iter().any(|d| d.what == at);
+        assert!(shown || claim.lemmas.contains(&at), "{}", formula.name);
     }
+    let counts = nothing_can_be_left_out(system, claim, &proof);
+    println!(
+        "{path}: {} lines of the table, {} mutants, all of them fail",
+        counts.0, counts.1
+    );
+    counts
+}
+
+/// That everything goes on is in these tables, too.
+#[test]
+fn nothing_that_the_tables_of_lines_name_can_be_left_out() {
+    let loader = table_of("examples/loader/line.lw");
+    let milled = table_of("examples/ice-lab/milled.lw");
+    assert!(
+        loader.0 + milled.0 > 40 && loader.1 + milled.1 > 150,
+        "{loader:?} {milled:?}"
+    );
+}
+
+#[test]
+#[ignore = "takes an hour"]
+fn nothing_that_the_table_of_the_laboratory_names_can_be_left_out() {
+    table_of(ICE);
 }

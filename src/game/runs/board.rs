@@ -68,6 +68,20 @@ pub struct Reached<K: Kernel> {
     pub complete: bool,
 }
 
+/// A question about runs without an end.
+struct Question<K: Kernel> {
+    /// The variables that it mentions.
+    variables: BTreeSet<VarId>,
+    /// To remember what was reached by.
+    key: Vec<usize>,
+    /// What can be reached.
+    reached: Reached<K>,
+    /// The steps after which nothing is met any more that is not to be met again.
+    steps: Steps<K>,
+    /// What is met again and again.
+    again: Vec<K::Function>,
+}
+
 impl<K: Kernel> Reached<K> {
     /// One ring more; says whether there was one.
     fn grow(&mut self) -> Result<bool, Limit> {
@@ -293,37 +307,47 @@ impl<K: Kernel> Board<K> {
         self.reached.push((key, reached));
     }
 
-    /// See [`super::Runs::lasso`].
-    pub fn find_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+    /// What a question about runs without an end is about.
+    fn question(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Question<K>, Limit> {
         let all = { wanted.keep.iter() }
             .chain(&wanted.again)
             .chain(&wanted.never_again);
         let variables = Self::mentioned(rules, all.copied());
-        let (key, mut reached) = self.reach(rules, &wanted.keep, &variables)?;
-        let m = self.m.clone();
-        let mut settled = m.constant(true);
+        let (key, reached) = self.reach(rules, &wanted.keep, &variables)?;
+        let mut settled = self.m.constant(true);
         for index in &wanted.never_again {
             let broken = self.broken(rules, *index)?;
-            settled = m.and(&settled, &broken)?;
+            settled = self.m.and(&settled, &broken)?;
         }
-        let mut again = Vec::new();
-        for index in &wanted.again {
-            again.push(self.function(rules, *index)?);
-        }
-        let steps = reached.steps.only(&settled)?;
+        let again = wanted.again.iter();
+        let again = again.map(|index| self.function(rules, *index));
+        Ok(Question {
+            again: again.collect::<Result<_, _>>()?,
+            steps: reached.steps.only(&settled)?,
+            variables,
+            key,
+            reached,
+        })
+    }
+
+    /// See [`super::Runs::lasso`].
+    pub fn find_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+        let mut asked = self.question(rules, wanted)?;
+        let (steps, again) = (&asked.steps, &asked.again);
+        let m = self.m.clone();
         // What there is is often near the beginning.
         let mut next_look = FIRST_LOOK;
         let mut fair = m.constant(false);
         loop {
-            let more = reached.grow()?;
-            if reached.rings.len() == next_look {
+            let more = asked.reached.grow()?;
+            if asked.reached.rings.len() == next_look {
                 next_look *= LOOK_AGAIN;
-                fair = fair::fair(&steps, &reached.all, &again)?;
+                fair = fair::fair(steps, &asked.reached.all, again)?;
             } else if !more {
                 // Forwards it is cheaper to see that there is nothing.
-                let past = fair::past(&steps, &reached.all, &again)?;
+                let past = fair::past(steps, &asked.reached.all, again)?;
                 if !m.is_false(&past) {
-                    fair = fair::fair(&steps, &reached.all, &again)?;
+                    fair = fair::fair(steps, &asked.reached.all, again)?;
                 }
             }
             if !more || !m.is_false(&fair) {
@@ -333,49 +357,29 @@ impl<K: Kernel> Board<K> {
         let found = if m.is_false(&fair) {
             None
         } else {
-            let path = Path {
-                encoding: &self.encoding,
-                variables: &variables,
-                smallest: &smallest(&self.variables),
-            };
-            Some(path.lasso(&reached, &steps, &fair, &again)?)
+            let smallest = smallest(&self.variables);
+            let path = self.path(&asked.variables, &smallest);
+            Some(path.lasso(&asked.reached, steps, &fair, again)?)
         };
-        self.remember(key, reached);
+        self.remember(asked.key, asked.reached);
         Ok(found)
     }
 
-    /// See [`super::Runs::any_lasso`].
+    /// See [`super::Runs::any_lasso`]. Whoever asks so mostly expects that there is none: so there is one early look, and then one at everything.
     pub fn is_any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit> {
-        let all = { wanted.keep.iter() }
-            .chain(&wanted.again)
-            .chain(&wanted.never_again);
-        let variables = Self::mentioned(rules, all.copied());
-        let (key, mut reached) = self.reach(rules, &wanted.keep, &variables)?;
-        let m = self.m.clone();
-        let mut settled = m.constant(true);
-        for index in &wanted.never_again {
-            let broken = self.broken(rules, *index)?;
-            settled = m.and(&settled, &broken)?;
-        }
-        let mut again = Vec::new();
-        for index in &wanted.again {
-            again.push(self.function(rules, *index)?);
-        }
-        let steps = reached.steps.only(&settled)?;
-        let mut next_look = FIRST_LOOK;
-        let mut past = m.constant(false);
+        let mut asked = self.question(rules, wanted)?;
+        let mut past = self.m.constant(false);
         loop {
-            let more = reached.grow()?;
-            if reached.rings.len() == next_look || !more {
-                next_look *= LOOK_AGAIN;
-                past = fair::past(&steps, &reached.all, &again)?;
+            let more = asked.reached.grow()?;
+            if !more || asked.reached.rings.len() == FIRST_LOOK {
+                past = fair::past(&asked.steps, &asked.reached.all, &asked.again)?;
             }
-            if !more || !m.is_false(&past) {
+            if !more || !self.m.is_false(&past) {
                 break;
             }
         }
-        self.remember(key, reached);
-        Ok(!m.is_false(&past))
+        self.remember(asked.key, asked.reached);
+        Ok(!self.m.is_false(&past))
     }
 
     /// See [`super::Runs::depends`].

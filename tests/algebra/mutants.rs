@@ -1,0 +1,109 @@
+//! What happens to the lines of a discharge table when something that one of them names is taken away.
+
+use super::tables::{name, table};
+use linewright::algebra::proof::{Claim, Discharge, Discharged, Exports, Proof, prove};
+use linewright::algebra::replay;
+use linewright::algebra::system::{FormulaRef, Half, System, formulas};
+use linewright::game::{Limits, RuleKind};
+use linewright::gr1::{Formula, Side};
+
+/// Every line of a table: what it names is enough by itself, and without any single one of it the proof fails, with a counterexample that
+/// the evaluator accepts. Gives how many lines there were, and how many mutants.
+#[track_caller]
+pub fn nothing_can_be_left_out(system: &System, claim: &Claim, proof: &Proof) -> (usize, usize) {
+    let (mut lines, mut mutants) = (0, 0);
+    for discharge in &proof.discharges {
+        lines += 1;
+        let what = name(system, claim, discharge.what);
+        let (reduced, own) = alone(system, claim, discharge, None);
+        let again = prove(&reduced, &own, &Limits::default()).expect("no limit");
+        assert!(again.holds(), "{what}: {}", table(&reduced, &own, &again));
+        for named in &discharge.by {
+            mutants += 1;
+            let without = name(system, claim, *named);
+            let (reduced, own) = alone(system, claim, discharge, Some(*named));
+            let again = prove(&reduced, &own, &Limits::default()).expect("no limit");
+            assert!(!again.holds(), "{what} does not need {without}");
+            assert!(!again.open.is_empty(), "{what} without {without}");
+            for open in &again.open {
+                assert_eq!(replay::accepts(&reduced, &own, &again, open), Ok(()));
+            }
+        }
+    }
+    (lines, mutants)
+}
+
+/// One line of a table by itself: the obligation, and nothing but what it rests on, without one of these.
+fn alone(
+    system: &System,
+    claim: &Claim,
+    discharge: &Discharge,
+    without: Option<FormulaRef>,
+) -> (System, Claim) {
+    let names: Vec<FormulaRef> = { discharge.by.iter().copied() }
+        .filter(|at| Some(*at) != without)
+        .collect();
+    let pick = |side: &Side, keep: &dyn Fn(RuleKind, usize) -> bool| {
+        let mut picked = Side::default();
+        for (kind, index, formula) in formulas(side) {
+            if keep(kind, index) {
+                add(&mut picked, kind, formula.clone());
+            }
+        }
+        picked
+    };
+    let at = |part, half, kind, index| FormulaRef {
+        part,
+        half,
+        kind,
+        index,
+    };
+    let mut reduced = system.clone();
+    for (i, part) in reduced.parts.iter_mut().enumerate() {
+        part.guarantees = pick(&part.guarantees, &|k, n| {
+            names.contains(&at(Some(i), Half::Guarantees, k, n))
+        });
+        part.assumptions = pick(&part.assumptions, &|k, n| {
+            discharge.what == at(Some(i), Half::Assumptions, k, n)
+        });
+    }
+    let mut given = pick(&claim.given, &|k, n| {
+        names.contains(&at(None, Half::Assumptions, k, n))
+    });
+    // What was handed on is the environment's, and what was shown of the goal before is known.
+    for name in names
+        .iter()
+        .filter(|n| n.part.is_some() == (n.half == Half::Assumptions))
+    {
+        add(
+            &mut given,
+            name.kind,
+            replay::formula(system, claim, *name).clone(),
+        );
+    }
+    let goal = pick(&claim.goal, &|k, n| {
+        discharge.what == at(None, Half::Guarantees, k, n)
+    });
+    let exports = match discharge.rule {
+        Discharged::Exported => claim.exports.clone(),
+        _ => Exports::Never,
+    };
+    (
+        reduced,
+        Claim {
+            given,
+            goal,
+            exports,
+            ..Claim::default()
+        },
+    )
+}
+
+fn add(side: &mut Side, kind: RuleKind, formula: Formula) {
+    match kind {
+        RuleKind::Initial => side.initial.push(formula),
+        RuleKind::Invariant => side.invariants.push(formula),
+        RuleKind::Safety => side.safety.push(formula),
+        RuleKind::Justice => side.justice.push(formula),
+    }
+}
