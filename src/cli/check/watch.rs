@@ -107,13 +107,20 @@ fn line_for(format: Format, line: &str) -> String {
     }
 }
 
-/// The files that a check has read, or would have read, beside those it was given.
-fn places_of(checked: &Checked, standard: &StandardLibrary) -> Vec<PathBuf> {
+/// The files that a check has read, with their texts, and those that it would have read, beside those that it was given.
+fn places_of<'a>(
+    checked: &'a Checked,
+    standard: &StandardLibrary,
+) -> Vec<(PathBuf, Option<&'a str>)> {
     let loaded = &checked.loaded;
     let sources: &SourceMap = &loaded.library.sources;
-    let read = sources.files().map(|(_, file)| &file.name);
-    let names = read.chain(&loaded.missing);
-    names.map(|name| standard.place(name)).collect()
+    // What is in the program has no place on the disk.
+    let is_there = |name: &str| !name.starts_with("std/") || standard.place(name).exists();
+    let read = sources.files().filter(|(_, file)| is_there(&file.name));
+    let read = read.map(|(_, file)| (standard.place(&file.name), Some(&*file.text)));
+    let missing = loaded.missing.iter();
+    let missing = missing.map(|name| (standard.place(name), None));
+    read.chain(missing).collect()
 }
 
 /// How long it takes at most until a change is noticed where the system does not tell.

@@ -116,20 +116,20 @@ impl Lookout {
         }
     }
 
-    /// Watches these files, too, from now on, and no others beside those that the paths name. They count as seen; what the last look
-    /// saw stays as it was.
-    pub(super) fn also(&mut self, others: &[PathBuf]) {
+    /// Watches these files, too, from now on, and no others beside those that the paths name. With each comes the text that a check has
+    /// read, `None` where there was none: what happens to them while the check runs is news at the next look. What the last look saw
+    /// stays as it was.
+    pub(super) fn also(&mut self, others: &[(PathBuf, Option<&str>)]) {
         let (_, named) = files::places(&self.paths, &self.standard);
         let named: BTreeSet<PathBuf> = named.iter().map(plain).collect();
-        let others: BTreeSet<PathBuf> = others.iter().map(plain).collect();
-        let dropped = std::mem::replace(&mut self.others, others);
+        let paths = others.iter().map(|(path, _)| plain(path)).collect();
+        let dropped = std::mem::replace(&mut self.others, paths);
         self.seen
             .retain(|p, _| !dropped.contains(p) || self.others.contains(p) || named.contains(p));
-        for path in &self.others {
-            if !self.seen.contains_key(path)
-                && let Some(seen) = Seen::of(path, None)
-            {
-                self.seen.insert(path.clone(), seen);
+        for (path, text) in others {
+            if let Some(text) = text {
+                let read = Seen::read(text.as_bytes());
+                self.seen.entry(plain(path)).or_insert(read);
             }
         }
     }
@@ -269,15 +269,26 @@ impl Seen {
         {
             return Some(before);
         }
-        let mut hasher = DefaultHasher::new();
-        std::fs::read(path).ok()?.hash(&mut hasher);
+        let text = std::fs::read(path).ok()?;
         let age = changed.and_then(|c| c.elapsed().ok());
         Some(Self {
             changed,
             bytes,
             settled: age.is_some_and(|age| age > COARSE),
-            text: hasher.finish(),
+            ..Self::read(&text)
         })
+    }
+
+    /// A file of which nothing is known but its text.
+    fn read(text: &[u8]) -> Self {
+        let mut hasher = DefaultHasher::new();
+        text.hash(&mut hasher);
+        Self {
+            changed: None,
+            bytes: text.len() as u64,
+            settled: false,
+            text: hasher.finish(),
+        }
     }
 }
 
@@ -347,9 +358,9 @@ mod tests {
             ]
         );
 
-        // Imports, one of which is not there yet. What is there counts as checked.
+        // Imports, one of which is not there yet. What a check has read is known.
         std::fs::write(at("other.lw"), "other").unwrap();
-        lookout.also(&[at("other.lw"), at("missing.lw")]);
+        lookout.also(&[(at("other.lw"), Some("other")), (at("missing.lw"), None)]);
         assert_eq!(found(&mut lookout), []);
         std::fs::write(at("other.lw"), "changed").unwrap();
         std::fs::write(at("missing.lw"), "here").unwrap();
@@ -362,6 +373,18 @@ mod tests {
                 ("b.lw".to_owned(), What::Gone),
                 ("missing.lw".to_owned(), What::New),
                 ("other.lw".to_owned(), What::Changed)
+            ]
+        );
+
+        // They come and change while the check runs that would have read them.
+        std::fs::write(at("late.lw"), "late").unwrap();
+        lookout.also(&[(at("late.lw"), None), (at("fast.lw"), Some("first"))]);
+        std::fs::write(at("fast.lw"), "second").unwrap();
+        assert_eq!(
+            found(&mut lookout),
+            [
+                ("fast.lw".to_owned(), What::Changed),
+                ("late.lw".to_owned(), What::New)
             ]
         );
 
