@@ -3,6 +3,9 @@
 
 #[path = "closed/brute.rs"]
 mod brute;
+#[path = "oracle/random.rs"]
+#[allow(dead_code, reason = "only its generator is used")]
+mod random;
 
 use brute::{Brute, Found};
 use linewright::algebra::closed::{Closed, Verdict, Wrong, replay};
@@ -14,27 +17,12 @@ use linewright::contract::machine::Machine;
 use linewright::game::{self, Limits, Outcome};
 use linewright::gr1::Domain;
 use linewright::mealy::{self, Cube, Guard, Test, Transition, extract::extract};
+use random::Random;
 use std::collections::BTreeSet;
 
-/// splitmix64.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) % bound
-    }
-
-    fn place(&mut self, bound: usize) -> usize {
-        self.below(bound as u64) as usize
-    }
-
-    fn chance(&mut self, percent: u64) -> bool {
-        self.below(100) < percent
-    }
+/// A place in a list of so many.
+fn pick(random: &mut Random, bound: usize) -> usize {
+    random.below(bound as u64) as usize
 }
 
 /// What a verdict says, in the words of the exploration. Every run in it is one that the controllers make.
@@ -132,9 +120,9 @@ fn text(random: &mut Random) -> String {
         some(random, SECOND),
     );
     let rules = some(random, RULES);
-    let script = ["true", "false, true", "true, true, false"][random.place(3)];
-    let x = ["act", "act, bct", "bct"][random.place(3)];
-    let y = ["act", "bct, act", "bct"][random.place(3)];
+    let script = ["true", "false, true", "true, true, false"][pick(random, 3)];
+    let x = ["act", "act, bct", "bct"][pick(random, 3)];
+    let y = ["act", "bct, act", "bct"][pick(random, 3)];
     format!(
         "
 moore contract Lead {{ input job: {{none, x, y}} input e: bool output c: 0..2 output done: bool {lead}
@@ -178,7 +166,7 @@ fn table(random: &mut Random, machine: &Machine, component: usize, gaps: u64) ->
     let inputs: Vec<mealy::Port> = specification.inputs().map(port).collect();
     let outputs: Vec<mealy::Port> = specification.outputs().map(port).collect();
     let moore = specification.timing == linewright::gr1::Timing::Moore;
-    let count = 1 + random.place(4);
+    let count = 1 + pick(random, 4);
     let mut letters: Vec<Vec<i64>> = vec![Vec::new()];
     for port in &inputs {
         let values = port.domain.low()..=port.domain.high();
@@ -209,7 +197,7 @@ fn table(random: &mut Random, machine: &Machine, component: usize, gaps: u64) ->
                 } else {
                     answer(random)
                 },
-                to: random.place(count),
+                to: pick(random, count),
             });
         }
         rows
@@ -229,13 +217,13 @@ fn table(random: &mut Random, machine: &Machine, component: usize, gaps: u64) ->
 
 #[test]
 fn random_machines_are_decided_as_by_hand() {
-    let mut random = Random(2026);
+    let mut random = Random::new(2026);
     let mut seen = [0; 8];
     let rounds = 600;
     for round in 0..rounds {
         let text = text(&mut random);
         let machine = load(&text);
-        let gaps = [0, 0, 2, 10][random.place(4)];
+        let gaps = [0, 0, 2, 10][pick(&mut random, 4)];
         let controllers: Vec<mealy::Controller> = (0..machine.components.len())
             .map(|c| table(&mut random, &machine, c, gaps))
             .collect();
@@ -312,8 +300,8 @@ fn the_assembly_cell_holds() {
 fn mutant(random: &mut Random, table: &mealy::Machine) -> mealy::Machine {
     let mut changed = table.clone();
     let states = table.states.len();
-    let at = random.place(states + 1);
-    let change = random.place(3);
+    let at = pick(random, states + 1);
+    let change = pick(random, 3);
     let moore = table.timing == linewright::gr1::Timing::Moore;
     let rows = match changed.states.get_mut(at) {
         Some(rows) => rows,
@@ -322,13 +310,13 @@ fn mutant(random: &mut Random, table: &mealy::Machine) -> mealy::Machine {
     if rows.is_empty() {
         return changed;
     }
-    let place = random.place(rows.len());
+    let place = pick(random, rows.len());
     match change {
         0 => {
             rows.remove(place);
         }
         1 => {
-            let output = random.place(table.outputs.len());
+            let output = pick(random, table.outputs.len());
             let domain = &table.outputs[output].domain;
             let value = domain.low() + random.below(domain.size()) as i64;
             // A table that answers first says the same on all rows of a state.
@@ -341,14 +329,14 @@ fn mutant(random: &mut Random, table: &mealy::Machine) -> mealy::Machine {
                 row.output[output] = value;
             }
         }
-        _ => rows[place].to = random.place(states),
+        _ => rows[place].to = pick(random, states),
     }
     changed
 }
 
 #[test]
 fn controllers_that_were_changed_are_refuted_or_harmless() {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let mut lines = BTreeSet::new();
     let (mut refuted, mut harmless) = (0, 0);
     for file in ["printer", "milling", "camera", "belt"] {
@@ -356,7 +344,7 @@ fn controllers_that_were_changed_are_refuted_or_harmless() {
         let controllers = synthesized(&machine);
         for round in 0..60 {
             let mut changed = controllers.clone();
-            let component = random.place(changed.len());
+            let component = pick(&mut random, changed.len());
             let table = changed[component].machine().expect("a table");
             let other = mutant(&mut random, table);
             if other == *table {

@@ -4,6 +4,8 @@
 mod building;
 #[path = "station/calls.rs"]
 mod calls;
+#[path = "station/controlled.rs"]
+mod controlled;
 #[path = "station/differential.rs"]
 mod differential;
 #[path = "station/explicit.rs"]

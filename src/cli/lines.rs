@@ -82,13 +82,11 @@ fn table(
     verdict: &Verdict,
     limits: &Limits,
 ) -> Result<Vec<DischargeEntry>, Limit> {
-    let mut claim = abstraction.claim.clone();
+    let whole = &abstraction.claim;
     let is_large = abstraction.system.variables.len() > MOST_IN_TABLE;
-    if is_large || !verdict.undecided.is_empty() {
-        let lemmas = std::mem::take(&mut claim.lemmas);
-        let safe = |at: FormulaRef| at.kind != RuleKind::Justice && !lemmas.contains(&at);
-        (claim.goal, _) = claim.only(safe);
-    }
+    let leaves_out = is_large || !verdict.undecided.is_empty();
+    let safe = |at: FormulaRef| at.kind != RuleKind::Justice && !whole.lemmas.contains(&at);
+    let claim = whole.only(|at| !leaves_out || safe(at));
     let proof = prove(&abstraction.system, &claim, limits)?;
     let told = Told {
         system: &abstraction.system,

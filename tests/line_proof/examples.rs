@@ -4,13 +4,11 @@ use crate::mutants::nothing_can_be_left_out;
 use crate::replay::accepts;
 use crate::support::{Builder, constant};
 use linewright::algebra::proof::prove;
-use linewright::algebra::system::{FormulaRef, Half, formulas};
 use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract::line::{Line, NodeKind, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::diagnostics::has_errors;
-use linewright::game::{Limits, RuleKind};
-use linewright::gr1::{Expr, Side};
+use linewright::game::Limits;
 use linewright::line::abstraction::{
     Abstraction, NO_CIRCULAR_WAIT, PlaceKind, Unfit, decide, examine, findings,
 };
@@ -238,91 +236,13 @@ fn a_circle_beside_a_way_that_is_open_is_found() {
     );
 }
 
-/// The formula is there no more, and all others keep their places.
-fn without(abstraction: &Abstraction, at: FormulaRef) -> Abstraction {
-    let mut weaker = abstraction.clone();
-    let side = match at.part {
-        Some(part) => &mut weaker.system.parts[part].guarantees,
-        None => &mut weaker.claim.given,
-    };
-    let list = match at.kind {
-        RuleKind::Initial => &mut side.initial,
-        RuleKind::Invariant => &mut side.invariants,
-        RuleKind::Safety => &mut side.safety,
-        RuleKind::Justice => &mut side.justice,
-    };
-    list[at.index].expr = Expr::TRUE;
-    weaker
-}
-
-fn all_guarantees(abstraction: &Abstraction) -> Vec<FormulaRef> {
-    let of = |part: Option<usize>, side: &Side, half: Half| -> Vec<FormulaRef> {
-        let at = |(kind, index, _)| FormulaRef {
-            part,
-            half,
-            kind,
-            index,
-        };
-        formulas(side).map(at).collect()
-    };
-    let parts = abstraction.system.parts.iter().enumerate();
-    let mut found: Vec<FormulaRef> = parts
-        .flat_map(|(i, p)| of(Some(i), &p.guarantees, Half::Guarantees))
-        .collect();
-    found.extend(of(None, &abstraction.claim.given, Half::Assumptions));
-    found
-}
-
-/// Whatever is left out of the contracts either was not needed, or a counterexample comes that the evaluator accepts.
-#[test]
-#[ignore = "takes many minutes"]
-fn what_is_left_out_is_missed_or_was_not_needed() {
-    let abstraction = Abstraction::of(&load(ICE)).unwrap();
-    let (mut missed, mut not_needed) = (0, Vec::new());
-    for at in all_guarantees(&abstraction) {
-        let weaker = without(&abstraction, at);
-        let verdict = decide(&weaker, &Limits::default()).unwrap();
-        for open in &verdict.open {
-            accepts(&weaker, open).unwrap_or_else(|why| panic!("{at:?}: {why}"));
-        }
-        if verdict.holds() {
-            let (place, formula) = match at.part {
-                Some(part) => (
-                    &abstraction.system.parts[part].name,
-                    abstraction.system.formula(at).unwrap(),
-                ),
-                None => (
-                    &abstraction.system.parts[0].name,
-                    linewright::algebra::system::list(&abstraction.claim.given, at.kind)
-                        .get(at.index)
-                        .unwrap(),
-                ),
-            };
-            not_needed.push(format!("{place}.{}", formula.name));
-        } else {
-            missed += 1;
-        }
-    }
-    println!(
-        "{missed} are missed, {} are not needed: {not_needed:#?}",
-        not_needed.len()
-    );
-    assert!(missed > not_needed.len());
-}
-
 /// The table of a line, and its mutants.
 fn table_of(path: &str) -> (usize, usize) {
     let abstraction = Abstraction::of(&load(path)).unwrap();
     let Abstraction { system, claim, .. } = &abstraction;
     let proof = prove(system, claim, &Limits::default()).unwrap();
     assert!(proof.holds());
-    for (kind, index, formula) in formulas(&claim.goal) {
-        let at = FormulaRef {
-            part: None,
-            half: Half::Guarantees,
-            kind,
-            index,
-        };
+    for (at, formula) in claim.goals() {
         let shown = proof.discharges.iter().any(|d| d.what == at);
         assert!(shown || claim.lemmas.contains(&at), "{}", formula.name);
     }

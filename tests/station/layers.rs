@@ -1,43 +1,15 @@
 //! Machines of machines: the library of the flat machine against the interpreter, step by step and operation by operation.
 
+use super::controlled::controlled;
 use super::differential::{assert_same, differential};
 use super::folder;
 use linewright::cli::controller::Wish;
-use linewright::cli::files::{self, StandardLibrary};
-use linewright::cli::machines::Planned;
-use linewright::cli::pipeline::{Jobs, Settings};
-use linewright::contract::machine::Machine;
-use linewright::game::{Heuristics, KernelChoice, Limits};
-use linewright::mealy;
 use linewright::station::interpret::Interpreter;
 use linewright::station::load::Library;
 use linewright::station::{Controller, ErrorCode, Package, Toolchain};
-use std::path::Path;
 use std::sync::Arc;
 
 const STEPS: usize = 20_000;
-
-/// A machine of a file with the controllers that `build` would make.
-fn controlled(file: &str, name: &str) -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
-    let loaded = files::load(&[file.display().to_string()], &StandardLibrary::default());
-    let machine = loaded.library.machines.iter().find(|m| m.name == name);
-    let machine = Arc::new(machine.expect("a machine").clone());
-    let mut jobs = Jobs::examining().wishing(Wish::default());
-    let planned = Planned::new(&machine, &mut jobs);
-    let settings = Settings {
-        limits: Limits::default(),
-        kernel: KernelChoice::Automatic,
-        heuristics: Heuristics::default(),
-        cache: None,
-    };
-    let checked = jobs
-        .run(&settings, &indicatif::ProgressBar::hidden())
-        .expect("controllers that keep their contracts");
-    let controlled = planned.controlled(&checked).expect("a controller each");
-    let controllers = controlled.controllers.into_iter().cloned().collect();
-    (Arc::clone(&machine), Arc::new(controllers))
-}
 
 #[test]
 fn libraries_of_three_and_four_layers_agree_with_the_interpreter_step_by_step() {
@@ -47,7 +19,7 @@ fn libraries_of_three_and_four_layers_agree_with_the_interpreter_step_by_step() 
         ("tests/layers/hall.lw", "Hall"),
         ("tests/layers/names.lw", "Both"),
     ] {
-        let (machine, controllers) = controlled(file, name);
+        let (machine, controllers) = controlled(file, name, Wish::default());
         let counts = differential(&machine, &controllers, STEPS, 5, folder.path());
         println!("{name}: {counts:?}");
         let faults = counts.of(ErrorCode::Internal) + counts.of(ErrorCode::Guarantee);
@@ -66,7 +38,7 @@ fn operations_of_all_layers_run_to_their_end() {
         ("examples/transfer/cell.lw", "TransferCell"),
         ("tests/layers/hall.lw", "Hall"),
     ] {
-        let (machine, controllers) = controlled(file, name);
+        let (machine, controllers) = controlled(file, name, Wish::default());
         let package = Package::emit(&machine, &controllers);
         let built = Toolchain::host()
             .build(&package, folder.path(), false)

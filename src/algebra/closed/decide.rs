@@ -302,7 +302,7 @@ impl Asked<'_> {
             return Ok(Some(Wrong::Order(trace)));
         }
         // Where all requests complete, so does each.
-        let mut goals = self.closed.goals();
+        let mut goals = self.closed.claim.goals();
         let completes = goals.find(|(_, f)| f.name == COMPLETES);
         if completes.is_some_and(|(at, _)| self.verdict.is_met(at).is_some()) {
             return Ok(None);

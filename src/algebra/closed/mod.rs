@@ -259,20 +259,6 @@ impl<'a> Closed<'a> {
         })
     }
 
-    /// What is claimed of the machine itself.
-    fn goals(&self) -> impl Iterator<Item = (FormulaRef, &Formula)> {
-        formulas(&self.claim.goal).map(|(kind, index, formula)| {
-            let half = Half::Guarantees;
-            let at = FormulaRef {
-                part: None,
-                half,
-                kind,
-                index,
-            };
-            (at, formula)
-        })
-    }
-
     /// Whether an assumption is handed on to whoever is outside: always, or where a call begins.
     pub fn is_exported(&self, kind: RuleKind, formula: &Formula) -> bool {
         let may = match &self.claim.exports {

@@ -80,7 +80,7 @@ impl Book {
             }
         }
         book.duties(closed);
-        for (at, formula) in closed.goals() {
+        for (at, formula) in closed.claim.goals() {
             let rule = book.add(rule(at.kind, &formula.expr));
             book.goals.push((at, rule));
         }

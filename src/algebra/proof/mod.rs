@@ -27,7 +27,7 @@ pub use book::latest;
 
 use super::system::{FormulaRef, Half, System, formulas, list_mut};
 use crate::game::{Lasso, Limit, Limits};
-use crate::gr1::{Side, VarId};
+use crate::gr1::{Formula, Side, VarId};
 use std::collections::BTreeSet;
 
 /// What is to be shown of a system.
@@ -44,28 +44,37 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// The formulas of the goal that are wanted, and which of them are lemmas.
-    pub fn only(&self, wanted: impl Fn(FormulaRef) -> bool) -> (Side, BTreeSet<FormulaRef>) {
-        let (mut goal, mut lemmas) = (Side::default(), BTreeSet::new());
-        for (kind, index, formula) in formulas(&self.goal) {
-            let mut at = FormulaRef {
+    /// The formulas of the goal, with where they stand.
+    pub fn goals(&self) -> impl Iterator<Item = (FormulaRef, &Formula)> {
+        formulas(&self.goal).map(|(kind, index, formula)| {
+            let at = FormulaRef {
                 part: None,
                 half: Half::Guarantees,
                 kind,
                 index,
             };
-            if !wanted(at) {
-                continue;
+            (at, formula)
+        })
+    }
+
+    /// The same claim of fewer formulas.
+    #[must_use]
+    pub fn only(&self, wanted: impl Fn(FormulaRef) -> bool) -> Self {
+        let (mut goal, mut lemmas) = (Side::default(), BTreeSet::new());
+        for (at, formula) in self.goals().filter(|(at, _)| wanted(*at)) {
+            let list = list_mut(&mut goal, at.kind);
+            if self.lemmas.contains(&at) {
+                let index = list.len();
+                lemmas.insert(FormulaRef { index, ..at });
             }
-            let is_lemma = self.lemmas.contains(&at);
-            let list = list_mut(&mut goal, kind);
-            at.index = list.len();
             list.push(formula.clone());
-            if is_lemma {
-                lemmas.insert(at);
-            }
         }
-        (goal, lemmas)
+        Self {
+            goal,
+            lemmas,
+            given: self.given.clone(),
+            exports: self.exports.clone(),
+        }
     }
 }
 

@@ -4,25 +4,17 @@
 //! with formulas left away.
 
 use super::{Abstraction, Unfit};
-use crate::algebra::proof::{self, Broken, Claim, Exports};
-use crate::algebra::system::{FormulaRef, Half, formulas, list, rule};
+pub use crate::algebra::proof::Open;
+use crate::algebra::proof::{self, Broken, Claim};
+use crate::algebra::system::{FormulaRef, formulas, list, rule};
 use crate::contract::line::Line;
 use crate::game::{Limit, Limits, Rule, RuleKind, Runs, Slip};
 use crate::gr1::Side;
 
-/// A formula of the goal that does not hold, and a run that shows it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Open {
-    /// The formula of the claim's goal.
-    pub what: FormulaRef,
-    /// The run.
-    pub why: Broken,
-}
-
 /// What came out.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Verdict {
-    /// What does not hold. Where something is wrong with safety, nothing is asked of what comes in the end.
+    /// Formulas of the goal that do not hold, with runs that show it. Where something is wrong with safety, nothing is asked of what comes in the end.
     pub open: Vec<Open>,
     /// What was not decided: only justice, for safety is decided or else there is no verdict.
     pub undecided: Vec<FormulaRef>,
@@ -66,13 +58,7 @@ pub fn examine(
         if verdict.open.is_empty() && is_small(abstraction) {
             justice(abstraction, limits, &mut verdict);
         } else if verdict.open.is_empty() {
-            let goals = formulas(&abstraction.claim.goal);
-            let justice = goals.filter(|(kind, ..)| *kind == RuleKind::Justice);
-            let justice = justice.map(|(kind, index, _)| at(kind, index));
-            let lemmas = &abstraction.claim.lemmas;
-            verdict
-                .undecided
-                .extend(justice.filter(|goal| !lemmas.contains(goal)));
+            verdict.undecided.extend(liveness(&abstraction.claim));
         }
         Ok(verdict)
     };
@@ -103,14 +89,10 @@ pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Lim
     Ok(verdict)
 }
 
-/// A formula of the goal.
-fn at(kind: RuleKind, index: usize) -> FormulaRef {
-    FormulaRef {
-        part: None,
-        half: Half::Guarantees,
-        kind,
-        index,
-    }
+/// What is claimed to come again and again.
+fn liveness(claim: &Claim) -> impl Iterator<Item = FormulaRef> {
+    let goals = claim.goals().map(|(at, _)| at);
+    goals.filter(|at| at.kind == RuleKind::Justice && !claim.lemmas.contains(at))
 }
 
 fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> {
@@ -121,8 +103,8 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
         .collect();
     let mut runs = Runs::new(&abstraction.system.variables, rules, limits)?;
     let mut verdict = Verdict::default();
-    for (place, (kind, index, _)) in formulas(&abstraction.claim.goal).enumerate() {
-        if kind == RuleKind::Justice || abstraction.claim.lemmas.contains(&at(kind, index)) {
+    for (place, (what, _)) in abstraction.claim.goals().enumerate() {
+        if what.kind == RuleKind::Justice || abstraction.claim.lemmas.contains(&what) {
             continue;
         }
         let slip = Slip {
@@ -131,7 +113,7 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
             broken: first_goal + place,
         };
         verdict.open.extend(runs.step(&slip)?.map(|trace| Open {
-            what: at(kind, index),
+            what,
             why: Broken::Trace(trace),
         }));
     }
@@ -141,27 +123,15 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
 /// What comes in the end, goal by goal: a proof goes from what is near to what is far, so that most goals are about a few places only.
 fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
     let claim = &abstraction.claim;
-    let goals = (0..claim.goal.justice.len()).map(|index| at(RuleKind::Justice, index));
-    let goals = goals.filter(|goal| !claim.lemmas.contains(goal));
     // What safety shows is known, and places keep their guarantees whatever others do: only the lemmas are left of either.
     let mut alone = abstraction.system.clone();
     for part in &mut alone.parts {
         part.assumptions = Side::default();
     }
-    let (goal, lemmas) =
-        claim.only(|at| at.kind == RuleKind::Justice || abstraction.claim.lemmas.contains(&at));
-    let asked = Claim {
-        given: claim.given.clone(),
-        goal,
-        lemmas,
-        exports: Exports::Never,
-    };
+    let asked = claim.only(|at| at.kind == RuleKind::Justice || claim.lemmas.contains(&at));
     match proof::decide(&alone, &asked, limits) {
-        Ok(proof) => verdict.open.extend(proof.open.into_iter().map(|open| Open {
-            what: open.what,
-            why: open.why,
-        })),
-        Err(_) => verdict.undecided.extend(goals),
+        Ok(proof) => verdict.open.extend(proof.open),
+        Err(_) => verdict.undecided.extend(liveness(claim)),
     }
 }
 
