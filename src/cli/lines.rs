@@ -15,8 +15,6 @@ const SECONDS: u64 = 120;
 const NODES: u64 = 2_000_000;
 /// Of lines with more variables it is not asked whether everything goes on.
 const MOST_VARIABLES: usize = 48;
-/// Of lines with more variables the table leaves out what everything that goes on rests on: to leave away what is not needed takes minutes.
-const MOST_IN_TABLE: usize = 24;
 
 /// What is known of a line.
 #[derive(Debug, Default)]
@@ -83,10 +81,12 @@ fn table(
     limits: &Limits,
 ) -> Result<Vec<DischargeEntry>, Limit> {
     let whole = &abstraction.claim;
-    let is_large = abstraction.system.variables.len() > MOST_IN_TABLE;
-    let leaves_out = is_large || !verdict.undecided.is_empty();
-    let safe = |at: FormulaRef| at.kind != RuleKind::Justice && !whole.lemmas.contains(&at);
-    let claim = whole.only(|at| !leaves_out || safe(at));
+    let safe = |at: FormulaRef| at.kind != RuleKind::Justice && !whole.lemmas.contains_key(&at);
+    let claim = if verdict.undecided.is_empty() {
+        whole.clone()
+    } else {
+        whole.only(safe)
+    };
     let proof = prove(&abstraction.system, &claim, limits)?;
     let told = Told {
         system: &abstraction.system,

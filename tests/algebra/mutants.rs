@@ -1,7 +1,7 @@
 //! What happens to the lines of a discharge table when something that one of them names is taken away.
 
 use super::tables::{name, table};
-use linewright::algebra::proof::{Claim, Discharge, Discharged, Exports, Proof, prove};
+use linewright::algebra::proof::{Claim, Discharge, Discharged, Exports, Proof, decide};
 use linewright::algebra::replay;
 use linewright::algebra::system::{FormulaRef, Half, System, formulas};
 use linewright::game::{Limits, RuleKind};
@@ -16,13 +16,13 @@ pub fn nothing_can_be_left_out(system: &System, claim: &Claim, proof: &Proof) ->
         lines += 1;
         let what = name(system, claim, discharge.what);
         let (reduced, own) = alone(system, claim, discharge, None);
-        let again = prove(&reduced, &own, &Limits::default()).expect("no limit");
+        let again = decide(&reduced, &own, &Limits::default()).expect("no limit");
         assert!(again.holds(), "{what}: {}", table(&reduced, &own, &again));
         for named in &discharge.by {
             mutants += 1;
             let without = name(system, claim, *named);
             let (reduced, own) = alone(system, claim, discharge, Some(*named));
-            let again = prove(&reduced, &own, &Limits::default()).expect("no limit");
+            let again = decide(&reduced, &own, &Limits::default()).expect("no limit");
             assert!(!again.holds(), "{what} does not need {without}");
             assert!(!again.open.is_empty(), "{what} without {without}");
             for open in &again.open {

@@ -244,8 +244,10 @@ fn table_of(path: &str) -> (usize, usize) {
     assert!(proof.holds());
     for (at, formula) in claim.goals() {
         let shown = proof.discharges.iter().any(|d| d.what == at);
-        assert!(shown || claim.lemmas.contains(&at), "{}", formula.name);
+        assert!(shown || claim.lemmas.contains_key(&at), "{}", formula.name);
     }
+    let longest = proof.discharges.iter().map(|d| d.by.len()).max();
+    assert!(longest.is_some_and(|names| names < 30), "{longest:?}");
     let counts = nothing_can_be_left_out(system, claim, &proof);
     println!(
         "{path}: {} lines of the table, {} mutants, all of them fail",
@@ -265,8 +267,9 @@ fn nothing_that_the_tables_of_lines_name_can_be_left_out() {
     );
 }
 
+/// The whole laboratory: no line of its table names more than a person can look at.
 #[test]
-#[ignore = "did not come to its end yet: two formulas are about the whole line"]
 fn nothing_that_the_table_of_the_laboratory_names_can_be_left_out() {
-    table_of(ICE);
+    let (lines, mutants) = table_of(ICE);
+    assert!(lines > 100 && mutants > 400, "{lines} {mutants}");
 }

@@ -2,7 +2,7 @@
 
 use super::super::system::FormulaRef;
 use super::prover::{ALL, Found, Prover, is_goal};
-use super::{Broken, Discharged, Open};
+use super::{Broken, Discharged, Open, Reach};
 use crate::game::{Lasso, Limit, Rule, RuleKind};
 use crate::gr1::{Expr, Time};
 use std::collections::{BTreeSet, VecDeque};
@@ -10,7 +10,7 @@ use std::collections::{BTreeSet, VecDeque};
 /// So many rings of rules are near: first the nearest.
 const NEAR: [usize; 3] = [1, 2, 3];
 
-impl Prover<'_> {
+impl<'a> Prover<'a> {
     /// What the parts are to keep together. Justice of the goal that was shown is a reason for what else comes again and again: it holds of
     /// all runs, and so a proof may go place by place, where everything at once would be too much.
     pub(super) fn goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
@@ -25,16 +25,22 @@ impl Prover<'_> {
         let goals = self.book.numbers(|at| is_goal(*at));
         let (justice, safety): (Vec<usize>, Vec<usize>) =
             goals.into_iter().partition(|i| self.book.is_justice(*i));
-        let (lemmas, goals): (Vec<usize>, Vec<usize>) =
+        let (mut lemmas, mut goals): (Vec<usize>, Vec<usize>) =
             safety.into_iter().partition(|i| self.is_lemma(*i));
-        for rule in lemmas {
-            if let Some(by) = self.step_minimal(rule, None, ALL)? {
-                self.show(rule, &by, turns);
+        // What is about little first: lemmas rest on it, and what is about much on them.
+        goals.sort_by_key(|i| self.book.entries[*i].mentions.len());
+        for (place, rule) in goals.iter().copied().enumerate() {
+            self.ready_lemmas(&mut lemmas, &goals[place..], turns)?;
+            if self.claim.known.contains(&self.at(rule)) {
+                self.shown.push(rule);
+                self.kept.insert(rule);
+                continue;
             }
-        }
-        for rule in goals {
             let found = match self.step_minimal(rule, None, ALL)? {
-                Some(by) => Found::Follows(by),
+                Some(by) => {
+                    self.kept.insert(rule);
+                    Found::Follows(by)
+                }
                 None if self.stepwise => self.step_of_goal(rule)?,
                 None => self.fairly(rule, reliable)?,
             };
@@ -43,8 +49,31 @@ impl Prover<'_> {
                 Found::Fails(why) => self.open(rule, why),
             }
         }
+        self.ready_lemmas(&mut lemmas, &[], turns)?;
         self.again_and_again(justice, reliable, turns)?;
         self.leave_out_idle_lemmas();
+        Ok(())
+    }
+
+    /// Safety among the lemmas, as far as what they are looked for among was asked before. `left` are the goals that were not.
+    fn ready_lemmas(
+        &mut self,
+        lemmas: &mut Vec<usize>,
+        left: &[usize],
+        turns: usize,
+    ) -> Result<(), Limit> {
+        let is_ready = |p: &Self, lemmas: &[usize], rule: usize| {
+            let from = p.from(rule);
+            let mut waiting = left.iter().chain(lemmas);
+            !waiting.any(|i| from.is_some_and(|from| from.contains(&p.at(*i))))
+        };
+        while let Some(place) = (0..lemmas.len()).find(|i| is_ready(self, lemmas, lemmas[*i])) {
+            let rule = lemmas.remove(place);
+            if let Some(by) = self.step_minimal(rule, None, ALL)? {
+                self.kept.insert(rule);
+                self.show(rule, &by, turns);
+            }
+        }
         Ok(())
     }
 
@@ -65,7 +94,14 @@ impl Prover<'_> {
                     let Some(rule) = waiting.pop_front() else {
                         break;
                     };
-                    match self.again_minimal(rule, reliable, rings)? {
+                    // What a lemma is looked for among is the same for all rings.
+                    let asked = far > 0 && self.is_lemma(rule) && self.from(rule).is_some();
+                    let found = if asked {
+                        None
+                    } else {
+                        self.again_minimal(rule, reliable, rings)?
+                    };
+                    match found {
                         Some(by) => {
                             self.show(rule, &by, turn);
                             // With it, others may follow from less than from so much.
@@ -103,7 +139,33 @@ impl Prover<'_> {
 
     pub(super) fn is_lemma(&self, rule: usize) -> bool {
         let at = self.book.entries[rule].at;
-        at.is_some_and(|at| self.claim.lemmas.contains(&at))
+        at.is_some_and(|at| self.claim.lemmas.contains_key(&at))
+    }
+
+    /// Whether it is a lemma that all may rest on.
+    pub(super) fn is_common_lemma(&self, rule: usize) -> bool {
+        let at = self.book.entries[rule].at;
+        at.is_some_and(|at| self.claim.lemmas.get(&at) == Some(&Reach::Near))
+    }
+
+    /// What a formula is tried to be shown from first.
+    fn from(&self, rule: usize) -> Option<&'a BTreeSet<FormulaRef>> {
+        self.claim.from.get(&self.book.entries[rule].at?)
+    }
+
+    /// The rules that a formula is tried to be shown from first, where that is said. `others` are what may be relied on beside formulas of the
+    /// goal.
+    pub(super) fn sources(&self, rule: usize, others: &[usize]) -> Option<Vec<usize>> {
+        let from = self.from(rule)?;
+        let again = self.book.is_justice(rule);
+        let is_there = |i: &usize| match self.book.entries[*i].at {
+            Some(at) if !from.contains(&at) => false,
+            Some(at) if is_goal(at) && again => self.shown.contains(i),
+            Some(at) if is_goal(at) => self.kept.contains(i),
+            Some(_) => others.contains(i),
+            None => false,
+        };
+        Some((0..self.book.entries.len()).filter(is_there).collect())
     }
 
     /// Takes lemmas out of the table that nothing else rests on.
@@ -111,7 +173,7 @@ impl Prover<'_> {
         loop {
             let discharges = &self.proof.discharges;
             let idle = discharges.iter().position(|d| {
-                self.claim.lemmas.contains(&d.what)
+                self.claim.lemmas.contains_key(&d.what)
                     && !discharges.iter().any(|other| other.by.contains(&d.what))
             });
             match idle {

@@ -124,7 +124,9 @@ impl Prover<'_> {
         found.extend(self.exported.iter().filter(|i| self.book.is_justice(**i)));
         found.sort_unstable();
         found.dedup();
-        found.extend({ self.shown.iter() }.filter(|i| self.book.is_justice(**i)));
+        let is_there = |i: &&usize| !self.is_lemma(**i) || self.is_common_lemma(**i);
+        let shown = self.shown.iter().filter(is_there);
+        found.extend(shown.filter(|i| self.book.is_justice(**i)));
         found
     }
 
@@ -134,8 +136,14 @@ impl Prover<'_> {
         reliable: &BTreeSet<usize>,
         rings: usize,
     ) -> Result<Option<Vec<usize>>, Limit> {
-        let candidates = self.reasons(reliable);
         let mut holds = |p: &mut Self, kept: &[usize]| Ok(!p.is_starved(kept, rule)?);
+        let candidates = self.reasons(reliable);
+        if let Some(sources) = self.sources(rule, &candidates) {
+            let found = self.minimal(rule, &sources, ALL, &mut holds)?;
+            if found.is_some() || self.is_lemma(rule) {
+                return Ok(found);
+            }
+        }
         if let Some(by) = self.minimal(rule, &candidates, rings, &mut holds)? {
             return Ok(Some(by));
         }

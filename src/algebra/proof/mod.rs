@@ -28,7 +28,7 @@ pub use book::latest;
 use super::system::{FormulaRef, Half, System, formulas, list_mut};
 use crate::game::{Lasso, Limit, Limits};
 use crate::gr1::{Formula, Side, VarId};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What is to be shown of a system.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -37,8 +37,13 @@ pub struct Claim {
     pub given: Side,
     /// What the parts are to keep together, beside each other's assumptions.
     pub goal: Side,
-    /// Formulas of the goal that need not be shown: where one can be, the others may rest on it.
-    pub lemmas: BTreeSet<FormulaRef>,
+    /// Formulas of the goal that need not be shown: where one can be, others may rest on it.
+    pub lemmas: BTreeMap<FormulaRef, Reach>,
+    /// What a formula of the goal is tried to be shown from first, and a lemma from nothing else; formulas of the goal only where they were
+    /// shown. A proof of many steps, each of which is about little, is written down so.
+    pub from: BTreeMap<FormulaRef, BTreeSet<FormulaRef>>,
+    /// Formulas of the goal that were shown before, step by step: they are not shown again.
+    pub known: BTreeSet<FormulaRef>,
     /// Whether an assumption that speaks of what comes from outside may be handed on to the environment.
     pub exports: Exports,
 }
@@ -57,25 +62,30 @@ impl Claim {
         })
     }
 
-    /// The same claim of fewer formulas.
+    /// The same claim of fewer formulas, without lemmas.
     #[must_use]
     pub fn only(&self, wanted: impl Fn(FormulaRef) -> bool) -> Self {
-        let (mut goal, mut lemmas) = (Side::default(), BTreeSet::new());
+        let mut goal = Side::default();
         for (at, formula) in self.goals().filter(|(at, _)| wanted(*at)) {
-            let list = list_mut(&mut goal, at.kind);
-            if self.lemmas.contains(&at) {
-                let index = list.len();
-                lemmas.insert(FormulaRef { index, ..at });
-            }
-            list.push(formula.clone());
+            list_mut(&mut goal, at.kind).push(formula.clone());
         }
         Self {
             goal,
-            lemmas,
             given: self.given.clone(),
             exports: self.exports.clone(),
+            ..Self::default()
         }
     }
+}
+
+/// Who may rest on a lemma.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reach {
+    /// Every formula of the goal that it stands near.
+    #[default]
+    Near,
+    /// Those that name it in [`Claim::from`].
+    Named,
 }
 
 /// What happens to an assumption that no guarantee discharges and that speaks of what comes from outside.

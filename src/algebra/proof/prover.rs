@@ -24,6 +24,8 @@ pub struct Prover<'a> {
     pub(super) exported: Vec<usize>,
     /// Formulas of the goal that were shown: justice of the goal may rest on them.
     pub(super) shown: Vec<usize>,
+    /// Those of them that are kept step by step, also on runs that cannot go on.
+    pub(super) kept: BTreeSet<usize>,
     /// Whether it is wanted to know what is needed, and not only that it is enough.
     minimal: bool,
     /// Whether the goal's safety has to be kept step by step.
@@ -65,6 +67,7 @@ impl<'a> Prover<'a> {
             order: Order::default(),
             exported: Vec::new(),
             shown: Vec::new(),
+            kept: BTreeSet::new(),
             minimal: true,
             stepwise: false,
             proof: Proof::default(),
@@ -154,7 +157,7 @@ impl<'a> Prover<'a> {
         let mut found = self.book.numbers(|at| is_given(*at));
         found.extend(&self.exported);
         found.extend(self.book.numbers(|at| is_guarantee(*at)));
-        found.extend(self.shown.iter().filter(|i| self.is_lemma(**i)));
+        found.extend({ self.shown.iter() }.filter(|i| self.is_common_lemma(**i)));
         found.retain(|i| !self.book.is_justice(*i));
         found
     }
@@ -342,6 +345,14 @@ impl<'a> Prover<'a> {
     ) -> Result<Option<Vec<usize>>, Limit> {
         let part = assumed.map(|rule| self.part_of(rule));
         let mut candidates = self.hypotheses();
+        if let Some(sources) = self.sources(rule, &candidates) {
+            let found = self.minimal(rule, &sources, ALL, &mut |p, kept| {
+                p.step_holds(kept, rule, part)
+            })?;
+            if found.is_some() || self.is_lemma(rule) {
+                return Ok(found);
+            }
+        }
         if self.book.rule(rule).kind == RuleKind::Initial {
             // Nothing else is about step 0.
             let first = [RuleKind::Initial, RuleKind::Invariant];

@@ -11,11 +11,9 @@ use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
 use super::words::{all, any, becomes, count, is, later, stays, sum};
 use crate::algebra::proof::{Claim, Exports};
-use crate::algebra::system::{FormulaRef, Half};
+use crate::algebra::system::System;
 use crate::contract::line::Line;
-use crate::game::RuleKind;
 use crate::gr1::{BinaryOp, Expr, Formula, Side};
-use std::collections::BTreeSet;
 
 /// The requirements, by what they are about; the names of the goal's formulas begin with these.
 pub const NO_PART_LOST: &str = "no_part_lost";
@@ -25,32 +23,21 @@ pub const NO_OVERFLOW: &str = "no_overflow";
 pub const NO_CIRCULAR_WAIT: &str = "no_circular_wait";
 /// What is in a place goes on.
 pub const GOES_ON: &str = "goes_on";
+/// What waits in a place to be joined is joined.
+pub const COMPONENTS_GO_ON: &str = "components_go_on";
 /// End products are finished again and again.
 pub const ORDERS_ARE_FINISHED: &str = "orders_are_finished";
 
-/// The claim of a line.
-pub(super) fn claim(model: Model<'_>, line: &Line) -> Claim {
-    let mut goal = goal(model, line);
-    let mut lemmas = BTreeSet::new();
-    for (kind, formula) in lemmas::lemmas(model, line) {
-        let list = match kind {
-            RuleKind::Justice => &mut goal.justice,
-            _ => &mut goal.invariants,
-        };
-        lemmas.insert(FormulaRef {
-            part: None,
-            half: Half::Guarantees,
-            kind,
-            index: list.len(),
-        });
-        list.push(formula);
-    }
-    Claim {
+/// The claim of a line, whose places have these contracts.
+pub(super) fn claim(model: Model<'_>, line: &Line, system: &System) -> Claim {
+    let mut claim = Claim {
         given: given(model, line),
-        goal,
-        lemmas,
+        goal: goal(model, line),
         exports: Exports::Never,
-    }
+        ..Claim::default()
+    };
+    lemmas::add(model, line, system, &mut claim);
+    claim
 }
 
 fn given(model: Model<'_>, line: &Line) -> Side {
@@ -234,7 +221,7 @@ fn going_on(model: Model<'_>, place: usize) -> Vec<(&'static str, String, Expr)>
         for bill in vars.bills.iter().filter(|b| !b.is_empty()) {
             let text = format!("what waits in {name} to be joined is joined in the end");
             let none = all(bill.iter().map(|(v, _)| is(*v, 0)));
-            found.push(("components_go_on", text, none));
+            found.push((COMPONENTS_GO_ON, text, none));
         }
     } else if vars.queue.is_some() {
         let text = format!("what is in {name} leaves it in the end, one part after the other");

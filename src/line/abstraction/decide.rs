@@ -92,7 +92,7 @@ pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Lim
 /// What is claimed to come again and again.
 fn liveness(claim: &Claim) -> impl Iterator<Item = FormulaRef> {
     let goals = claim.goals().map(|(at, _)| at);
-    goals.filter(|at| at.kind == RuleKind::Justice && !claim.lemmas.contains(at))
+    goals.filter(|at| at.kind == RuleKind::Justice && !claim.lemmas.contains_key(at))
 }
 
 fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> {
@@ -104,7 +104,7 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
     let mut runs = Runs::new(&abstraction.system.variables, rules, limits)?;
     let mut verdict = Verdict::default();
     for (place, (what, _)) in abstraction.claim.goals().enumerate() {
-        if what.kind == RuleKind::Justice || abstraction.claim.lemmas.contains(&what) {
+        if what.kind == RuleKind::Justice || abstraction.claim.lemmas.contains_key(&what) {
             continue;
         }
         let slip = Slip {
@@ -123,12 +123,17 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
 /// What comes in the end, goal by goal: a proof goes from what is near to what is far, so that most goals are about a few places only.
 fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
     let claim = &abstraction.claim;
-    // What safety shows is known, and places keep their guarantees whatever others do: only the lemmas are left of either.
+    // What safety shows is known, and places keep their guarantees whatever others do.
     let mut alone = abstraction.system.clone();
     for part in &mut alone.parts {
         part.assumptions = Side::default();
     }
-    let asked = claim.only(|at| at.kind == RuleKind::Justice || claim.lemmas.contains(&at));
+    let safety = claim.goals().map(|(at, _)| at);
+    let safety = safety.filter(|at| at.kind != RuleKind::Justice);
+    let asked = Claim {
+        known: safety.filter(|at| !claim.lemmas.contains_key(at)).collect(),
+        ..claim.clone()
+    };
     match proof::decide(&alone, &asked, limits) {
         Ok(proof) => verdict.open.extend(proof.open),
         Err(_) => verdict.undecided.extend(liveness(claim)),

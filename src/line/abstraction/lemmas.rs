@@ -1,143 +1,151 @@
 //! What helps to prove a line, place by place: formulas that hold of most lines and that the claim may rest on where they do.
 //!
 //! A circle of places goes on because it is never full, and a station that joins parts goes on because its components come. Both are
-//! said of few places; without them, whatever goes through a circle could only be proved of all places at once.
+//! said of few places; without them, whatever goes through a circle could only be proved of all places at once. Where a supply lets
+//! only so many parts into the line, they rest on a proof of many small steps ([`super::limited`]).
 
+use super::limited::Limited;
 use super::parts::formula;
-use super::vocabulary::{Model, Phase, Queue};
-use super::words::{count, is, sum};
+use super::shape::PlaceKind;
+use super::vocabulary::Model;
+use super::words::is;
+use crate::algebra::proof::{Claim, Reach};
+use crate::algebra::system::{FormulaRef, Half, System, formulas, list_mut};
 use crate::contract::line::Line;
 use crate::game::RuleKind;
-use crate::gr1::{BinaryOp, Expr, Formula};
+use crate::gr1::Expr;
 use std::collections::BTreeSet;
 
-/// The lemmas: invariants, and justice.
-pub(super) fn lemmas(model: Model<'_>, line: &Line) -> Vec<(RuleKind, Formula)> {
-    let circles = circles(model, line).into_iter();
-    let components = components(model, line).into_iter();
-    let circles = circles.map(|f| (RuleKind::Invariant, f));
-    circles
-        .chain(components.map(|f| (RuleKind::Justice, f)))
-        .collect()
+/// Adds the lemmas to a claim.
+pub(super) fn add(model: Model<'_>, line: &Line, system: &System, claim: &mut Claim) {
+    let mut book = Book {
+        model,
+        line,
+        system,
+        claim,
+    };
+    let supplies = 0..model.shape.places.len();
+    let limited: Vec<Limited> = supplies.filter_map(|s| Limited::new(model, s)).collect();
+    let others = components(&mut book, &limited);
+    for supply in &limited {
+        supply.add(&mut book, &others);
+    }
 }
 
-/// Of every circle of places, and every supply that lets only so many parts into the line: not more of them are in the circle.
-fn circles(model: Model<'_>, line: &Line) -> Vec<Formula> {
-    let mut found = Vec::new();
-    for circle in all_circles(model) {
-        for (supply, declared) in model.shape.places.iter().enumerate() {
-            let (Some((_, most)), [ways]) = (model.vars(supply).in_line, declared.ways.as_slice())
-            else {
-                continue;
-            };
-            let held: Vec<Expr> = { circle.iter() }
-                .flat_map(|place| held(model, *place, ways.part))
-                .collect();
-            if held.is_empty() {
-                continue;
-            }
-            let names: Vec<&str> = { circle.iter() }
-                .map(|p| model.shape.places[*p].name.as_str())
-                .collect();
-            let kind = &model.shape.types[ways.part];
-            let text = format!(
-                "at most {most} of {kind} are in {}, alone or in something else",
-                names.join(", ")
-            );
-            let name = format!("{}_is_never_overrun", names.join("_"));
-            let few = Expr::binary(BinaryOp::Le, sum(held), Expr::Const(i64::from(most)));
-            found.push(formula(line.nodes[declared.node].span, &name, &text, &few));
+/// A claim to which lemmas are added.
+pub(super) struct Book<'a> {
+    pub(super) model: Model<'a>,
+    line: &'a Line,
+    system: &'a System,
+    claim: &'a mut Claim,
+}
+
+impl Book<'_> {
+    /// A lemma, and what it is shown from, or what stands near where that is empty; gives where it stands.
+    pub(super) fn lemma(
+        &mut self,
+        place: usize,
+        kind: RuleKind,
+        (name, text): (&str, &str),
+        expr: &Expr,
+        from: BTreeSet<FormulaRef>,
+        reach: Reach,
+    ) -> FormulaRef {
+        let list = list_mut(&mut self.claim.goal, kind);
+        let at = FormulaRef {
+            part: None,
+            half: Half::Guarantees,
+            kind,
+            index: list.len(),
+        };
+        let span = self.line.nodes[self.model.shape.places[place].node].span;
+        list.push(formula(span, name, text, expr));
+        self.claim.lemmas.insert(at, reach);
+        if !from.is_empty() {
+            self.claim.from.insert(at, from);
+        }
+        at
+    }
+
+    /// What a formula of the goal is tried to be shown from first.
+    pub(super) fn rests_on(&mut self, name: &str, from: BTreeSet<FormulaRef>) {
+        let found = self.claim.goals().find(|(_, f)| f.name == name);
+        if let Some((at, _)) = found {
+            self.claim.from.entry(at).or_default().extend(from);
         }
     }
-    found
-}
 
-/// The sets of places from each of which parts may come to each other one.
-fn all_circles(model: Model<'_>) -> BTreeSet<BTreeSet<usize>> {
-    let reached = |from: usize| {
-        let mut seen = BTreeSet::new();
-        let mut open = vec![from];
-        while let Some(place) = open.pop() {
-            open.extend(
-                model
-                    .shape
-                    .after(place)
-                    .into_iter()
-                    .filter(|to| seen.insert(*to)),
-            );
-        }
-        seen
-    };
-    let reached: Vec<BTreeSet<usize>> = (0..model.shape.places.len()).map(reached).collect();
-    (0..reached.len())
-        .filter(|place| reached[*place].contains(place))
-        .map(|place| {
-            let back = reached[place].iter().copied();
-            back.filter(|other| reached[*other].contains(&place))
-                .collect()
+    /// The formula of the goal that says this of a place, if there is one.
+    pub(super) fn goal(&self, what: &str, place: usize) -> Option<FormulaRef> {
+        let name = format!("{what}_at_{}", self.model.shape.places[place].name);
+        let mut goals = self.claim.goals();
+        goals.find(|(_, f)| f.name == name).map(|(at, _)| at)
+    }
+
+    /// What a place guarantees.
+    pub(super) fn guarantees(&self, place: usize) -> impl Iterator<Item = FormulaRef> {
+        formulas(&self.system.parts[place].guarantees).map(move |(kind, index, _)| FormulaRef {
+            part: Some(place),
+            half: Half::Guarantees,
+            kind,
+            index,
         })
-        .collect()
+    }
+
+    /// What is given of a place: all that speaks of nothing but variables of the environment that its contract mentions, and its own.
+    pub(super) fn given(&self, place: usize) -> Vec<FormulaRef> {
+        let part = &self.system.parts[place];
+        let mut known: BTreeSet<_> = part.drives.iter().copied().collect();
+        for (_, _, f) in formulas(&part.guarantees) {
+            f.expr.for_each_var(&mut |v, _| {
+                if self.system.driver(v).is_none() {
+                    known.insert(v);
+                }
+            });
+        }
+        let is_known = |expr: &Expr| {
+            let mut all = true;
+            expr.for_each_var(&mut |v, _| all &= known.contains(&v));
+            all
+        };
+        formulas(&self.claim.given)
+            .filter(|(_, _, f)| is_known(&f.expr))
+            .map(|(kind, index, _)| FormulaRef {
+                part: None,
+                half: Half::Assumptions,
+                kind,
+                index,
+            })
+            .collect()
+    }
 }
 
-/// How many parts of a type are in a place, alone or in others: the terms of a sum.
-fn held(model: Model<'_>, place: usize, part: usize) -> Vec<Expr> {
-    let vars = model.vars(place);
-    let content = |kind: usize| i64::try_from(model.shape.contents[kind][part]).unwrap_or(i64::MAX);
-    let mut terms = Vec::new();
-    let mut add = |number: Expr, kind: usize| match content(kind) {
-        0 => {}
-        1 => terms.push(number),
-        many => terms.push(Expr::binary(BinaryOp::Mul, number, Expr::Const(many))),
-    };
-    if let Some(phase) = vars.phase {
-        for (index, at) in vars.phases.iter().enumerate() {
-            let (Phase::Work(kind) | Phase::Done(kind, _)) = *at;
-            add(count([is(phase, index + 1)]), kind);
-        }
-    }
-    if let super::shape::PlaceKind::Station { tasks } = &model.shape.places[place].kind {
-        for (task, bill) in vars.bills.iter().enumerate() {
-            for (line, (there, _)) in bill.iter().enumerate() {
-                add(Expr::now(*there), tasks[task].bill[line].0);
-            }
-        }
-    }
-    match &vars.queue {
-        Some(Queue::Count(held, _)) => {
-            for ways in &model.shape.places[place].ways {
-                add(Expr::now(*held), ways.part);
-            }
-        }
-        Some(Queue::Slots(slots, types)) => {
-            for (label, kind) in types.iter().enumerate() {
-                add(count(slots.iter().map(|s| is(*s, label + 1))), *kind);
-            }
-        }
-        None => {}
-    }
-    terms
-}
-
-/// Of every component that a station joins: its places there are filled again and again.
-fn components(model: Model<'_>, line: &Line) -> Vec<Formula> {
+/// Of every component that a station joins, but for limited ones: its places there are filled again and again. Gives the lemmas, by place.
+fn components(book: &mut Book<'_>, limited: &[Limited<'_>]) -> Vec<(usize, FormulaRef)> {
+    let model = book.model;
     let mut found = Vec::new();
     for (place, declared) in model.shape.places.iter().enumerate() {
-        let super::shape::PlaceKind::Station { tasks } = &declared.kind else {
+        let PlaceKind::Station { tasks } = &declared.kind else {
             continue;
         };
-        let bills = tasks.iter().zip(&model.vars(place).bills);
-        for (component, there, most) in bills.flat_map(|(task, bill)| {
-            let lines = task.bill.iter().zip(bill);
-            lines.map(|((component, _), (there, most))| (*component, *there, *most))
-        }) {
-            let kind = &model.shape.types[component];
-            let name = format!("{kind}_comes_to_{}", declared.name);
-            let text = format!(
-                "{} has the {kind} that it joins, again and again",
-                declared.name
-            );
-            let full = is(there, most as usize);
-            found.push(formula(line.nodes[declared.node].span, &name, &text, &full));
+        for (task, bill) in model.vars(place).bills.iter().enumerate() {
+            for (line, (there, most)) in bill.iter().enumerate() {
+                if limited.iter().any(|l| l.brings(place, task, line)) {
+                    continue;
+                }
+                let (component, _) = tasks[task].bill[line];
+                let kind = &model.shape.types[component];
+                let name = format!("{kind}_comes_to_{}", declared.name);
+                let text = format!(
+                    "{} has the {kind} that it joins, again and again",
+                    declared.name
+                );
+                let full = is(*there, *most as usize);
+                let words = (name.as_str(), text.as_str());
+                let near = BTreeSet::new();
+                let lemma = book.lemma(place, RuleKind::Justice, words, &full, near, Reach::Near);
+                found.push((place, lemma));
+            }
         }
     }
     found

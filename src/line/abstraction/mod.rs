@@ -34,6 +34,7 @@ mod claim;
 mod decide;
 mod findings;
 mod lemmas;
+mod limited;
 mod parts;
 mod shape;
 mod vocabulary;
@@ -94,7 +95,7 @@ impl Abstraction {
             variables: vocabulary.variables.clone(),
             parts: parts.collect(),
         };
-        let claim = claim::claim(model, line);
+        let claim = claim::claim(model, line, &system);
         Ok(Self {
             shape,
             vocabulary,
