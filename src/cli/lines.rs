@@ -39,8 +39,19 @@ pub fn examine(line: &Line, limits: &Limits, with_table: bool) -> Proof {
         ..*limits
     };
     let table = |abstraction: &Abstraction, verdict: &Verdict| {
-        let made = with_table.then(|| table(line, abstraction, verdict, &limits));
-        made.and_then(Result::ok).unwrap_or_default()
+        if !with_table {
+            return (Vec::new(), None);
+        }
+        match table(line, abstraction, verdict, &limits) {
+            Ok(rows) => (rows, None),
+            Err(limit) => {
+                let message = format!(
+                    "the verdict on {} is known, but not what rests on what: {limit}",
+                    line.name
+                );
+                (Vec::new(), Some(note(line, message, FEWER)))
+            }
+        }
     };
     let (abstraction, verdict) = match abstraction::examine(line, &limits, MOST_VARIABLES) {
         Ok(decided) => decided,
@@ -53,22 +64,25 @@ pub fn examine(line: &Line, limits: &Limits, with_table: bool) -> Proof {
             ..Proof::default()
         };
     }
-    if !verdict.holds() {
-        let undecided = verdict
-            .undecided
-            .iter()
-            .map(|at| abstraction.goal(*at).name.clone());
-        return Proof {
-            verdict: "safe",
-            undecided: undecided.collect(),
-            discharges: table(&abstraction, &verdict),
-            ..Proof::default()
-        };
+    let (discharges, unknown) = table(&abstraction, &verdict);
+    let undecided = verdict.undecided.iter();
+    let undecided: Vec<String> = undecided
+        .map(|at| abstraction.goal(*at).name.clone())
+        .collect();
+    let mut findings: Vec<Diagnostic> = unknown.into_iter().collect();
+    if !undecided.is_empty() {
+        let message = format!(
+            "parts cannot block one another in {}, but whether everything goes on was not decided: {}",
+            line.name,
+            undecided.join(", ")
+        );
+        findings.push(note(line, message, FEWER));
     }
     Proof {
-        verdict: "proved",
-        discharges: table(&abstraction, &verdict),
-        ..Proof::default()
+        verdict: if verdict.holds() { "proved" } else { "safe" },
+        undecided,
+        discharges,
+        findings,
     }
 }
 
@@ -96,18 +110,24 @@ fn table(
     Ok(proof.discharges.iter().map(|d| entry(told, d)).collect())
 }
 
+/// What to do where something was not decided.
+const FEWER: &str = "Smaller limits and buffers, or fewer types of parts in one, make the line smaller; a machine with less other work, or more \
+                     time, decides more.";
+
 fn undecided(line: &Line, why: &str) -> Proof {
     let message = format!(
         "whether parts can block one another in {} was not decided: {why}",
         line.name
     );
-    let note = Diagnostic::note(codes::LINE_UNDECIDED, line.span, message).with_help(
-        "Nothing is known to be wrong. A run shows whether the line gets stuck with the times that it has; smaller buffers, or fewer \
-         types of parts in one, make it smaller.",
-    );
+    let help = "Nothing is known to be wrong. A run shows whether the line gets stuck with the times that it has; smaller buffers, or fewer \
+                types of parts in one, make it smaller.";
     Proof {
         verdict: "gave_up",
-        findings: vec![note],
+        findings: vec![note(line, message, help)],
         ..Proof::default()
     }
+}
+
+fn note(line: &Line, message: String, help: &str) -> Diagnostic {
+    Diagnostic::note(codes::LINE_UNDECIDED, line.span, message).with_help(help)
 }

@@ -165,12 +165,16 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
 
 fn advice(abstraction: &Abstraction, chain: &Chain) -> String {
     let shape = &abstraction.shape;
-    let limited = shape.places.iter().find_map(|place| match place.kind {
-        PlaceKind::Supply {
-            most: Some(most), ..
-        } => Some((&place.name, most)),
-        _ => None,
-    });
+    let limits = |words: fn(&str, u32) -> String| -> Vec<String> {
+        let places = shape.places.iter();
+        let limited = places.filter_map(|place| match place.kind {
+            PlaceKind::Supply {
+                most: Some(most), ..
+            } => Some(words(&place.name, most)),
+            _ => None,
+        });
+        limited.collect()
+    };
     let rooms = chain.places.iter().filter(|place| {
         matches!(
             shape.places[**place].kind,
@@ -184,19 +188,23 @@ fn advice(abstraction: &Abstraction, chain: &Chain) -> String {
             .map(|p| shape.places[*p].name.as_str())
             .collect();
         let room = match rooms.count() {
-            0 => "Put a buffer into the circle".to_owned(),
+            0 => "Put a buffer into the circle, or let fewer parts in".to_owned(),
             _ => format!(
                 "Let fewer parts in than fill the circle {}",
                 names.join(", ")
             ),
         };
-        let limit = match limited {
-            Some((name, most)) => format!("make the limit of {name} less than {most}"),
-            None => "write `at most N in the line` behind the source that feeds it".to_owned(),
+        let limits = limits(|name, most| format!("make the limit of {name} less than {most}"));
+        let limit = if limits.is_empty() {
+            "write `at most N in the line` behind the source that feeds it".to_owned()
+        } else {
+            limits.join(" or ")
         };
-        format!("{room} ({limit}), or give parts in it a way out by another station.")
-    } else if let Some((name, most)) = limited {
-        format!("See what is missing; {name} lets at most {most} into the line.")
+        format!("{room}: {limit}. Or give parts in it a way out by another station.")
+    } else if let limits = limits(|name, most| format!("{name} lets at most {most} into the line"))
+        && !limits.is_empty()
+    {
+        format!("See what is missing; {}.", limits.join(", "))
     } else {
         "See that what is missing can come: it must not wait behind parts that are not needed yet."
             .to_owned()

@@ -222,7 +222,8 @@ impl<'a> Limited<'a> {
             self.model.shape.types[self.part],
             names.join(", ")
         );
-        let name = format!("{}_is_never_overrun", names.join("_"));
+        let part = &self.model.shape.types[self.part];
+        let name = format!("{}_are_never_overrun_by_{part}", names.join("_"));
         let from = BTreeSet::from([counted]);
         book.lemma(
             self.supply,
@@ -240,6 +241,7 @@ impl<'a> Limited<'a> {
     fn drains(&self, book: &mut Book<'_>, others: &[(usize, FormulaRef)]) -> Option<FormulaRef> {
         let model = self.model;
         let gives = model.leaves(self.supply);
+        let part = &model.shape.types[self.part];
         let supply = &model.shape.places[self.supply].name;
         let mut rid: Vec<Expr> = Vec::new();
         let (mut stays, mut drains) = (None, None);
@@ -258,7 +260,7 @@ impl<'a> Limited<'a> {
             });
             let stay = later(&gone).and(all(on));
             let stay = gone.clone().and(gives.clone().not()).implies(stay);
-            let name = format!("stays_empty_up_to_{here}");
+            let name = format!("{part}_stays_gone_up_to_{here}");
             let text = format!(
                 "where {supply} gives nothing and the places up to the {here} are empty of what it gave, they stay so, and nothing comes from there"
             );
@@ -275,7 +277,7 @@ impl<'a> Limited<'a> {
                 .filter(|(p, _)| *p == place && stage.at.bill.is_some());
             about.extend(here_too.map(|(_, lemma)| *lemma));
             let again = gives.clone().or(gone);
-            let name = format!("gets_empty_up_to_{here}");
+            let name = format!("{part}_is_gone_up_to_{here}");
             let text = format!(
                 "{supply} gives something, or all places up to the {here} get empty of what it gave"
             );
@@ -361,7 +363,10 @@ impl<'a> Limited<'a> {
                 Some(_) => Reach::Near,
                 None => Reach::Named,
             };
-            let title = format!("{kind}_comes_to_{name}");
+            let title = match &self.model.shape.types[self.part] {
+                part if part == kind => format!("{kind}_comes_to_{name}"),
+                part => format!("{part}_in_{kind}_comes_to_{name}"),
+            };
             let lemma = book.lemma(
                 place,
                 RuleKind::Justice,

@@ -21,8 +21,9 @@
 //!   time.
 //! - *Properties.* Which of several routes a part takes is open, each time anew. A part with conditional routes only, none of
 //!   which holds, is not looked at (`LW402` is its code).
-//! - *Numbers of orders.* A source on order has the next part as soon as the one before has left, and stock does not run out. A run with
-//!   fewer orders goes the same way up to its last one.
+//! - *Numbers of orders.* A source on order has the next part as soon as the one before has left, no source stops after so many parts, and
+//!   stock does not run out. A run with fewer orders goes the same way as long as parts come in; then a part may be left over that waits for a
+//!   partner which was scrapped, or went another way.
 //! - *Violations.* The machines' contracts are proved by themselves; a part that is taken out because of one is not looked at.
 //!
 //! A line in which parts of one type may go round in a circle is taken to send each of them out of it in the end; the claim is then that all
