@@ -23,6 +23,7 @@ mod prefix;
 mod rename;
 mod slugsin;
 mod spc;
+mod spectra;
 mod structured;
 mod terms;
 mod write_slugsin;
@@ -43,11 +44,18 @@ pub enum Format {
     Slugsin,
     /// What slugs' own translator turns into the former: numbers, infix notation.
     StructuredSlugs,
+    /// Spectra's.
+    Spectra,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Spc, Self::Slugsin, Self::StructuredSlugs];
+    pub const ALL: [Self; 4] = [
+        Self::Spc,
+        Self::Slugsin,
+        Self::StructuredSlugs,
+        Self::Spectra,
+    ];
 
     /// The format that a file's ending promises.
     pub fn of_path(path: &str) -> Option<Self> {
@@ -61,6 +69,7 @@ impl Format {
             Self::Spc => "spc",
             Self::Slugsin => "slugsin",
             Self::StructuredSlugs => "structuredslugs",
+            Self::Spectra => "spectra",
         }
     }
 
@@ -69,6 +78,7 @@ impl Format {
         match self {
             Self::Spc => "gr1c",
             Self::Slugsin | Self::StructuredSlugs => "slugs",
+            Self::Spectra => "Spectra",
         }
     }
 }
@@ -91,18 +101,22 @@ pub struct Reading {
 /// Reads a text. `name` becomes the specification's name. Never fails: what could not be understood is in the findings.
 pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
     let mut names = names::Names::new(name, file, text);
-    let reachability = match format {
-        Format::Spc => spc::read(&mut names),
+    let mut reachability = false;
+    let (specification, mut findings) = match format {
+        Format::Spectra => spectra::read(name, file, text),
+        Format::Spc => {
+            reachability = spc::read(&mut names);
+            names.finish()
+        }
         Format::Slugsin => {
             slugsin::read(&mut names, slugsin::Dialect::Prefix);
-            false
+            names.finish()
         }
         Format::StructuredSlugs => {
             slugsin::read(&mut names, slugsin::Dialect::Structured);
-            false
+            names.finish()
         }
     };
-    let (specification, mut findings) = names.finish();
     findings.sort_by_key(|f| f.span);
     Reading {
         format,
