@@ -1,4 +1,4 @@
-//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`.
+//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`, Spectra's `.spectra`.
 //!
 //! [`read`] turns a text into a [`Specification`] and findings; [`write`](fn@write) goes the other way for the formats that a solver takes, and
 //! [`contract::write`] prints a specification as a contract of our own language. The formats differ in how a formula
@@ -9,7 +9,9 @@
 //! tool would have answered. Sources: the documents `spc_format.md` and the grammar of gr1c 0.13, and `input_formats.md` and the
 //! grammar of structured slugs.
 //!
-//! The readers are written by hand rather than with pest: all three formats are a list of words, prefix or infix operators between
+//! Spectra's is a language with declarations and definitions, so its reader has a folder of its own, [`spectra`], and a syntax tree.
+//!
+//! The readers are written by hand rather than with pest: the first three formats are a list of words, prefix or infix operators between
 //! them, and no deeper structure, which explicit stacks read in linear time and without recursion, however deep a formula
 //! nests. Recursive descent, pest's included, would need a bound on nesting before it starts.
 
@@ -28,6 +30,7 @@ mod structured;
 mod terms;
 mod write_slugsin;
 mod write_spc;
+mod write_spectra;
 
 use crate::diagnostics::{Diagnostic, has_errors};
 use crate::gr1::Specification;
@@ -134,6 +137,8 @@ pub enum Target {
     Spc,
     /// slugs'.
     Slugsin,
+    /// Spectra's.
+    Spectra,
 }
 
 /// Writes a specification in another tool's format, so that this tool gives the same verdict. What the format cannot say is
@@ -142,5 +147,6 @@ pub fn write(specification: &Specification, target: Target) -> Result<String, Ve
     match target {
         Target::Spc => write_spc::write(specification),
         Target::Slugsin => write_slugsin::write(specification),
+        Target::Spectra => write_spectra::write(specification),
     }
 }

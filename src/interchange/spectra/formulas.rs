@@ -167,7 +167,6 @@ impl Parser<'_> {
     }
 
     fn unary(&mut self) -> Parsed<Node> {
-        self.deeper()?;
         let start = self.start();
         let past = match self.word() {
             "PREV" | "Y" => Some(Past::Previous),
@@ -175,17 +174,18 @@ impl Parser<'_> {
             "HISTORICALLY" | "H" => Some(Past::Historically),
             _ => None,
         };
+        if past.is_none() && !self.is("!") && !self.is("-") {
+            return self.primary();
+        }
+        self.deeper()?;
         let shape = if let Some(past) = past {
             self.next();
             Shape::Past(past, Box::new(self.unary()?))
         } else if self.take("!") {
             Shape::Not(Box::new(self.unary()?))
-        } else if self.take("-") {
-            Shape::Negative(Box::new(self.unary()?))
         } else {
-            let node = self.primary();
-            self.depth -= 1;
-            return node;
+            self.next();
+            Shape::Negative(Box::new(self.unary()?))
         };
         self.depth -= 1;
         Ok(Node {

@@ -43,6 +43,7 @@ mod words;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{Owner, Specification};
 use crate::source::FileId;
+pub(super) use parser::is_keyword;
 use reader::{Reader, Symbol};
 use std::rc::Rc;
 use syntax::{Base, Declaration, Name, TypeName};

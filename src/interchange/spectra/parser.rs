@@ -15,7 +15,7 @@ use crate::source::{FileId, Span};
 use std::ops::Range;
 
 /// Formulas may nest so deeply.
-pub(super) const MAX_NESTING: u32 = 200;
+pub(super) const MAX_NESTING: u32 = 400;
 
 /// A mistake was reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,8 +78,8 @@ fn when(word: &str) -> Option<When> {
 }
 
 /// Words that are no names.
-fn is_keyword(word: &str) -> bool {
-    (begins_declaration(word) && word != "in")
+pub(in crate::interchange) fn is_keyword(word: &str) -> bool {
+    begins_declaration(word)
         || when(word).is_some()
         || matches!(
             word,
