@@ -86,7 +86,9 @@ proptest! {
 
 #[test]
 fn benchmark_files_are_written_and_read_again() {
-    let seeds: Vec<u64> = (1..200).map(|n| n * 0x1234_5678_9abc_def1).collect();
+    let seeds: Vec<u64> = (1..200_u64)
+        .map(|n| n.wrapping_mul(0x1234_5678_9abc_def1))
+        .collect();
     let count = files()
         .par_iter()
         .filter(|path| {

@@ -5,6 +5,7 @@ use crate::support;
 use linewright::interchange::{Format, Reading, read};
 use linewright::source::FileId;
 use proptest::prelude::*;
+use std::fmt::Write as _;
 
 fn read_text(text: &str) -> Reading {
     read(Format::Spectra, "test", FileId(0), text)
@@ -226,7 +227,7 @@ fn depth_and_length_are_bounded() {
     let mut doubling = String::from(head);
     doubling += "define d0 := a;\n";
     for n in 0..60 {
-        doubling += &format!("d{} := d{n} & d{n};\n", n + 1);
+        let _ = writeln!(doubling, "d{} := d{n} & d{n};", n + 1);
     }
     assert!(
         read_text(&format!("{doubling}gar G d60;"))
@@ -241,7 +242,7 @@ fn depth_and_length_are_bounded() {
     let mut row = String::from(head);
     row += "define d0 := a;\n";
     for n in 0..5000 {
-        row += &format!("d{} := !d{n};\n", n + 1);
+        let _ = writeln!(row, "d{} := !d{n};", n + 1);
     }
     assert!(
         read_text(&format!("{row}gar G d5000;"))

@@ -210,76 +210,78 @@ enum Re {
     Repeat(Box<Re>, usize, Option<usize>),
 }
 
-fn ends(re: &Re, lasso: &Lasso, from: usize, limit: usize) -> Vec<usize> {
-    let mut found: Vec<usize> = match re {
-        Re::Empty => vec![from],
-        Re::Never => Vec::new(),
-        Re::Any if from < limit => vec![from + 1],
-        Re::Step(v, value) if from < limit && lasso.at(from)[*v] == *value => vec![from + 1],
-        Re::Any | Re::Step(..) => Vec::new(),
-        Re::Then(a, b) => ends(a, lasso, from, limit)
-            .into_iter()
-            .flat_map(|m| ends(b, lasso, m, limit))
+/// For each step, the steps at which a match that begins there ends, as a set of bits.
+fn ends(re: &Re, lasso: &Lasso, limit: usize) -> Vec<u64> {
+    let at = |from: usize, holds: bool| if holds && from < limit { 2 << from } else { 0 };
+    let of = |a: &Re| ends(a, lasso, limit);
+    let then = |a: &[u64], b: &[u64]| -> Vec<u64> {
+        let from = |from: usize| {
+            let middle = (from..=limit).filter(|m| a[from] >> m & 1 == 1);
+            middle.fold(0, |found, m| found | b[m])
+        };
+        (0..=limit).map(from).collect()
+    };
+    let pairs = |a: &Re, b: &Re, op: &dyn Fn(u64, u64) -> u64| -> Vec<u64> {
+        of(a).iter().zip(&of(b)).map(|(a, b)| op(*a, *b)).collect()
+    };
+    let empty: Vec<u64> = (0..=limit).map(|from| 1 << from).collect();
+    match re {
+        Re::Empty => empty,
+        Re::Never => vec![0; limit + 1],
+        Re::Any => (0..=limit).map(|t| at(t, true)).collect(),
+        Re::Step(v, value) => (0..=limit)
+            .map(|t| at(t, lasso.at(t)[*v] == *value))
             .collect(),
-        Re::Or(a, b) => {
-            let mut both = ends(a, lasso, from, limit);
-            both.extend(ends(b, lasso, from, limit));
-            both
-        }
-        Re::And(a, b) => {
-            let other = ends(b, lasso, from, limit);
-            let both = ends(a, lasso, from, limit).into_iter();
-            both.filter(|e| other.contains(e)).collect()
-        }
+        Re::Then(a, b) => then(&of(a), &of(b)),
+        Re::Or(a, b) => pairs(a, b, &|a, b| a | b),
+        Re::And(a, b) => pairs(a, b, &|a, b| a & b),
         Re::Not(a) => {
-            let others = ends(a, lasso, from, limit);
-            (from..=limit).filter(|e| !others.contains(e)).collect()
+            let later = |from: usize| (u64::MAX >> (63 - limit)) & (u64::MAX << from);
+            let others = of(a);
+            (0..=limit).map(|t| later(t) & !others[t]).collect()
         }
         Re::Repeat(a, low, high) => {
-            let mut at = vec![from];
-            let mut all = Vec::new();
-            for times in 0..=high.unwrap_or(low + limit) {
-                if times >= *low {
-                    if high.is_none() && at.iter().all(|e| all.contains(e)) {
-                        break;
-                    }
-                    all.extend(at.iter().copied());
+            let once = of(a);
+            let mut now = empty;
+            for _ in 0..*low {
+                now = then(&now, &once);
+            }
+            let mut all = now.clone();
+            // Longer ones than the run need no more.
+            for _ in *low..high.unwrap_or(low + limit) {
+                now = then(&now, &once);
+                let before = all.clone();
+                for (all, now) in all.iter_mut().zip(&now) {
+                    *all |= now;
                 }
-                at = at
-                    .into_iter()
-                    .flat_map(|m| ends(a, lasso, m, limit))
-                    .collect();
-                at.sort_unstable();
-                at.dedup();
+                if high.is_none() && before == all {
+                    break;
+                }
             }
             all
         }
-    };
-    found.sort_unstable();
-    found.dedup();
-    found
+    }
 }
 
 /// Whether a trigger is kept: matches are looked for one behind the other.
 fn triggered(from: &Re, to: &Re, lasso: &Lasso) -> bool {
-    let limit = lasso.letters.len() + 14 * lasso.period();
+    let limit = (lasso.letters.len() + 9 * lasso.period()).min(62);
     // An effect that begins here has time enough to come.
-    let last = lasso.letters.len() + 7 * lasso.period();
-    if ends(to, lasso, 0, limit).contains(&0) {
+    let last = lasso.letters.len() + 4 * lasso.period();
+    let (causes, effects) = (ends(from, lasso, limit), ends(to, lasso, limit));
+    if effects[0] & 1 == 1 {
         return true;
     }
     let mut at = 0;
     while at <= last {
-        let Some(cause) = ends(from, lasso, at, limit).first().copied() else {
-            return true;
-        };
+        let cause = causes[at].trailing_zeros() as usize;
         if cause > last {
             return true;
         }
-        let Some(effect) = ends(to, lasso, cause, limit).first().copied() else {
+        if effects[cause] == 0 {
             return false;
-        };
-        at = effect;
+        }
+        at = effects[cause].trailing_zeros() as usize;
     }
     true
 }
@@ -374,15 +376,11 @@ fn arrays_defines_predicates_and_quantifiers() {
     let text = format!(
         "{head}define d[2][2] := {{{{a[0], a[1]}}, {{a[2], true}}}};\n n := 2;\ngar alw i < n -> d[i][i] | a.all;"
     );
-    agrees(
-        &format!("{text}").replace("d[i][i]", "d[1][0]"),
-        &sizes,
-        |l| {
-            always(l, &|t| {
-                l.at(t)[0] >= 2 || at(l, t, 2) || (0..3).all(|k| at(l, t, k))
-            })
-        },
-    );
+    agrees(&text.replace("d[i][i]", "d[1][0]"), &sizes, |l| {
+        always(l, &|t| {
+            l.at(t)[0] >= 2 || at(l, t, 2) || (0..3).all(|k| at(l, t, k))
+        })
+    });
     let text = format!(
         "{head}predicate free(Int(0..2) k, boolean[3] b): !b[k];\ngar alw exists k in Int(0..2) . (k != i & free(k, a));"
     );
@@ -390,7 +388,7 @@ fn arrays_defines_predicates_and_quantifiers() {
         always(l, &|t| (0..3).any(|k| k != l.at(t)[0] && !at(l, t, k)))
     });
     let text =
-        format!("{head}gar each{{Int(0..2) k}}: alw i = k -> (a[k] xor a.any | i in {{1-2}});");
+        format!("{head}gar each{{Int(0..2) k}}: alw i = k -> (a[k] xor a.any | (i in {{1-2}}));");
     agrees(&text, &sizes, |l| {
         always(l, &|t| {
             let i = l.at(t)[0];
@@ -418,7 +416,7 @@ fn numbers_and_enumerations() {
     });
     shifted("c in {red, blue}", &|c, _, _| c != 1);
     shifted(
-        "c not in {red, blue} -> x * x + 1 <= 5 - x / 2",
+        "(c not in {red, blue}) -> x * x + 1 <= 5 - x / 2",
         &|c, _, x| c != 1 || x * x < 5 - x / 2,
     );
     shifted("(x + 3) mod 2 = 1 <-> x != 1", &|_, _, x| {

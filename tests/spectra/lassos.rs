@@ -1,7 +1,7 @@
 //! Runs that repeat, and whether a specification is kept on them: its internal variables are found by trying all their values.
 
 use linewright::gr1::eval::holds;
-use linewright::gr1::{Formula, Owner, Specification};
+use linewright::gr1::{Formula, Owner, Specification, VarId};
 use linewright::interchange::{Format, read};
 use linewright::source::FileId;
 use std::collections::HashMap;
@@ -113,7 +113,7 @@ pub fn game(text: &str) -> Game {
             .collect();
     }
     assert!(choices.len() <= 1 << 12, "{text}: {} states", choices.len());
-    let inputs = specification.inputs().map(|v| v.index()).collect();
+    let inputs = specification.inputs().map(VarId::index).collect();
     Game {
         specification,
         choices,
@@ -131,7 +131,7 @@ impl Game {
         full
     }
 
-    fn only(&self, candidates: impl Iterator<Item = usize>) -> Option<usize> {
+    fn only(candidates: impl Iterator<Item = usize>) -> Option<usize> {
         let found: Vec<usize> = candidates.collect();
         assert!(found.len() <= 1, "not determined: {found:?}");
         found.first().copied()
@@ -148,7 +148,7 @@ impl Game {
         }
         let side = &self.specification.guarantees;
         let before = self.full(choice, now);
-        let found = self.only((0..self.choices.len()).filter(|c| {
+        let found = Self::only((0..self.choices.len()).filter(|c| {
             let after = self.full(*c, next);
             Self::all(&side.safety, &before, &after) && Self::all(&side.invariants, &after, &[])
         }));
@@ -159,7 +159,7 @@ impl Game {
     /// Whether the guarantees are kept on a lasso.
     pub fn kept(&mut self, lasso: &Lasso) -> bool {
         let side = &self.specification.guarantees;
-        let first = self.only((0..self.choices.len()).filter(|c| {
+        let first = Self::only((0..self.choices.len()).filter(|c| {
             let full = self.full(*c, lasso.at(0));
             Self::all(&side.initial, &full, &[]) && Self::all(&side.invariants, &full, &[])
         }));

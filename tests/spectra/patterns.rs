@@ -351,10 +351,12 @@ fn published_patterns_mean_their_formulas() {
         .par_iter()
         .map(|(name, parameters, formula)| {
             let names: Vec<String> = parameters.chars().map(|c| c.to_string()).collect();
-            let inputs: String = names
-                .iter()
-                .map(|n| format!("env boolean {n};\n"))
-                .collect();
+            let mut inputs = String::new();
+            for name in &names {
+                inputs += "env boolean ";
+                inputs += name;
+                inputs += ";\n";
+            }
             let text = format!(
                 "import \"DwyerPatterns.spectra\"\nspec t\n{inputs}gar {name}({});\n",
                 names.join(", ")

@@ -67,7 +67,7 @@ impl Reader {
             }
             Shape::Past(past, inner) => {
                 let value = self.truth(inner)?;
-                self.past(*past, value, span)
+                self.past(*past, &value, span)
             }
             Shape::Since(first, rest) => self.since(first, rest),
             Shape::Chain(first, rest) => self.chain(first, rest),
@@ -157,21 +157,18 @@ impl Reader {
         let mut left = values.next()?;
         for (index, ((op, _), right)) in rest.iter().zip(values).enumerate() {
             let around = spans[index].to(spans[index + 1]);
-            left = match op {
-                BinaryOp::Or => {
-                    self.expect_kind(&left, &Kind::Bool, around)?;
-                    self.expect_kind(&right, &Kind::Bool, around)?;
-                    Value::binary(BinaryOp::Or, left, right)
-                }
-                _ => {
-                    let equal = self.equal(left, right, around)?;
-                    if *op == BinaryOp::Ne {
-                        equal.not()
-                    } else {
-                        equal
-                    }
-                }
-            };
+            if *op == BinaryOp::Or {
+                self.expect_kind(&left, &Kind::Bool, around)?;
+                self.expect_kind(&right, &Kind::Bool, around)?;
+                left = Value::binary(BinaryOp::Or, left, right);
+            } else {
+                let equal = self.equal(left, right, around)?;
+                left = if *op == BinaryOp::Ne {
+                    equal.not()
+                } else {
+                    equal
+                };
+            }
         }
         Some(left)
     }
@@ -303,7 +300,17 @@ impl Reader {
         let name = &define.name.text;
         if let Elements::One(node) = &define.value {
             self.no_indices(name, indices, span)?;
-            return self.expanded(name, span, |reader| reader.value(node));
+            if let Some((value, mentions)) = self.expanded.get(name) {
+                let value = value.clone();
+                self.mentions.extend_from_slice(mentions);
+                return value;
+            }
+            let before = self.mentions.len();
+            let value = self.expanded(name, span, |reader| reader.value(node));
+            let mentions = self.mentions[before..].to_vec();
+            self.expanded
+                .insert(name.clone(), (value.clone(), mentions));
+            return value;
         }
         self.defined_element(define, indices, span)
     }

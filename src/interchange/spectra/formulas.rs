@@ -9,6 +9,9 @@ use super::syntax::{Base, Item, Name, Node, Past, Regexp, RegexpShape, Shape, Si
 use super::words::Word;
 use crate::gr1::BinaryOp;
 
+/// What can be said of a whole array.
+const FUNCTIONS: [&str; 6] = ["all", "any", "prod", "sum", "min", "max"];
+
 const IMPLIES: u8 = 1;
 const RELATION: u8 = 5;
 const REMAINDER: u8 = 6;
@@ -275,7 +278,6 @@ impl Parser<'_> {
             indices.push(self.formula()?);
             self.expect("]", "the bracket is not closed")?;
         }
-        const FUNCTIONS: [&str; 6] = ["all", "any", "prod", "sum", "min", "max"];
         if self.is(".") && FUNCTIONS.contains(&self.word_ahead(1)) {
             self.next();
             let word = self.word();

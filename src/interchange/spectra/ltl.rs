@@ -110,18 +110,18 @@ fn constant(value: bool) -> State {
 }
 
 /// Without clauses that others imply.
-fn least(clauses: State) -> State {
+fn least(clauses: &State) -> State {
     let implied = |c: &Clause| clauses.iter().any(|d| d != c && d.is_subset(c));
     clauses.iter().filter(|c| !implied(c)).cloned().collect()
 }
 
 fn and(a: State, b: State) -> State {
-    least(a.into_iter().chain(b).collect())
+    least(&a.into_iter().chain(b).collect())
 }
 
 fn or(a: &State, b: &State) -> State {
     let pairs = a.iter().flat_map(|x| b.iter().map(move |y| x | y));
-    least(pairs.collect())
+    least(&pairs.collect())
 }
 
 /// A formula about the steps to come.
@@ -159,11 +159,12 @@ fn all_after(clauses: &State, letter: &BTreeMap<usize, bool>) -> State {
     found
 }
 
+/// What is left, the debts that are watched, and whether a round has just ended.
+type Round = (State, State, bool);
+
 /// The automaton of a formula over the atoms 0 to `atoms - 1`; `None` if it becomes too large.
 pub(super) fn automaton(formula: &Ltl, atoms: usize) -> Option<Automaton> {
     let atoms: Vec<usize> = (0..atoms).collect();
-    // What is left, the debts that are watched, and whether a round has just ended.
-    type Round = (State, State, bool);
     let first: Round = (state(formula), State::new(), false);
     let mut states = vec![first.clone()];
     let mut known = BTreeMap::from([(first, 0)]);

@@ -155,10 +155,7 @@ impl Reader {
         for declaration in declarations {
             match declaration {
                 Declaration::Variable(owner, variable) => {
-                    let (owner, internal) = match owner {
-                        Some(owner) => (*owner, false),
-                        None => (Owner::System, true),
-                    };
+                    let (owner, internal) = *owner;
                     self.declare(&variable.name, &variable.of, owner, internal);
                 }
                 Declaration::Monitor(monitor) => {

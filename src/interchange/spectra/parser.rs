@@ -57,12 +57,12 @@ fn begins_declaration(word: &str) -> bool {
         )
 }
 
-/// `Some(None)` is an auxiliary variable.
-fn owner(word: &str) -> Option<Option<Owner>> {
+/// Whose variable a word declares, and whether it is an auxiliary one.
+fn owner(word: &str) -> Option<(Owner, bool)> {
     match word {
-        "output" | "out" | "sysvar" | "sys" => Some(Some(Owner::System)),
-        "input" | "envvar" | "env" | "in" => Some(Some(Owner::Environment)),
-        "auxvar" | "aux" => Some(None),
+        "output" | "out" | "sysvar" | "sys" => Some((Owner::System, false)),
+        "input" | "envvar" | "env" | "in" => Some((Owner::Environment, false)),
+        "auxvar" | "aux" => Some((Owner::System, true)),
         _ => None,
     }
 }
@@ -375,7 +375,7 @@ impl<'t> Parser<'t> {
                 let clauses = self.clauses("monitor")?;
                 found.push(Declaration::Monitor(Monitor { variable, clauses }));
             }
-            "counter" => found.push(Declaration::Counter(self.counter()?)),
+            "counter" => found.push(Declaration::Counter(Box::new(self.counter()?))),
             "weight" => {
                 self.next();
                 if !self.word().is_empty() && self.is_ahead(1, ":") {

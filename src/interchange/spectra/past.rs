@@ -20,11 +20,11 @@ use crate::gr1::{Expr, Time};
 use crate::source::Span;
 
 impl Reader {
-    pub fn past(&mut self, past: Past, value: Value, span: Span) -> Option<Value> {
+    pub fn past(&mut self, past: Past, value: &Value, span: Span) -> Option<Value> {
         if past == Past::Previous && value.expr.mentions_next() {
             return Some(self.stepped_back(&value.expr));
         }
-        self.about_present(&value, span)?;
+        self.about_present(value, span)?;
         let origin = self.origin.clone();
         let expr = match past {
             Past::Previous => self.monitors.previous(&value.expr, &origin),

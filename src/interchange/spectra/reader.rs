@@ -18,6 +18,8 @@ const MAX_SIZE: u64 = 1 << 18;
 const MAX_DEPTH: u32 = 400;
 /// All formulas of a file may have so many operators and operands, whatever its length.
 const MIN_BUDGET: u64 = 4 << 20;
+/// What a formula takes beside them.
+const FORMULA: u64 = 16;
 /// Defines and predicates may use one another so deeply, all their formulas counted.
 const MAX_EXPANSION: u32 = 400;
 /// So many variables a file may have, the elements of its arrays counted.
@@ -44,6 +46,9 @@ pub(super) enum Symbol {
     Published(&'static super::dwyer::Published),
     Regexp(Rc<Regexp>),
 }
+
+/// What a define came to, with what it mentions.
+type Expansion = (Option<Value>, Vec<(VarId, Span)>);
 
 /// What a parameter, or a name bound by `forall`, stands for.
 #[derive(Debug, Clone)]
@@ -72,9 +77,14 @@ pub(super) struct Reader {
     pub origin: Origin,
     /// How often each stem was given to helpers.
     pub numbers: BTreeMap<String, u32>,
+    /// Defines that were expanded. Nothing around a define is seen in it, so it is expanded once.
+    pub expanded: BTreeMap<String, Expansion>,
     depth: u32,
     budget: u64,
+    exhausted: bool,
     guessed: usize,
+    /// What was said already: a mistake in a definition is met at each of its uses.
+    told: BTreeSet<(Span, &'static str, String)>,
     noted: BTreeSet<String>,
 }
 
@@ -98,7 +108,10 @@ impl Reader {
             mentions: Vec::new(),
             origin: Origin::default(),
             numbers: BTreeMap::new(),
+            expanded: BTreeMap::new(),
             depth: 0,
+            exhausted: false,
+            told: BTreeSet::new(),
             budget: MIN_BUDGET + 8 * text.len() as u64,
             guessed: 0,
             noted: BTreeSet::new(),
@@ -112,8 +125,11 @@ impl Reader {
         message: impl Into<String>,
         help: impl Into<String>,
     ) {
-        self.findings
-            .push(Diagnostic::error(code, span, message).with_help(help));
+        let message = message.into();
+        if self.told.insert((span, code.id, message.clone())) {
+            self.findings
+                .push(Diagnostic::error(code, span, message).with_help(help));
+        }
     }
 
     /// A note, once a message.
@@ -218,15 +234,18 @@ impl Reader {
     /// Reports a name that is not declared.
     pub fn unknown(&mut self, what: &str, name: &str, span: Span) {
         self.guessed += 1;
-        let near = if self.guessed <= MAX_GUESSES {
+        let near = if self.guessed > MAX_GUESSES {
+            None
+        } else if what == "type" {
+            nearest(name, self.types.keys().map(String::as_str)).map(str::to_owned)
+        } else {
             let bound = self.frames.last().into_iter().flatten().map(|(n, _)| n);
             let known = self.symbols.keys().chain(&self.labels).chain(bound);
             nearest(name, known.map(String::as_str)).map(str::to_owned)
-        } else {
-            None
         };
         let help = match near {
             Some(near) => format!("did you mean `{near}`?"),
+            None if what == "type" => "declare it: `type T = {a, b};`".to_owned(),
             None => "declare it, as a variable, a value of an enumeration, a define, a predicate or a pattern".to_owned(),
         };
         let message = format!("the {what} `{name}` is not declared");
@@ -235,6 +254,7 @@ impl Reader {
 
     /// Goes one step down in a formula or a definition; [`up`](Self::up) goes back.
     pub fn down(&mut self, span: Span) -> Option<()> {
+        self.spend(1, span)?;
         self.depth += 1;
         if self.depth > MAX_EXPANSION {
             self.too_large(span, "nest too deeply once their definitions are put in");
@@ -248,6 +268,19 @@ impl Reader {
         self.depth -= 1;
     }
 
+    /// Takes work from what the file may have. What is not there is said once.
+    fn spend(&mut self, work: u64, span: Span) -> Option<()> {
+        if work <= self.budget && !self.exhausted {
+            self.budget -= work;
+            return Some(());
+        }
+        if !self.exhausted {
+            self.exhausted = true;
+            self.too_large(span, "become too large, all in all");
+        }
+        None
+    }
+
     fn too_large(&mut self, span: Span, why: &str) {
         self.error(
             codes::TOO_LARGE,
@@ -259,7 +292,7 @@ impl Reader {
 
     /// The value, unless it became too large.
     pub fn sized(&mut self, value: Value, span: Span) -> Option<Value> {
-        if value.size > MAX_SIZE || value.size > self.budget {
+        if value.size > MAX_SIZE {
             self.too_large(span, "become too large once their definitions are put in");
             return None;
         }
@@ -267,18 +300,13 @@ impl Reader {
             self.too_large(span, "nest too deeply once their definitions are put in");
             return None;
         }
-        // Work is paid for, whatever becomes of it.
-        self.budget -= (value.size / 64).min(self.budget);
+        self.spend(value.size / 8, span)?;
         Some(value)
     }
 
     /// Takes a finished formula's size from what the file may have, and looks at its numbers.
     pub fn finished(&mut self, expr: &Expr, size: u64, span: Span) -> Option<()> {
-        if size > self.budget {
-            self.too_large(span, "become too large, all in all");
-            return None;
-        }
-        self.budget -= size;
+        self.spend(size + FORMULA, span)?;
         let domain = |v: VarId| self.interval(v);
         match interval(expr, &domain) {
             Ok(_) => Some(()),
@@ -347,10 +375,6 @@ impl Reader {
                 });
             }
         }
-        // What stands in a definition is found at each of its uses.
-        let mut told = BTreeSet::new();
-        self.findings
-            .retain(|f| told.insert((f.span, f.code.id, f.message.clone())));
         (self.specification, self.findings)
     }
 }

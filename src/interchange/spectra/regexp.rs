@@ -133,10 +133,9 @@ impl Re {
     /// What may follow a step in which the conditions have these values.
     fn after(&self, values: &BTreeMap<usize, bool>) -> Self {
         match self {
-            Self::Never | Self::Empty => Self::Never,
             Self::Any => Self::Empty,
             Self::Step(atom) if values.get(atom) == Some(&true) => Self::Empty,
-            Self::Step(_) => Self::Never,
+            Self::Never | Self::Empty | Self::Step(_) => Self::Never,
             Self::Not(r) => r.after(values).not(),
             Self::Star(r) => r.after(values).then(self.clone()),
             Self::Sequence(a, b) => {

@@ -218,7 +218,11 @@ impl Reader {
             } else {
                 kind
             };
-            self.monitors.assumed(&Obligation { kind, expr })
+            if self.monitors.occur_in(&expr) {
+                self.monitors.assumed(&Obligation { kind, expr })
+            } else {
+                vec![Obligation { kind, expr }]
+            }
         };
         for obligation in obligations {
             if side == Owner::Environment && !self.may_be_assumed(&obligation) {

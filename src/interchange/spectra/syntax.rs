@@ -220,14 +220,14 @@ pub(super) struct Define {
 #[derive(Debug, Clone)]
 pub(super) enum Declaration {
     Import(String, Span),
-    /// `None` for an auxiliary variable.
-    Variable(Option<Owner>, Parameter),
+    /// Whether it is an auxiliary one comes behind its owner.
+    Variable((Owner, bool), Parameter),
     Type(Name, TypeName),
     Define(Define),
     Predicate(Predicate),
     Pattern(Pattern),
     Monitor(Monitor),
-    Counter(Counter),
+    Counter(Box<Counter>),
     Regexp(Name, Regexp),
     Statement(Statement),
     /// `weight`, `regtest`: said, not used.

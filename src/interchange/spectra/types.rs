@@ -108,18 +108,16 @@ impl Reader {
     /// A number that is known when the file is read.
     pub fn number(&mut self, node: &Node) -> Option<i64> {
         let value = self.value(node)?;
-        match (&value.kind, value.constant()) {
-            (Kind::Int, Some(number)) => Some(number),
-            _ => {
-                self.error(
-                    codes::NOT_CONSTANT,
-                    node.span,
-                    "this is no number that is known when the file is read",
-                    "write a number, or a define of one",
-                );
-                None
-            }
+        if let (Kind::Int, Some(number)) = (&value.kind, value.constant()) {
+            return Some(number);
         }
+        self.error(
+            codes::NOT_CONSTANT,
+            node.span,
+            "this is no number that is known when the file is read",
+            "write a number, or a define of one",
+        );
+        None
     }
 }
 
