@@ -11,7 +11,8 @@ use super::rename::renamed;
 use super::spectra::is_keyword;
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{
-    BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, UnaryOp, VarId, Variable,
+    BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp, VarId,
+    Variable,
 };
 use std::fmt::Write as _;
 
@@ -19,7 +20,11 @@ use std::fmt::Write as _;
 const MAX_SIZE: u64 = 1 << 18;
 
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
-    let lowered = lower::answering_second(specification);
+    // A step put in front would have invariants to keep.
+    let lowered = match specification.timing {
+        Timing::Mealy => specification.clone(),
+        Timing::Moore => lower::answering_second(&lower::without_invariants(specification)),
+    };
     let sides = [&lowered.assumptions, &lowered.guarantees];
     let formulas: Vec<&Formula> = sides.into_iter().flat_map(Side::all).collect();
     let variables = lowered.variables.iter().map(|v| v.name.as_str());

@@ -302,12 +302,13 @@ impl Reader {
             self.no_indices(name, indices, span)?;
             if let Some((value, mentions)) = self.expanded.get(name) {
                 let value = value.clone();
-                self.mentions.extend_from_slice(mentions);
+                self.mentions.extend(mentions.iter().copied());
                 return value;
             }
-            let before = self.mentions.len();
+            let mut before = std::mem::take(&mut self.mentions);
             let value = self.expanded(name, span, |reader| reader.value(node));
-            let mentions = self.mentions[before..].to_vec();
+            let mentions = self.mentions.clone();
+            self.mentions.append(&mut before);
             self.expanded
                 .insert(name.clone(), (value.clone(), mentions));
             return value;
@@ -341,7 +342,7 @@ impl Reader {
 
     /// The value of a variable.
     pub fn mention(&mut self, v: crate::gr1::VarId, span: Span) -> Value {
-        self.mentions.push((v, span));
+        self.mentions.insert((v, span));
         let kind = kind_of(&self.variable(v).domain);
         Value::leaf(Expr::now(v), kind)
     }

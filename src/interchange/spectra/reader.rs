@@ -48,7 +48,7 @@ pub(super) enum Symbol {
 }
 
 /// What a define came to, with what it mentions.
-type Expansion = (Option<Value>, Vec<(VarId, Span)>);
+type Expansion = (Option<Value>, BTreeSet<(VarId, Span)>);
 
 /// What a parameter, or a name bound by `forall`, stands for.
 #[derive(Debug, Clone)]
@@ -72,7 +72,7 @@ pub(super) struct Reader {
     /// Definitions that are being expanded.
     pub open: Vec<String>,
     /// What the formula at hand mentions, and where.
-    pub mentions: Vec<(VarId, Span)>,
+    pub mentions: BTreeSet<(VarId, Span)>,
     /// The assumption or guarantee at hand.
     pub origin: Origin,
     /// How often each stem was given to helpers.
@@ -105,7 +105,7 @@ impl Reader {
             monitors: Monitors::new(VarId(FIRST_MONITOR), taken),
             frames: vec![Vec::new()],
             open: Vec::new(),
-            mentions: Vec::new(),
+            mentions: BTreeSet::new(),
             origin: Origin::default(),
             numbers: BTreeMap::new(),
             expanded: BTreeMap::new(),
