@@ -84,7 +84,7 @@ fn every_benchmark_is_read_or_refused_for_the_known_reason() {
     }
     assert!(report.is_empty(), "{report}");
     assert!(count > 120, "only {count} files");
-    assert_eq!(refused, 4);
+    assert_eq!(refused, 6);
 }
 
 fn verdict(specification: &Specification) -> bool {
@@ -420,6 +420,10 @@ fn known_verdict(path: &Path) -> bool {
             "unrealizability",
             "errorneous",
             "baby_network",
+            // Of Spectra's: `tests/spectra/bench.rs` says why.
+            "AirportShuttle_208",
+            "VehicleSpec_133",
+            "ConvoyCarSpec_297",
         ]
         .iter()
         .any(|word| path.to_string_lossy().contains(word)),
@@ -454,7 +458,7 @@ fn verdicts_on_the_benchmarks() {
     };
     let [unrealizable, realizable, refused] = counts;
     assert!(unrealizable >= 15 && realizable >= 100, "{counts:?}");
-    assert_eq!(refused, 4);
+    assert_eq!(refused, 6);
 }
 
 /// The rest of them: minutes, even in a release build.

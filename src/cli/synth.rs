@@ -28,11 +28,11 @@ use std::path::PathBuf;
     linewright synth --counterstrategy --emit json examples/repair-me/1-clash.lw
 
 A controller is written only after it was verified against its contract. One with too many states is written as functions; \
-then its forms are json, c, st and plcopen. `--emit spc` and `--emit slugsin` write the specification itself, for gr1c and slugs, and need \
-no controller.")]
+then its forms are json, c, st and plcopen. `--emit spc`, `--emit slugsin` and `--emit spectra` write the specification itself, for gr1c, slugs and Spectra, and \
+need no controller.")]
 pub struct Arguments {
     /// A file with contracts, and the name of one of them; without a name, all that the file declares. Also a specification of
-    /// gr1c (.spc) or slugs (.slugsin, .structuredslugs)
+    /// gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra)
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
     /// The form of the controller; can be given several times
@@ -92,6 +92,8 @@ pub enum Emit {
     Spc,
     /// The specification, for slugs
     Slugsin,
+    /// The specification, for Spectra
+    Spectra,
 }
 
 impl Emit {
@@ -111,6 +113,7 @@ impl Emit {
             Self::Svg => "svg",
             Self::Spc => "spc",
             Self::Slugsin => "slugsin",
+            Self::Spectra => "spectra",
         }
     }
 
@@ -119,6 +122,7 @@ impl Emit {
         match self {
             Self::Spc => Some(Target::Spc),
             Self::Slugsin => Some(Target::Slugsin),
+            Self::Spectra => Some(Target::Spectra),
             _ => None,
         }
     }

@@ -1,4 +1,4 @@
-//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`.
+//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`, Spectra's `.spectra`.
 //!
 //! [`read`] turns a text into a [`Specification`] and findings; [`write`](fn@write) goes the other way for the formats that a solver takes, and
 //! [`contract::write`] prints a specification as a contract of our own language. The formats differ in how a formula
@@ -9,7 +9,9 @@
 //! tool would have answered. Sources: the documents `spc_format.md` and the grammar of gr1c 0.13, and `input_formats.md` and the
 //! grammar of structured slugs.
 //!
-//! The readers are written by hand rather than with pest: all three formats are a list of words, prefix or infix operators between
+//! Spectra's is a language with declarations and definitions, so its reader has a folder of its own, [`spectra`], and a syntax tree.
+//!
+//! The readers are written by hand rather than with pest: the first three formats are a list of words, prefix or infix operators between
 //! them, and no deeper structure, which explicit stacks read in linear time and without recursion, however deep a formula
 //! nests. Recursive descent, pest's included, would need a bound on nesting before it starts.
 
@@ -23,10 +25,12 @@ mod prefix;
 mod rename;
 mod slugsin;
 mod spc;
+mod spectra;
 mod structured;
 mod terms;
 mod write_slugsin;
 mod write_spc;
+mod write_spectra;
 
 use crate::diagnostics::{Diagnostic, has_errors};
 use crate::gr1::Specification;
@@ -43,11 +47,18 @@ pub enum Format {
     Slugsin,
     /// What slugs' own translator turns into the former: numbers, infix notation.
     StructuredSlugs,
+    /// Spectra's.
+    Spectra,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Spc, Self::Slugsin, Self::StructuredSlugs];
+    pub const ALL: [Self; 4] = [
+        Self::Spc,
+        Self::Slugsin,
+        Self::StructuredSlugs,
+        Self::Spectra,
+    ];
 
     /// The format that a file's ending promises.
     pub fn of_path(path: &str) -> Option<Self> {
@@ -61,6 +72,7 @@ impl Format {
             Self::Spc => "spc",
             Self::Slugsin => "slugsin",
             Self::StructuredSlugs => "structuredslugs",
+            Self::Spectra => "spectra",
         }
     }
 
@@ -69,6 +81,7 @@ impl Format {
         match self {
             Self::Spc => "gr1c",
             Self::Slugsin | Self::StructuredSlugs => "slugs",
+            Self::Spectra => "Spectra",
         }
     }
 }
@@ -91,18 +104,22 @@ pub struct Reading {
 /// Reads a text. `name` becomes the specification's name. Never fails: what could not be understood is in the findings.
 pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
     let mut names = names::Names::new(name, file, text);
-    let reachability = match format {
-        Format::Spc => spc::read(&mut names),
+    let mut reachability = false;
+    let (specification, mut findings) = match format {
+        Format::Spectra => spectra::read(name, file, text),
+        Format::Spc => {
+            reachability = spc::read(&mut names);
+            names.finish()
+        }
         Format::Slugsin => {
             slugsin::read(&mut names, slugsin::Dialect::Prefix);
-            false
+            names.finish()
         }
         Format::StructuredSlugs => {
             slugsin::read(&mut names, slugsin::Dialect::Structured);
-            false
+            names.finish()
         }
     };
-    let (specification, mut findings) = names.finish();
     findings.sort_by_key(|f| f.span);
     Reading {
         format,
@@ -120,6 +137,8 @@ pub enum Target {
     Spc,
     /// slugs'.
     Slugsin,
+    /// Spectra's.
+    Spectra,
 }
 
 /// Writes a specification in another tool's format, so that this tool gives the same verdict. What the format cannot say is
@@ -128,5 +147,6 @@ pub fn write(specification: &Specification, target: Target) -> Result<String, Ve
     match target {
         Target::Spc => write_spc::write(specification),
         Target::Slugsin => write_slugsin::write(specification),
+        Target::Spectra => write_spectra::write(specification),
     }
 }

@@ -1,0 +1,347 @@
+//! The patterns that Spectra's users import as `DwyerPatterns.spectra`.
+//!
+//! Maoz and Ringert (GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015) took the patterns of Dwyer, Avrunin and
+//! Corbett (Patterns in Property Specifications for Finite-State Verification, ICSE 1999) and gave each an automaton whose state
+//! infinitely often says that the formula holds. Names, parameters and formulas are theirs; the automata are made here, from the
+//! formulas, by [`ltl`](super::ltl). As in their translation, also a pattern that a finite run can break is asked for by justice only.
+
+use super::automaton::Automaton;
+use super::ltl::{self, Ltl};
+
+/// A pattern of the published file.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Published {
+    /// Its name in the file.
+    pub name: &'static str,
+    /// Its parameters, a letter each, in order.
+    pub parameters: &'static str,
+    /// The formula over them: `! & | -> U W X F G`.
+    pub formula: &'static str,
+}
+
+const fn published(
+    name: &'static str,
+    parameters: &'static str,
+    formula: &'static str,
+) -> Published {
+    Published {
+        name,
+        parameters,
+        formula,
+    }
+}
+
+/// All of them, also under the names of older files.
+pub static PATTERNS: [Published; 56] = [
+    published("P_is_false_globally", "p", "G !p"),
+    published("P_is_false_before_R", "pr", "F r -> (!p U r)"),
+    published("P_is_false_after_Q", "pq", "G (q -> G !p)"),
+    published(
+        "P_is_false_between_Q_and_R",
+        "pqr",
+        "G ((q & !r & F r) -> (!p U r))",
+    ),
+    published(
+        "P_is_false_after_Q_until_R",
+        "pqr",
+        "G ((q & !r) -> (!p W r))",
+    ),
+    published("P_becomes_true_globally", "p", "F p"),
+    published("P_becomes_true_before_R", "pr", "!r W (p & !r)"),
+    published("P_becomes_true_After_Q", "qp", "G !q | F (q & F p)"),
+    published(
+        "P_becomes_true_between_Q_and_R",
+        "pqr",
+        "G ((q & !r) -> (!r W (p & !r)))",
+    ),
+    published(
+        "P_becomes_true_after_Q_until_R",
+        "pqr",
+        "G ((q & !r) -> (!r U (p & !r)))",
+    ),
+    published(
+        "P_occures_at_most_twice_globally",
+        "p",
+        "!p W (p W (!p W (p W G !p)))",
+    ),
+    published(
+        "P_occures_at_most_twice_before_R",
+        "pr",
+        "F r -> ((!p & !r) U (r | ((p & !r) U (r | ((!p & !r) U (r | ((p & !r) U (r | (!p U r)))))))))",
+    ),
+    published(
+        "P_occures_at_most_twice_after_Q",
+        "pq",
+        "!q W (q & (!p W (p W (!p W (p W G !p)))))",
+    ),
+    published(
+        "P_occures_at_most_twice_between_Q_and_R",
+        "pqr",
+        "G ((q & F r) -> ((!p & !r) U (r | ((p & !r) U (r | ((!p & !r) U (r | ((p & !r) U (r | (!p U r))))))))))",
+    ),
+    published("P_is_true_globally", "p", "G p"),
+    published("P_is_true_before_R", "pr", "F r -> (p U r)"),
+    published("P_is_true_after_Q", "pq", "G (q -> G p)"),
+    published(
+        "P_is_true_between_Q_and_R",
+        "pqr",
+        "G ((q & !r & F r) -> (p U r))",
+    ),
+    published(
+        "P_is_true_After_Q_until_R",
+        "pqr",
+        "G ((q & !r) -> (p W r))",
+    ),
+    published("S_precedes_to_P_globally", "sp", "!p W s"),
+    published("S_precedes_to_P_before_R", "spr", "F r -> (!p U (s | r))"),
+    published(
+        "S_precedes_to_P_between_Q_and_R",
+        "spqr",
+        "G ((q & !r & F r) -> (!p U (s | r)))",
+    ),
+    published(
+        "S_precedes_to_P_after_Q_until_R",
+        "spqr",
+        "G ((q & !r) -> (!p W (s | r)))",
+    ),
+    published("S_responds_to_P_globally", "sp", "G (p -> F s)"),
+    published(
+        "S_responds_to_P_before_R",
+        "spr",
+        "F r -> ((p -> (!r U (s & !r))) U r)",
+    ),
+    published("S_responds_to_P_after_Q", "spq", "G (q -> G (p -> F s))"),
+    published(
+        "S_responds_to_P_between_Q_and_R",
+        "spqr",
+        "G ((q & !r & F r) -> ((p -> (!r U (s & !r))) U r))",
+    ),
+    published(
+        "S_responds_to_P_after_Q_until_R",
+        "spqr",
+        "G ((q & !r) -> ((p -> (!r U (s & !r))) W r))",
+    ),
+    published(
+        "S_and_T_precedes_to_P_globally",
+        "stp",
+        "F p -> (!p U (!p & s & X (!p U t)))",
+    ),
+    published(
+        "S_and_T_precedes_to_P_before_R",
+        "stpr",
+        "F r -> (!p U (r | (!p & s & X (!p U t))))",
+    ),
+    published(
+        "S_and_T_precedes_to_P_after_Q",
+        "stpq",
+        "G !q | (!q U ((q & F p) -> (!p U (!p & s & X (!p U t)))))",
+    ),
+    published(
+        "S_and_T_precedes_to_P_between_Q_and_R",
+        "stpqr",
+        "G ((q & F r) -> (!p U (r | (!p & s & X (!p U t)))))",
+    ),
+    published(
+        "S_and_T_precedes_to_P_after_Q_until_R",
+        "stpqr",
+        "G (q -> (F p -> (!p U (r | (!p & s & X (!p U t))))))",
+    ),
+    published(
+        "P_precedes_S_and_T_globally",
+        "pst",
+        "F (s & X F t) -> (!s U p)",
+    ),
+    published(
+        "P_precedes_S_and_T_before_R",
+        "pstr",
+        "F r -> (!(s & !r & X (!r U (t & !r))) U (p | r))",
+    ),
+    published(
+        "P_precedes_S_and_T_after_q",
+        "pstq",
+        "!q W (q & (F (s & X F t) -> (!s U p)))",
+    ),
+    published(
+        "P_precedes_S_and_T_between_q_and_R",
+        "pstqr",
+        "G ((q & F r) -> (!(s & !r & X (!r U (t & !r))) U (p | r)))",
+    ),
+    published(
+        "P_precedes_S_and_T_after_q_until_R",
+        "pstqr",
+        "G (q -> ((!(s & !r & X (!r U (t & !r))) U (p | r)) | G !(s & X F t)))",
+    ),
+    published(
+        "P_responds_to_S_and_T_globally",
+        "pst",
+        "G ((s & X F t) -> X F (t & F p))",
+    ),
+    published(
+        "P_responds_to_S_and_T_before_r",
+        "pstr",
+        "F r -> (((s & X (!r U t)) -> X (!r U (t & F p))) U r)",
+    ),
+    published(
+        "P_responds_to_S_and_T_after_Q",
+        "pstq",
+        "G (q -> G ((s & X F t) -> X (!t U (t & F p))))",
+    ),
+    published(
+        "P_responds_to_S_and_T_between_Q_and_R",
+        "pstqr",
+        "G ((q & F r) -> (((s & X (!r U t)) -> X (!r U (t & F p))) U r))",
+    ),
+    published(
+        "P_responds_to_S_and_T_after_Q_until_R",
+        "pstqr",
+        "G (q -> (((s & X (!r U t)) -> X (!r U (t & F p))) W r))",
+    ),
+    published(
+        "S_and_T_responds_to_P_globally",
+        "stp",
+        "G (p -> F (s & X F t))",
+    ),
+    published(
+        "S_and_T_responds_to_P_before_R",
+        "stpr",
+        "F r -> ((p -> (!r U (s & !r & X (!r U t)))) U r)",
+    ),
+    published(
+        "S_and_T_responds_to_P_after_q",
+        "stpq",
+        "G (q -> G (p -> (s & X F t)))",
+    ),
+    published(
+        "S_and_T_responds_to_P_between_q_and_R",
+        "stpqr",
+        "G ((q & F r) -> ((p -> (!r U (s & !r & X (!r U t)))) U r))",
+    ),
+    published(
+        "S_and_T_without_Z_responds_to_P_globally",
+        "stzp",
+        "G (p -> F (s & !z & X (!z U t)))",
+    ),
+    published(
+        "S_and_T_without_Z_responds_to_P_before_R",
+        "stzpr",
+        "F r -> ((p -> (!r U (s & !r & !z & X ((!r & !z) U t)))) U r)",
+    ),
+    published(
+        "S_and_T_without_Z_responds_to_P_after_Q",
+        "stzpq",
+        "G (q -> G (p -> (s & !z & X (!z U t))))",
+    ),
+    published(
+        "S_and_T_without_Z_responds_to_P_between_Q_and_R",
+        "stzpqr",
+        "G ((q & F r) -> ((p -> (!r U (s & !r & !z & X ((!r & !z) U t)))) U r))",
+    ),
+    published("notP_globally", "p", "G !p"),
+    published("notP_beforeR", "pr", "F r -> (!p U r)"),
+    published(
+        "pBecomesTrue_betweenQandR",
+        "pqr",
+        "G ((q & !r) -> (!r W (p & !r)))",
+    ),
+    published("pHolds_afterQuntilR", "pqr", "G ((q & !r) -> (p W r))"),
+    published("pRespondsToS", "ps", "G (p -> F s)"),
+];
+
+impl Published {
+    /// The automaton over its parameters.
+    pub(super) fn automaton(&self) -> Option<Automaton> {
+        let mut reader = Letters {
+            parameters: self.parameters,
+            rest: self.formula.as_bytes(),
+        };
+        let formula = reader.implication();
+        ltl::automaton(&formula, self.parameters.len())
+    }
+}
+
+/// Reads a formula of the table above, in which nothing can be wrong.
+struct Letters {
+    parameters: &'static str,
+    rest: &'static [u8],
+}
+
+impl Letters {
+    fn take(&mut self, sign: &str) -> bool {
+        self.rest = self.rest.trim_ascii_start();
+        match self.rest.strip_prefix(sign.as_bytes()) {
+            Some(rest) => {
+                self.rest = rest;
+                true
+            }
+            None => false,
+        }
+    }
+
+    fn implication(&mut self) -> Ltl {
+        let left = self.disjunction();
+        if self.take("->") {
+            left.implies(self.implication())
+        } else {
+            left
+        }
+    }
+
+    fn disjunction(&mut self) -> Ltl {
+        let mut left = self.conjunction();
+        while self.take("|") {
+            left = left.or(self.conjunction());
+        }
+        left
+    }
+
+    fn conjunction(&mut self) -> Ltl {
+        let mut left = self.until();
+        while self.take("&") {
+            left = left.and(self.until());
+        }
+        left
+    }
+
+    fn until(&mut self) -> Ltl {
+        let left = self.unary();
+        if self.take("U") {
+            left.until(self.until())
+        } else if self.take("W") {
+            left.unless(self.until())
+        } else {
+            left
+        }
+    }
+
+    fn unary(&mut self) -> Ltl {
+        if self.take("!") {
+            return self.unary().not();
+        }
+        if self.take("X") {
+            return self.unary().next();
+        }
+        if self.take("F") {
+            return self.unary().eventually();
+        }
+        if self.take("G") {
+            return self.unary().always();
+        }
+        if self.take("(") {
+            let inner = self.implication();
+            self.take(")");
+            return inner;
+        }
+        let place = self
+            .parameters
+            .bytes()
+            .position(|p| self.rest.first() == Some(&p));
+        self.rest = self.rest.get(1..).unwrap_or_default();
+        match place {
+            Some(atom) => Ltl::Atom(atom, true),
+            None => unreachable!(
+                "a letter of {} that is no parameter; please report it",
+                self.parameters
+            ),
+        }
+    }
+}

@@ -1,0 +1,349 @@
+//! Formulas: names are looked up, operators are applied, kinds are checked. What has its own rules has its own file.
+
+use super::reader::{Binding, Reader, Symbol};
+use super::syntax::{Elements, Node, Shape};
+use super::types::kind_of;
+use super::value::{Kind, Value};
+use crate::diagnostics::codes;
+use crate::gr1::{BinaryOp, Expr, Time, UnaryOp};
+use crate::source::Span;
+
+impl Reader {
+    /// The value of a formula; `None` where a mistake in it was reported.
+    pub fn value(&mut self, node: &Node) -> Option<Value> {
+        self.down(node.span)?;
+        let value = self.shape(node);
+        self.up();
+        value.and_then(|v| self.sized(v, node.span))
+    }
+
+    /// A formula that has to be true or false.
+    pub fn truth(&mut self, node: &Node) -> Option<Value> {
+        let value = self.value(node)?;
+        self.expect_kind(&value, &Kind::Bool, node.span)?;
+        Some(value)
+    }
+
+    pub fn expect_kind(&mut self, value: &Value, kind: &Kind, span: Span) -> Option<()> {
+        if value.kind == *kind {
+            return Some(());
+        }
+        self.error(
+            codes::TYPE_MISMATCH,
+            span,
+            format!(
+                "this is {}, where {} is needed",
+                value.kind.describe(),
+                kind.describe()
+            ),
+            match kind {
+                Kind::Bool => "compare it with a value: `x = 3`",
+                _ => "only numbers can be counted with",
+            },
+        );
+        None
+    }
+
+    fn shape(&mut self, node: &Node) -> Option<Value> {
+        let span = node.span;
+        match &node.shape {
+            Shape::Bool(value) => Some(Value::bool(*value)),
+            Shape::Number(value) => Some(Value::int(*value)),
+            Shape::Name(name, indices) => self.name(name, indices, span),
+            Shape::Call(name, arguments) => self.call(name, arguments, span),
+            Shape::Array(name, indices, function) => self.function(name, indices, function),
+            Shape::Not(inner) => Some(self.truth(inner)?.not()),
+            Shape::Negative(inner) => {
+                let value = self.value(inner)?;
+                self.expect_kind(&value, &Kind::Int, inner.span)?;
+                Some(match value.expr {
+                    Expr::Const(number) => Value::int(-number),
+                    _ => value.unary(UnaryOp::Neg),
+                })
+            }
+            Shape::Next(inner) => {
+                let value = self.value(inner)?;
+                self.primed(value, span)
+            }
+            Shape::Past(past, inner) => {
+                let value = self.truth(inner)?;
+                self.past(*past, &value, span)
+            }
+            Shape::Since(first, rest) => self.since(first, rest),
+            Shape::Chain(first, rest) => self.chain(first, rest),
+            Shape::Implies(a, b) => {
+                let (a, b) = (self.truth(a), self.truth(b));
+                Some(Value::binary(BinaryOp::Implies, a?, b?))
+            }
+            Shape::In {
+                value,
+                negated,
+                items,
+            } => {
+                let found = self.membership(value, items)?;
+                Some(if *negated { found.not() } else { found })
+            }
+            Shape::Quantified {
+                all,
+                name,
+                domain,
+                body,
+            } => self.quantified(*all, name, domain, body),
+            Shape::Matches(_) => {
+                self.error(
+                    codes::NOT_GR1,
+                    span,
+                    "a regular expression stands within a formula",
+                    "it may be all that `G` or `GF` holds: `gar G regexp(r);`; for what follows a match, write `gar trig r |=> e;`",
+                );
+                None
+            }
+        }
+    }
+
+    /// The same with next values for current ones.
+    fn primed(&mut self, mut value: Value, span: Span) -> Option<Value> {
+        if value.expr.mentions_next() {
+            self.error(
+                codes::NEXT_NESTED,
+                span,
+                "`next` stands inside `next`, perhaps through a define or a predicate",
+                "GR(1) knows this step and the next one: remember a value in a variable to look further",
+            );
+            return None;
+        }
+        value.expr = value.expr.substitute(&mut |v, _| Expr::Var(v, Time::Next));
+        Some(value)
+    }
+
+    fn chain(&mut self, first: &Node, rest: &[(BinaryOp, Node)]) -> Option<Value> {
+        use BinaryOp as B;
+        let spans: Vec<Span> = std::iter::once(first.span)
+            .chain(rest.iter().map(|(_, n)| n.span))
+            .collect();
+        let mut values = vec![self.value(first)];
+        for (_, node) in rest {
+            values.push(self.value(node));
+        }
+        let values: Option<Vec<Value>> = values.into_iter().collect();
+        let values = values?;
+        let op = rest.first().map_or(B::And, |(op, _)| *op);
+        let kind = match op {
+            B::And | B::Or => Kind::Bool,
+            B::Eq | B::Ne => return self.equations(values, rest, &spans),
+            _ => Kind::Int,
+        };
+        for (value, span) in values.iter().zip(&spans) {
+            // `xor` stands among `|`.
+            self.expect_kind(value, &kind, *span)?;
+        }
+        if matches!(op, B::And | B::Or | B::Add) && rest.iter().all(|(o, _)| *o == op) {
+            return Some(Value::chain(op, values));
+        }
+        let mut values = values.into_iter();
+        let first = values.next()?;
+        let operands = rest.iter().map(|(op, _)| *op).zip(values);
+        Some(operands.fold(first, |a, (op, b)| Value::binary(op, a, b)))
+    }
+
+    /// `=`, `!=`, `<->`, `xor` and what stands between them.
+    fn equations(
+        &mut self,
+        values: Vec<Value>,
+        rest: &[(BinaryOp, Node)],
+        spans: &[Span],
+    ) -> Option<Value> {
+        let mut values = values.into_iter();
+        let mut left = values.next()?;
+        for (index, ((op, _), right)) in rest.iter().zip(values).enumerate() {
+            let around = spans[index].to(spans[index + 1]);
+            if *op == BinaryOp::Or {
+                self.expect_kind(&left, &Kind::Bool, around)?;
+                self.expect_kind(&right, &Kind::Bool, around)?;
+                left = Value::binary(BinaryOp::Or, left, right);
+            } else {
+                let equal = self.equal(left, right, around)?;
+                left = if *op == BinaryOp::Ne {
+                    equal.not()
+                } else {
+                    equal
+                };
+            }
+        }
+        Some(left)
+    }
+
+    /// `a = b`. Values of enumerations are compared by their names.
+    pub fn equal(&mut self, a: Value, b: Value, span: Span) -> Option<Value> {
+        let found = match (&a.kind, &b.kind) {
+            (Kind::Bool, Kind::Bool) | (Kind::Int, Kind::Int) => {
+                Some(Value::binary(BinaryOp::Eq, a, b))
+            }
+            (Kind::Label(x), Kind::Label(y)) => Some(Value::bool(x == y)),
+            (Kind::Labels(x), Kind::Labels(y)) if x == y => Some(Value::binary(BinaryOp::Eq, a, b)),
+            (Kind::Labels(x), Kind::Labels(y)) => {
+                let (x, y) = (x.clone(), y.clone());
+                let mut cases = Vec::new();
+                for (i, label) in x.iter().enumerate() {
+                    if let Some(j) = y.iter().position(|l| l == label) {
+                        let is = |v: &Value, n: usize| {
+                            Value::binary(BinaryOp::Eq, v.clone(), Value::int(n as i64))
+                        };
+                        cases.push(Value::binary(BinaryOp::And, is(&a, i), is(&b, j)));
+                    }
+                }
+                (!cases.is_empty()).then(|| Value::chain(BinaryOp::Or, cases))
+            }
+            (Kind::Labels(labels), Kind::Label(label))
+            | (Kind::Label(label), Kind::Labels(labels)) => {
+                let Some(index) = labels.iter().position(|l| l == label) else {
+                    let described = Kind::Labels(labels.clone()).describe();
+                    let message = format!("`{label}` is compared with what is {described}");
+                    self.error(
+                        codes::TYPE_MISMATCH,
+                        span,
+                        message,
+                        "compare it with one of its own values",
+                    );
+                    return None;
+                };
+                let variable = if matches!(a.kind, Kind::Labels(_)) {
+                    a
+                } else {
+                    b
+                };
+                let index = Value::int(index as i64);
+                return Some(Value::binary(BinaryOp::Eq, variable, index));
+            }
+            // An enumeration of numbers with gaps.
+            (Kind::Labels(labels), Kind::Int) | (Kind::Int, Kind::Labels(labels)) => {
+                let (variable, number) = if a.kind == Kind::Int {
+                    (&b, &a)
+                } else {
+                    (&a, &b)
+                };
+                let label = number.constant().map(|n| n.to_string());
+                let index = label.and_then(|l| labels.iter().position(|m| *m == l));
+                index.map(|i| Value::binary(BinaryOp::Eq, variable.clone(), Value::int(i as i64)))
+            }
+            _ => None,
+        };
+        if found.is_none() {
+            let message = "two things of different kinds are compared";
+            self.error(
+                codes::TYPE_MISMATCH,
+                span,
+                message,
+                "compare numbers with numbers, truth values with truth values, and values of one enumeration with each other",
+            );
+        }
+        found
+    }
+
+    /// A name with its indices.
+    fn name(&mut self, name: &str, indices: &[Node], span: Span) -> Option<Value> {
+        match self.bound(name).cloned() {
+            Some(Binding::Value(value)) => {
+                self.no_indices(name, indices, span)?;
+                return Some(value);
+            }
+            Some(Binding::Cells(cells)) => return self.element(&cells, name, indices, span),
+            Some(Binding::Elements(define)) => return self.defined(&define, indices, span),
+            None => {}
+        }
+        match self.symbols.get(name).map(|(symbol, _)| symbol.clone()) {
+            Some(Symbol::Variable(cells)) => self.element(&cells, name, indices, span),
+            Some(Symbol::Define(define)) => self.defined(&define, indices, span),
+            Some(Symbol::Predicate(predicate)) if indices.is_empty() => {
+                self.predicate(&predicate, &[], span)
+            }
+            Some(_) => {
+                self.error(
+                    codes::TYPE_MISMATCH,
+                    span,
+                    format!("`{name}` has no value: it is a pattern or a regular expression"),
+                    "a pattern stands alone: `gar p(a, b);`; a regular expression in `regexp(r)` or `trig`",
+                );
+                None
+            }
+            None if self.labels.contains(name) => {
+                self.no_indices(name, indices, span)?;
+                Some(Value::leaf(Expr::Const(0), Kind::Label(name.to_owned())))
+            }
+            None => {
+                self.unknown("name", name, span);
+                None
+            }
+        }
+    }
+
+    pub fn no_indices(&mut self, name: &str, indices: &[Node], span: Span) -> Option<()> {
+        if indices.is_empty() {
+            return Some(());
+        }
+        self.error(
+            codes::TYPE_MISMATCH,
+            span,
+            format!("`{name}` is no array"),
+            "leave the index out",
+        );
+        None
+    }
+
+    /// The value of a define, or of an element of one that is an array.
+    fn defined(
+        &mut self,
+        define: &std::rc::Rc<super::syntax::Define>,
+        indices: &[Node],
+        span: Span,
+    ) -> Option<Value> {
+        let name = &define.name.text;
+        if let Elements::One(node) = &define.value {
+            self.no_indices(name, indices, span)?;
+            if let Some((value, mentions)) = self.expanded.get(name) {
+                let value = value.clone();
+                self.mentions.extend(mentions.iter().copied());
+                return value;
+            }
+            let mut before = std::mem::take(&mut self.mentions);
+            let value = self.expanded(name, span, |reader| reader.value(node));
+            let mentions = self.mentions.clone();
+            self.mentions.append(&mut before);
+            self.expanded
+                .insert(name.clone(), (value.clone(), mentions));
+            return value;
+        }
+        self.defined_element(define, indices, span)
+    }
+
+    /// Expands a definition, in which names around it are not seen; it must not use itself.
+    pub fn expanded<T>(
+        &mut self,
+        name: &str,
+        span: Span,
+        expand: impl FnOnce(&mut Self) -> Option<T>,
+    ) -> Option<T> {
+        if self.open.iter().any(|open| open == name) {
+            self.error(
+                codes::NOT_CONSTANT,
+                span,
+                format!("`{name}` is defined by itself"),
+                "a definition may use those that do not use it; what changes over time is a variable, a monitor or a counter",
+            );
+            return None;
+        }
+        self.open.push(name.to_owned());
+        self.frames.push(Vec::new());
+        let found = expand(self);
+        self.frames.pop();
+        self.open.pop();
+        found
+    }
+
+    /// The value of a variable.
+    pub fn mention(&mut self, v: crate::gr1::VarId, span: Span) -> Value {
+        self.mentions.insert((v, span));
+        let kind = kind_of(&self.variable(v).domain);
+        Value::leaf(Expr::now(v), kind)
+    }
+}

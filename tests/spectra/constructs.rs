@@ -1,0 +1,433 @@
+//! Past operators, counters, monitors, triggers and regular expressions against what they mean, worked out on a long piece of the run.
+
+use super::lassos::{Lasso, agrees};
+use rayon::prelude::*;
+
+/// So many steps are looked at: enough for all that is remembered here to repeat.
+fn horizon(lasso: &Lasso) -> usize {
+    lasso.letters.len() + 12 * lasso.period()
+}
+
+/// Operators over the past, by their definitions.
+#[derive(Debug, Clone)]
+enum Past {
+    Input(usize),
+    Not(Box<Past>),
+    And(Box<Past>, Box<Past>),
+    Previous(Box<Past>),
+    Once(Box<Past>),
+    Historically(Box<Past>),
+    Since(Box<Past>, Box<Past>),
+    Triggered(Box<Past>, Box<Past>),
+    /// `PREV` of an input that has become another.
+    Changed(usize),
+}
+
+fn past(formula: &Past, lasso: &Lasso, t: usize) -> bool {
+    let at = |f: &Past, t| past(f, lasso, t);
+    match formula {
+        Past::Input(v) => lasso.at(t)[*v] == 1,
+        Past::Not(a) => !at(a, t),
+        Past::And(a, b) => at(a, t) && at(b, t),
+        Past::Previous(a) => t > 0 && at(a, t - 1),
+        Past::Once(a) => (0..=t).any(|k| at(a, k)),
+        Past::Historically(a) => (0..=t).all(|k| at(a, k)),
+        Past::Since(a, b) => (0..=t).any(|k| at(b, k) && (k + 1..=t).all(|j| at(a, j))),
+        Past::Triggered(a, b) => (0..=t).all(|k| at(b, k) || (k + 1..=t).any(|j| at(a, j))),
+        Past::Changed(v) => t > 0 && lasso.at(t)[*v] == 1 && lasso.at(t - 1)[*v] == 0,
+    }
+}
+
+#[test]
+fn past_operators() {
+    let input = |v| Box::new(Past::Input(v));
+    let (p, q) = (|| input(0), || input(1));
+    let cases = [
+        ("PREV p", Past::Previous(p())),
+        ("Y Y p", Past::Previous(Box::new(Past::Previous(p())))),
+        ("ONCE p", Past::Once(p())),
+        ("O PREV p", Past::Once(Box::new(Past::Previous(p())))),
+        ("HISTORICALLY p", Past::Historically(p())),
+        (
+            "PREV (H p)",
+            Past::Previous(Box::new(Past::Historically(p()))),
+        ),
+        ("p SINCE q", Past::Since(p(), q())),
+        (
+            "p S q S p",
+            Past::Since(Box::new(Past::Since(p(), q())), p()),
+        ),
+        ("p TRIGGERED q", Past::Triggered(p(), q())),
+        (
+            "PREV p T q",
+            Past::Triggered(Box::new(Past::Previous(p())), q()),
+        ),
+        (
+            "ONCE (p & PREV q) & !PREV p",
+            Past::And(
+                Box::new(Past::Once(Box::new(Past::And(
+                    p(),
+                    Box::new(Past::Previous(q())),
+                )))),
+                Box::new(Past::Not(Box::new(Past::Previous(p())))),
+            ),
+        ),
+        ("PREV (!p & next(p))", Past::Changed(0)),
+    ];
+    cases.par_iter().for_each(|(text, meaning)| {
+        let head = "spec t\nenv boolean p;\nenv boolean q;\n";
+        for negated in [false, true] {
+            let sign = if negated { "!" } else { "" };
+            let holds = |lasso: &Lasso, t| past(meaning, lasso, t) != negated;
+            agrees(
+                &format!("{head}gar alw {sign}({text});"),
+                &[2, 2],
+                |lasso| (0..horizon(lasso)).all(|t| holds(lasso, t)),
+            );
+            agrees(&format!("{head}gar GF {sign}({text});"), &[2, 2], |lasso| {
+                let end = horizon(lasso);
+                (end - lasso.period()..end).any(|t| holds(lasso, t))
+            });
+        }
+        agrees(&format!("{head}gar ini {text} | p;"), &[2, 2], |lasso| {
+            past(meaning, lasso, 0) || lasso.at(0)[0] == 1
+        });
+        if !text.contains("next") {
+            // What it will be, by what it is.
+            agrees(
+                &format!("{head}gar G next({text}) | q;"),
+                &[2, 2],
+                |lasso| {
+                    (0..horizon(lasso)).all(|t| past(meaning, lasso, t + 1) || lasso.at(t)[1] == 1)
+                },
+            );
+        }
+    });
+}
+
+/// The counter's value after so many steps; `None` where it could not go on.
+fn counted(lasso: &Lasso, steps: usize, over: &str, under: &str, reset: bool) -> Option<i64> {
+    let mut value = 1;
+    for t in 0..steps {
+        let (up, down) = (lasso.at(t)[0] == 1, lasso.at(t)[1] == 1);
+        let back = reset && lasso.at(t)[2] == 1;
+        let mut wanted = Vec::new();
+        let turned = |mode: &str, end: i64, other: i64| match mode {
+            "keep" => Some(end),
+            "modulo" => Some(other),
+            _ => None,
+        };
+        if up {
+            wanted.push(if value == 2 {
+                turned(over, 2, 0)
+            } else {
+                Some(value + 1)
+            });
+        }
+        if down {
+            wanted.push(if value == 0 {
+                turned(under, 0, 2)
+            } else {
+                Some(value - 1)
+            });
+        }
+        if back {
+            wanted.push(Some(0));
+        }
+        let first = wanted.first().copied().unwrap_or(Some(value));
+        if wanted.iter().any(|w| *w != first) {
+            return None;
+        }
+        value = first?;
+    }
+    Some(value)
+}
+
+#[test]
+fn counters() {
+    let modes = ["keep", "modulo", "false"];
+    let cases: Vec<(&str, &str, bool)> = modes
+        .iter()
+        .flat_map(|o| {
+            modes
+                .iter()
+                .flat_map(move |u| [(*o, *u, false), (*o, *u, true)])
+        })
+        .collect();
+    cases.par_iter().for_each(|(over, under, reset)| {
+        let line = if *reset { "reset: r;" } else { "" };
+        let text = format!(
+            "spec t\nenv boolean p;\nenv boolean q;\nenv boolean r;\n\
+             counter c(0..2) {{ c = 1; inc: p; dec: q; {line} overflow: {over}; underflow: {under}; }}\n\
+             gar GF c = 2;\n"
+        );
+        agrees(&text, &[2, 2, 2], |lasso| {
+            let end = horizon(lasso) + 6 * lasso.period();
+            counted(lasso, end, over, under, *reset).is_some()
+                && (end - 6 * lasso.period()..end)
+                    .any(|t| counted(lasso, t, over, under, *reset) == Some(2))
+        });
+    });
+}
+
+#[test]
+fn a_counter_without_modes_must_not_leave_its_range() {
+    let text = "spec t\nenv boolean p;\nenv boolean q;\nenv boolean r;\ncounter c(0..2) { c = 1; inc: p; dec: q; }\ngar alw c != 0;\n";
+    agrees(text, &[2, 2, 2], |lasso| {
+        (0..=horizon(lasso)).all(|t| counted(lasso, t, "", "", false).is_some_and(|c| c != 0))
+    });
+}
+
+#[test]
+fn monitors() {
+    // A switch that each p turns.
+    let text = "spec t\nenv boolean p;\nmonitor boolean on { !on; G next(on) <-> (on xor p); }\ngar GF on;\ngar GF !on;\n";
+    agrees(text, &[2], |lasso| {
+        (lasso.back..lasso.letters.len()).any(|t| lasso.at(t)[0] == 1)
+    });
+    // What was there a step ago, as the monitor's own clause for step 0 has it.
+    let text = "spec t\nenv Int(0..2) x;\nmonitor Int(0..2) last { last = x; trans next(last) = x; }\ngar alw x >= last;\n";
+    agrees(text, &[3], |lasso| {
+        (0..horizon(lasso)).all(|t| t == 0 || lasso.at(t)[0] >= lasso.at(t - 1)[0])
+    });
+    let text = "spec t\nenv boolean p;\nmonitor boolean copy { alw copy <-> !p; }\ngar GF copy;\n";
+    agrees(text, &[2], |lasso| {
+        (lasso.back..lasso.letters.len()).any(|t| lasso.at(t)[0] == 0)
+    });
+}
+
+/// Regular expressions by the sets of steps at which their matches end.
+#[derive(Debug, Clone)]
+enum Re {
+    Empty,
+    Any,
+    Never,
+    Step(usize, i64),
+    Then(Box<Re>, Box<Re>),
+    Or(Box<Re>, Box<Re>),
+    And(Box<Re>, Box<Re>),
+    Not(Box<Re>),
+    Repeat(Box<Re>, usize, Option<usize>),
+}
+
+/// For each step, the steps at which a match that begins there ends, as a set of bits.
+fn ends(re: &Re, lasso: &Lasso, limit: usize) -> Vec<u64> {
+    let at = |from: usize, holds: bool| if holds && from < limit { 2 << from } else { 0 };
+    let of = |a: &Re| ends(a, lasso, limit);
+    let then = |a: &[u64], b: &[u64]| -> Vec<u64> {
+        let from = |from: usize| {
+            let (mut open, mut found) = (a[from], 0);
+            while open != 0 {
+                found |= b[open.trailing_zeros() as usize];
+                open &= open - 1;
+            }
+            found
+        };
+        (0..=limit).map(from).collect()
+    };
+    let pairs = |a: &Re, b: &Re, op: &dyn Fn(u64, u64) -> u64| -> Vec<u64> {
+        of(a).iter().zip(&of(b)).map(|(a, b)| op(*a, *b)).collect()
+    };
+    let empty: Vec<u64> = (0..=limit).map(|from| 1 << from).collect();
+    match re {
+        Re::Empty => empty,
+        Re::Never => vec![0; limit + 1],
+        Re::Any => (0..=limit).map(|t| at(t, true)).collect(),
+        Re::Step(v, value) => (0..=limit)
+            .map(|t| at(t, lasso.at(t)[*v] == *value))
+            .collect(),
+        Re::Then(a, b) => then(&of(a), &of(b)),
+        Re::Or(a, b) => pairs(a, b, &|a, b| a | b),
+        Re::And(a, b) => pairs(a, b, &|a, b| a & b),
+        Re::Not(a) => {
+            let later = |from: usize| (u64::MAX >> (63 - limit)) & (u64::MAX << from);
+            let others = of(a);
+            (0..=limit).map(|t| later(t) & !others[t]).collect()
+        }
+        Re::Repeat(a, low, high) => {
+            let once = of(a);
+            let mut now = empty;
+            for _ in 0..*low {
+                now = then(&now, &once);
+            }
+            let mut all = now.clone();
+            // Longer ones than the run need no more.
+            for _ in *low..high.unwrap_or(low + limit) {
+                now = then(&now, &once);
+                let before = all.clone();
+                for (all, now) in all.iter_mut().zip(&now) {
+                    *all |= now;
+                }
+                if high.is_none() && before == all {
+                    break;
+                }
+            }
+            all
+        }
+    }
+}
+
+/// Whether a trigger is kept: matches are looked for one behind the other.
+fn triggered(from: &Re, to: &Re, lasso: &Lasso) -> bool {
+    let limit = (lasso.letters.len() + 9 * lasso.period()).min(62);
+    // An effect that begins here has time enough to come.
+    let last = lasso.letters.len() + 4 * lasso.period();
+    let (causes, effects) = (ends(from, lasso, limit), ends(to, lasso, limit));
+    if effects[0] & 1 == 1 {
+        return true;
+    }
+    let mut at = 0;
+    while at <= last {
+        let cause = causes[at].trailing_zeros() as usize;
+        if cause > last {
+            return true;
+        }
+        if effects[cause] == 0 {
+            return false;
+        }
+        at = effects[cause].trailing_zeros() as usize;
+    }
+    true
+}
+
+#[test]
+fn triggers_and_regular_expressions() {
+    let step = |v| Box::new(Re::Step(v, 1));
+    let (p, q) = (|| step(0), || step(1));
+    let any = || Box::new(Re::Repeat(Box::new(Re::Any), 0, None));
+    let many = |r: Box<Re>, low, high| Box::new(Re::Repeat(r, low, high));
+    let then = |a, b| Box::new(Re::Then(a, b));
+    let or = |a, b| Box::new(Re::Or(a, b));
+    let and = |a, b| Box::new(Re::And(a, b));
+    let not = |a| Box::new(Re::Not(a));
+    let expressions = [
+        ("[p]", p()),
+        ("[p] [q]", then(p(), q())),
+        ("[p] | [q] [p]", then(or(p(), q()), p())),
+        ("[p] | ([q] [p])", or(p(), then(q(), p()))),
+        (
+            "([p] true) & (true [q])",
+            and(then(p(), Box::new(Re::Any)), then(Box::new(Re::Any), q())),
+        ),
+        ("[p]* [q]", then(many(p(), 0, None), q())),
+        (
+            "[p]+ [!p]",
+            then(many(p(), 1, None), Box::new(Re::Step(0, 0))),
+        ),
+        ("[p]? [q]", then(many(p(), 0, Some(1)), q())),
+        ("[p]{2}", many(p(), 2, Some(2))),
+        (
+            "true{2,} & ([p] true*)",
+            and(many(Box::new(Re::Any), 2, None), then(p(), any())),
+        ),
+        ("[p]{1,3} [q]", then(many(p(), 1, Some(3)), q())),
+        (
+            "~([p] true*) & true+",
+            and(not(then(p(), any())), many(Box::new(Re::Any), 1, None)),
+        ),
+        ("(~[p])[q]", then(not(p()), q())),
+        ("true* [p & q]", then(any(), and(p(), q()))),
+        ("both", then(any(), then(p(), q()))),
+        ("false | [q]", or(Box::new(Re::Never), q())),
+        ("() | [p] [p]", then(or(Box::new(Re::Empty), p()), p())),
+        (
+            "([p] [q])* [q] [q]",
+            then(then(many(then(p(), q()), 0, None), q()), q()),
+        ),
+    ];
+    let head = "spec t\nenv boolean p;\nenv boolean q;\nregexp both := true* [p] [q];\n";
+    let cause = [
+        ("true* [p]", then(any(), p())),
+        ("[q] [p]*", then(q(), many(p(), 0, None))),
+    ];
+    expressions.par_iter().for_each(|(text, re)| {
+        for (from, from_re) in &cause {
+            agrees(
+                &format!("{head}gar trig {from} |=> {text};"),
+                &[2, 2],
+                |lasso| triggered(from_re, re, lasso),
+            );
+            agrees(
+                &format!("{head}gar trig {text} |=> {from};"),
+                &[2, 2],
+                |lasso| triggered(re, from_re, lasso),
+            );
+        }
+        agrees(&format!("{head}gar G regexp({text});"), &[2, 2], |lasso| {
+            triggered(&any(), re, lasso)
+        });
+        let repeated = then(any(), re.clone());
+        agrees(&format!("{head}gar GF regexp({text});"), &[2, 2], |lasso| {
+            triggered(&any(), &repeated, lasso)
+        });
+    });
+}
+
+#[test]
+fn arrays_defines_predicates_and_quantifiers() {
+    let head = "spec t\nenv Int(0..2) i;\nenv boolean[3] a;\n";
+    let at = |lasso: &Lasso, t: usize, k: i64| lasso.at(t)[1 + k as usize] == 1;
+    let sizes = [3, 2, 2, 2];
+    let always = |lasso: &Lasso, holds: &dyn Fn(usize) -> bool| (0..horizon(lasso)).all(holds);
+    agrees(&format!("{head}gar alw a[i];"), &sizes, |l| {
+        always(l, &|t| at(l, t, l.at(t)[0]))
+    });
+    agrees(
+        &format!("{head}gar G next(a[(i + 1) mod 3]);"),
+        &sizes,
+        |l| always(l, &|t| at(l, t + 1, (l.at(t + 1)[0] + 1) % 3)),
+    );
+    let text = format!(
+        "{head}define d[2][2] := {{{{a[0], a[1]}}, {{a[2], true}}}};\n n := 2;\ngar alw i < n -> d[i][i] | a.all;"
+    );
+    agrees(&text.replace("d[i][i]", "d[1][0]"), &sizes, |l| {
+        always(l, &|t| {
+            l.at(t)[0] >= 2 || at(l, t, 2) || (0..3).all(|k| at(l, t, k))
+        })
+    });
+    let text = format!(
+        "{head}predicate free(Int(0..2) k, boolean[3] b): !b[k];\ngar alw exists k in Int(0..2) . (k != i & free(k, a));"
+    );
+    agrees(&text, &sizes, |l| {
+        always(l, &|t| (0..3).any(|k| k != l.at(t)[0] && !at(l, t, k)))
+    });
+    let text =
+        format!("{head}gar each{{Int(0..2) k}}: alw i = k -> (a[k] xor a.any | (i in {{1-2}}));");
+    agrees(&text, &sizes, |l| {
+        always(l, &|t| {
+            let i = l.at(t)[0];
+            let xor = at(l, t, i) != (0..3).any(|k| at(l, t, k));
+            xor || (1..=2).contains(&i)
+        })
+    });
+}
+
+#[test]
+fn numbers_and_enumerations() {
+    let head =
+        "spec t\ntype C = {red, green, blue};\nenv C c;\nenv {blue, red} d;\nenv Int((-1)..1) x;\n";
+    let sizes = [3, 2, 3];
+    let always = |lasso: &Lasso, holds: &dyn Fn(&[i64]) -> bool| {
+        (0..horizon(lasso)).all(|t| holds(lasso.at(t)))
+    };
+    // Letters count from 0.
+    let shifted = |text: &str, holds: &(dyn Fn(i64, i64, i64) -> bool + Sync)| {
+        let text = format!("{head}gar alw {text};").replace("Int((-1)..1)", "Int(0..2)");
+        agrees(&text, &sizes, |l| always(l, &|v| holds(v[0], v[1], v[2])));
+    };
+    shifted("c = green | c != d", &|c, d, _| {
+        c == 1 || !((c == 0 && d == 1) || (c == 2 && d == 0))
+    });
+    shifted("c in {red, blue}", &|c, _, _| c != 1);
+    shifted(
+        "(c not in {red, blue}) -> x * x + 1 <= 5 - x / 2",
+        &|c, _, x| c != 1 || x * x < 5 - x / 2,
+    );
+    shifted("(x + 3) mod 2 = 1 <-> x != 1", &|_, _, x| {
+        ((x + 3) % 2 == 1) == (x != 1)
+    });
+    shifted(
+        "!(x > 1) & -x <= 0 iff x < 2 implies c = red",
+        &|c, _, x| (x <= 1 && -x <= 0) != (x < 2) || c == 0,
+    );
+}

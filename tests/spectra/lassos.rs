@@ -1,0 +1,210 @@
+//! Runs that repeat, and whether a specification is kept on them: its internal variables are found by trying all their values.
+
+use linewright::gr1::eval::holds;
+use linewright::gr1::{Formula, Owner, Specification, VarId};
+use linewright::interchange::{Format, read};
+use linewright::source::FileId;
+use std::collections::HashMap;
+
+/// Letters, the last of which is followed by the letter `back`.
+#[derive(Debug, Clone)]
+pub struct Lasso {
+    pub letters: Vec<Vec<i64>>,
+    pub back: usize,
+}
+
+impl Lasso {
+    /// The letter of a step.
+    pub fn at(&self, step: usize) -> &[i64] {
+        let count = self.letters.len();
+        if step < count {
+            return &self.letters[step];
+        }
+        &self.letters[self.back + (step - self.back) % (count - self.back)]
+    }
+
+    pub fn period(&self) -> usize {
+        self.letters.len() - self.back
+    }
+}
+
+/// All lassos of up to `longest` letters over variables with so many values each, or 10,000 random ones where that is too many.
+pub fn lassos(sizes: &[i64], longest: u32) -> Vec<Lasso> {
+    let letters: i64 = sizes.iter().product();
+    let count: i64 = (1..=longest)
+        .map(|n| letters.saturating_pow(n).saturating_mul(i64::from(n)))
+        .fold(0, i64::saturating_add);
+    let letter = |mut number: i64| -> Vec<i64> {
+        let digits = sizes.iter().map(|size| {
+            let digit = number % size;
+            number /= size;
+            digit
+        });
+        digits.collect()
+    };
+    let mut found = Vec::new();
+    if count <= 30_000 {
+        for length in 1..=longest {
+            for mut word in 0..letters.pow(length) {
+                let mut run = Vec::new();
+                for _ in 0..length {
+                    run.push(letter(word % letters));
+                    word /= letters;
+                }
+                for back in 0..length as usize {
+                    found.push(Lasso {
+                        letters: run.clone(),
+                        back,
+                    });
+                }
+            }
+        }
+        return found;
+    }
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut draw = |below: i64| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) % below as u64) as i64
+    };
+    for _ in 0..10_000 {
+        let length = 1 + draw(i64::from(longest) + 4) as usize;
+        let run: Vec<Vec<i64>> = (0..length).map(|_| letter(draw(letters))).collect();
+        let back = draw(length as i64) as usize;
+        found.push(Lasso { letters: run, back });
+    }
+    found
+}
+
+/// A specification that has internal variables only beside inputs, and whose internal variables are determined.
+pub struct Game {
+    specification: Specification,
+    /// All values of the internal variables, inputs left at 0.
+    choices: Vec<Vec<i64>>,
+    inputs: Vec<usize>,
+    /// The internal values after some, by the letters of the two steps.
+    known: HashMap<(usize, Vec<i64>, Vec<i64>), Option<usize>>,
+}
+
+/// Reads a text in which nothing may be wrong.
+pub fn game(text: &str) -> Game {
+    let reading = read(Format::Spectra, "test", FileId(0), text);
+    let findings = reading.findings;
+    let specification = reading
+        .specification
+        .unwrap_or_else(|| panic!("{text}\n{findings:#?}"));
+    let mut choices = vec![vec![0; specification.variables.len()]];
+    for (index, variable) in specification.variables.iter().enumerate() {
+        if variable.owner == Owner::Environment {
+            continue;
+        }
+        assert!(variable.internal, "{text}: {}", variable.name);
+        let values = variable.domain.low()..=variable.domain.high();
+        choices = choices
+            .into_iter()
+            .flat_map(|c| {
+                values.clone().map(move |v| {
+                    let mut c = c.clone();
+                    c[index] = v;
+                    c
+                })
+            })
+            .collect();
+    }
+    assert!(choices.len() <= 1 << 12, "{text}: {} states", choices.len());
+    let inputs = specification.inputs().map(VarId::index).collect();
+    Game {
+        specification,
+        choices,
+        inputs,
+        known: HashMap::new(),
+    }
+}
+
+impl Game {
+    fn full(&self, choice: usize, letter: &[i64]) -> Vec<i64> {
+        let mut full = self.choices[choice].clone();
+        for (index, value) in self.inputs.iter().zip(letter) {
+            full[*index] = *value;
+        }
+        full
+    }
+
+    fn only(candidates: impl Iterator<Item = usize>) -> Option<usize> {
+        let found: Vec<usize> = candidates.collect();
+        assert!(found.len() <= 1, "not determined: {found:?}");
+        found.first().copied()
+    }
+
+    fn all(formulas: &[Formula], now: &[i64], next: &[i64]) -> bool {
+        formulas.iter().all(|f| holds(&f.expr, now, next))
+    }
+
+    fn step(&mut self, choice: usize, now: &[i64], next: &[i64]) -> Option<usize> {
+        let key = (choice, now.to_vec(), next.to_vec());
+        if let Some(found) = self.known.get(&key) {
+            return *found;
+        }
+        let side = &self.specification.guarantees;
+        let before = self.full(choice, now);
+        let found = Self::only((0..self.choices.len()).filter(|c| {
+            let after = self.full(*c, next);
+            Self::all(&side.safety, &before, &after) && Self::all(&side.invariants, &after, &[])
+        }));
+        self.known.insert(key, found);
+        found
+    }
+
+    /// Whether the guarantees are kept on a lasso.
+    pub fn kept(&mut self, lasso: &Lasso) -> bool {
+        let side = &self.specification.guarantees;
+        let first = Self::only((0..self.choices.len()).filter(|c| {
+            let full = self.full(*c, lasso.at(0));
+            Self::all(&side.initial, &full, &[]) && Self::all(&side.invariants, &full, &[])
+        }));
+        let Some(mut choice) = first else {
+            return false;
+        };
+        let (mut heads, mut run) = (HashMap::new(), Vec::new());
+        for step in 0.. {
+            let position = if step < lasso.letters.len() {
+                step
+            } else {
+                lasso.back + (step - lasso.back) % lasso.period()
+            };
+            if position == lasso.back
+                && let Some(start) = heads.insert(choice, step)
+            {
+                let cycle: &[(Vec<i64>, Vec<i64>)] = &run[start..];
+                let justice = &self.specification.guarantees.justice;
+                return justice.iter().all(|f| {
+                    let mut steps = cycle.iter();
+                    steps.any(|(now, next)| holds(&f.expr, now, next))
+                });
+            }
+            let Some(next) = self.step(choice, lasso.at(step), lasso.at(step + 1)) else {
+                return false;
+            };
+            run.push((
+                self.full(choice, lasso.at(step)),
+                self.full(next, lasso.at(step + 1)),
+            ));
+            choice = next;
+        }
+        unreachable!("a run repeats")
+    }
+}
+
+/// That a text is kept on exactly those lassos of its inputs for which `naive` says so; gives their number, and how many keep it.
+pub fn agrees(text: &str, sizes: &[i64], naive: impl Fn(&Lasso) -> bool) -> (usize, usize) {
+    let mut game = game(text);
+    let (mut count, mut kept) = (0, 0);
+    for lasso in lassos(sizes, 6) {
+        let wanted = naive(&lasso);
+        assert_eq!(game.kept(&lasso), wanted, "{text}\n{lasso:?}");
+        count += 1;
+        kept += usize::from(wanted);
+    }
+    (count, kept)
+}

@@ -1,0 +1,395 @@
+//! Every published pattern against its formula, which is evaluated step by step.
+
+use super::lassos::{Lasso, agrees};
+use rayon::prelude::*;
+
+/// Names, parameters and formulas as the published file documents them, `V` being release.
+const PATTERNS: [(&str, &str, &str); 56] = [
+    ("P_is_false_globally", "p", "G !p"),
+    ("P_is_false_before_R", "pr", "(!p U r) | !F r"),
+    ("P_is_false_after_Q", "pq", "G (!q | G !p)"),
+    (
+        "P_is_false_between_Q_and_R",
+        "pqr",
+        "G ((!p U r) | !(q & !r & F r))",
+    ),
+    (
+        "P_is_false_after_Q_until_R",
+        "pqr",
+        "G (!(q & !r) | (r V (!p | r)))",
+    ),
+    ("P_becomes_true_globally", "p", "F p"),
+    (
+        "P_becomes_true_before_R",
+        "pr",
+        "(p & !r) V (!r | (p & !r))",
+    ),
+    ("P_becomes_true_After_Q", "qp", "G !q | F (q & F p)"),
+    (
+        "P_becomes_true_between_Q_and_R",
+        "pqr",
+        "G (!(q & !r) | ((p & !r) V (!r | (p & !r))))",
+    ),
+    (
+        "P_becomes_true_after_Q_until_R",
+        "pqr",
+        "G (!(q & !r) | (!r U (p & !r)))",
+    ),
+    (
+        "P_occures_at_most_twice_globally",
+        "p",
+        "!F (p & X F (!p & X F (p & X F (!p & X F p))))",
+    ),
+    (
+        "P_occures_at_most_twice_before_R",
+        "pr",
+        "((!p & !r) U (r | ((p & !r) U (r | ((!p & !r) U (r | ((p & !r) U (r | (!p U r))))))))) | !F r",
+    ),
+    (
+        "P_occures_at_most_twice_after_Q",
+        "pq",
+        "(!q U (q & !F (p & X F (!p & X F (p & X F (!p & X F p)))))) | !F q",
+    ),
+    (
+        "P_occures_at_most_twice_between_Q_and_R",
+        "pqr",
+        "G (((!p & !r) U (r | ((p & !r) U (r | ((!p & !r) U (r | ((p & !r) U (r | (!p U r))))))))) | !(q & F r))",
+    ),
+    ("P_is_true_globally", "p", "G p"),
+    ("P_is_true_before_R", "pr", "(p U r) | !F r"),
+    ("P_is_true_after_Q", "pq", "G (!q | G p)"),
+    (
+        "P_is_true_between_Q_and_R",
+        "pqr",
+        "G ((p U r) | !(q & !r & F r))",
+    ),
+    (
+        "P_is_true_After_Q_until_R",
+        "pqr",
+        "G (!(q & !r) | (r V (p | r)))",
+    ),
+    ("S_precedes_to_P_globally", "sp", "s V (!p | s)"),
+    ("S_precedes_to_P_before_R", "spr", "(!p U (r | s)) | !F r"),
+    (
+        "S_precedes_to_P_between_Q_and_R",
+        "spqr",
+        "G ((!p U (r | s)) | !(q & !r & F r))",
+    ),
+    (
+        "S_precedes_to_P_after_Q_until_R",
+        "spqr",
+        "G (!(q & !r) | ((r | s) V (!p | r | s)))",
+    ),
+    ("S_responds_to_P_globally", "sp", "G (!p | F s)"),
+    (
+        "S_responds_to_P_before_R",
+        "spr",
+        "((!p | (!r U (!r & s))) U r) | !F r",
+    ),
+    ("S_responds_to_P_after_Q", "spq", "G (!q | G (!p | F s))"),
+    (
+        "S_responds_to_P_between_Q_and_R",
+        "spqr",
+        "G (((!p | (!r U (!r & s))) U r) | !(q & !r & F r))",
+    ),
+    (
+        "S_responds_to_P_after_Q_until_R",
+        "spqr",
+        "G (!(q & !r) | (r V (!p | r | (!r U (!r & s)))))",
+    ),
+    (
+        "S_and_T_precedes_to_P_globally",
+        "stp",
+        "(!p U (!p & s & X (!p U t))) | !F p",
+    ),
+    (
+        "S_and_T_precedes_to_P_before_R",
+        "stpr",
+        "(!p U (r | (!p & s & X (!p U t)))) | !F r",
+    ),
+    (
+        "S_and_T_precedes_to_P_after_Q",
+        "stpq",
+        "G !q | (!q U ((!p U (!p & s & X (!p U t))) | !(q & F p)))",
+    ),
+    (
+        "S_and_T_precedes_to_P_between_Q_and_R",
+        "stpqr",
+        "G ((!p U (r | (!p & s & X (!p U t)))) | !(q & F r))",
+    ),
+    (
+        "S_and_T_precedes_to_P_after_Q_until_R",
+        "stpqr",
+        "G (!q | (!p U (r | (!p & s & X (!p U t)))) | !F p)",
+    ),
+    (
+        "P_precedes_S_and_T_globally",
+        "pst",
+        "(!s U p) | !F (s & X F t)",
+    ),
+    (
+        "P_precedes_S_and_T_before_R",
+        "pstr",
+        "(!(!r & s & X (!r U (!r & t))) U (p | r)) | !F r",
+    ),
+    (
+        "P_precedes_S_and_T_after_q",
+        "pstq",
+        "G !q | (!q U (q & ((!s U p) | !F (s & X F t))))",
+    ),
+    (
+        "P_precedes_S_and_T_between_q_and_R",
+        "pstqr",
+        "G ((!(!r & s & X (!r U (!r & t))) U (p | r)) | !(q & F r))",
+    ),
+    (
+        "P_precedes_S_and_T_after_q_until_R",
+        "pstqr",
+        "G (!q | (!(!r & s & X (!r U (!r & t))) U (p | r)) | G !(s & X F t))",
+    ),
+    (
+        "P_responds_to_S_and_T_globally",
+        "pst",
+        "G (X F (t & F p) | !(s & X F t))",
+    ),
+    (
+        "P_responds_to_S_and_T_before_r",
+        "pstr",
+        "((X (!r U (t & F p)) | !(s & X (!r U t))) U r) | !F r",
+    ),
+    (
+        "P_responds_to_S_and_T_after_Q",
+        "pstq",
+        "G (!q | G (X (!t U (t & F p)) | !(s & X F t)))",
+    ),
+    (
+        "P_responds_to_S_and_T_between_Q_and_R",
+        "pstqr",
+        "G (((X (!r U (t & F p)) | !(s & X (!r U t))) U r) | !(q & F r))",
+    ),
+    (
+        "P_responds_to_S_and_T_after_Q_until_R",
+        "pstqr",
+        "G (!q | ((X (!r U (t & F p)) | !(s & X (!r U t))) U (r | G (X (!r U (t & F p)) | !(s & X (!r U t))))))",
+    ),
+    (
+        "S_and_T_responds_to_P_globally",
+        "stp",
+        "G (!p | F (s & X F t))",
+    ),
+    (
+        "S_and_T_responds_to_P_before_R",
+        "stpr",
+        "((!p | (!r U (!r & s & X (!r U t)))) U r) | !F r",
+    ),
+    (
+        "S_and_T_responds_to_P_after_q",
+        "stpq",
+        "G (!q | G (!p | (s & X F t)))",
+    ),
+    (
+        "S_and_T_responds_to_P_between_q_and_R",
+        "stpqr",
+        "G (((!p | (!r U (!r & s & X (!r U t)))) U r) | !(q & F r))",
+    ),
+    (
+        "S_and_T_without_Z_responds_to_P_globally",
+        "stzp",
+        "G (!p | F (s & !z & X (!z U t)))",
+    ),
+    (
+        "S_and_T_without_Z_responds_to_P_before_R",
+        "stzpr",
+        "((!p | (!r U (!r & s & !z & X ((!r & !z) U t)))) U r) | !F r",
+    ),
+    (
+        "S_and_T_without_Z_responds_to_P_after_Q",
+        "stzpq",
+        "G (!q | G (!p | (s & !z & X (!z U t))))",
+    ),
+    (
+        "S_and_T_without_Z_responds_to_P_between_Q_and_R",
+        "stzpqr",
+        "G (((!p | (!r U (!r & s & !z & X ((!r & !z) U t)))) U r) | !(q & F r))",
+    ),
+    ("notP_globally", "p", "G !p"),
+    ("notP_beforeR", "pr", "(!p U r) | !F r"),
+    (
+        "pBecomesTrue_betweenQandR",
+        "pqr",
+        "G (!(q & !r) | ((p & !r) V (!r | (p & !r))))",
+    ),
+    (
+        "pHolds_afterQuntilR",
+        "pqr",
+        "G (!(q & !r) | (r V (p | r)))",
+    ),
+    ("pRespondsToS", "ps", "G (p -> F s)"),
+];
+
+/// The truth of a formula in each position of a lasso, read off its text: positions are numbered, the last is followed by `back`.
+struct Reader<'a> {
+    text: &'a [u8],
+    parameters: &'a str,
+    lasso: &'a Lasso,
+}
+
+type Truth = Vec<bool>;
+
+impl Reader<'_> {
+    fn take(&mut self, sign: &str) -> bool {
+        self.text = self.text.trim_ascii_start();
+        let found = self.text.starts_with(sign.as_bytes());
+        if found {
+            self.text = &self.text[sign.len()..];
+        }
+        found
+    }
+
+    fn formula(&mut self) -> Truth {
+        let mut left = self.conjunction();
+        loop {
+            if self.take("->") {
+                let right = self.conjunction();
+                left = zip(&left, &right, |a, b| !a || b);
+            } else if self.take("|") {
+                let right = self.conjunction();
+                left = zip(&left, &right, |a, b| a || b);
+            } else {
+                return left;
+            }
+        }
+    }
+
+    fn conjunction(&mut self) -> Truth {
+        let mut left = self.binary();
+        while self.take("&") {
+            let right = self.binary();
+            left = zip(&left, &right, |a, b| a && b);
+        }
+        left
+    }
+
+    fn binary(&mut self) -> Truth {
+        let left = self.unary();
+        if self.take("U") {
+            let right = self.unary();
+            self.until(&left, &right)
+        } else if self.take("V") {
+            let right = self.unary();
+            let not = |t: &Truth| t.iter().map(|v| !v).collect::<Truth>();
+            not(&self.until(&not(&left), &not(&right)))
+        } else {
+            left
+        }
+    }
+
+    fn after(&self, position: usize) -> usize {
+        if position + 1 < self.lasso.letters.len() {
+            position + 1
+        } else {
+            self.lasso.back
+        }
+    }
+
+    /// Some later position keeps b, and all before it a: looked for one by one.
+    fn until(&self, a: &Truth, b: &Truth) -> Truth {
+        let count = a.len();
+        let from = |start: usize| {
+            let mut at = start;
+            for _ in 0..2 * count {
+                if b[at] {
+                    return true;
+                }
+                if !a[at] {
+                    return false;
+                }
+                at = self.after(at);
+            }
+            false
+        };
+        (0..count).map(from).collect()
+    }
+
+    fn unary(&mut self) -> Truth {
+        if self.take("!") {
+            return self.unary().into_iter().map(|v| !v).collect();
+        }
+        if self.take("X") {
+            let inner = self.unary();
+            return (0..inner.len()).map(|i| inner[self.after(i)]).collect();
+        }
+        if self.take("F") {
+            let inner = self.unary();
+            return self.until(&vec![true; inner.len()], &inner);
+        }
+        if self.take("G") {
+            let not: Truth = self.unary().into_iter().map(|v| !v).collect();
+            let found = self.until(&vec![true; not.len()], &not);
+            return found.into_iter().map(|v| !v).collect();
+        }
+        if self.take("(") {
+            let inner = self.formula();
+            assert!(self.take(")"));
+            return inner;
+        }
+        let letter = char::from(self.text[0]);
+        self.text = &self.text[1..];
+        let place = self.parameters.find(letter).expect("a parameter");
+        let letters = self.lasso.letters.iter();
+        letters.map(|l| l[place] == 1).collect()
+    }
+}
+
+fn zip(a: &Truth, b: &Truth, op: impl Fn(bool, bool) -> bool) -> Truth {
+    a.iter().zip(b).map(|(a, b)| op(*a, *b)).collect()
+}
+
+#[test]
+fn published_patterns_mean_their_formulas() {
+    let counts: Vec<(usize, usize)> = PATTERNS
+        .par_iter()
+        .map(|(name, parameters, formula)| {
+            let names: Vec<String> = parameters.chars().map(|c| c.to_string()).collect();
+            let mut inputs = String::new();
+            for name in &names {
+                inputs += "env boolean ";
+                inputs += name;
+                inputs += ";\n";
+            }
+            let text = format!(
+                "import \"DwyerPatterns.spectra\"\nspec t\n{inputs}gar {name}({});\n",
+                names.join(", ")
+            );
+            let counts = agrees(&text, &vec![2; names.len()], |lasso| {
+                let mut reader = Reader {
+                    text: formula.as_bytes(),
+                    parameters,
+                    lasso,
+                };
+                reader.formula()[0]
+            });
+            assert!(counts.1 > 0 && counts.1 < counts.0, "{name}: {counts:?}");
+            counts
+        })
+        .collect();
+    assert_eq!(counts.len(), 56);
+}
+
+#[test]
+fn a_pattern_of_the_file_goes_before_a_published_one() {
+    let text = "import \"DwyerPatterns.spectra\"\nspec t\nenv boolean p;\nenv boolean s;\n\
+        pattern pRespondsToS(a, b) { var boolean done; done; G next(done) <-> (b | (done & !a)); GF done; }\n\
+        gar pRespondsToS(p, s);\n";
+    agrees(text, &[2, 2], |lasso| {
+        let cycle = lasso.back..lasso.letters.len();
+        let answers = cycle.clone().any(|i| lasso.at(i)[1] == 1);
+        let last = |place: usize| {
+            (0..lasso.letters.len())
+                .rev()
+                .find(|i| lasso.at(*i)[place] == 1)
+        };
+        // Without answers in the cycle: no request in it, and none after the last answer before it.
+        answers || last(0).is_none_or(|p| p < lasso.back && last(1).is_some_and(|s| s >= p))
+    });
+}
