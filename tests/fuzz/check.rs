@@ -31,6 +31,7 @@ pub fn reader(format: Format, text: &str) {
     for (target, format) in [
         (Target::Slugsin, Format::Slugsin),
         (Target::Spc, Format::Spc),
+        (Target::Spectra, Format::Spectra),
     ] {
         if let Ok(written) = write(&specification, target) {
             let again = read(format, "fuzz", FileId(0), &written);
