@@ -25,6 +25,7 @@ mod slugsin;
 mod spc;
 mod structured;
 mod terms;
+mod tlsf;
 mod write_slugsin;
 mod write_spc;
 
@@ -43,11 +44,13 @@ pub enum Format {
     Slugsin,
     /// What slugs' own translator turns into the former: numbers, infix notation.
     StructuredSlugs,
+    /// The format of LTL synthesis, as far as it is GR(1).
+    Tlsf,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Spc, Self::Slugsin, Self::StructuredSlugs];
+    pub const ALL: [Self; 4] = [Self::Spc, Self::Slugsin, Self::StructuredSlugs, Self::Tlsf];
 
     /// The format that a file's ending promises.
     pub fn of_path(path: &str) -> Option<Self> {
@@ -61,6 +64,7 @@ impl Format {
             Self::Spc => "spc",
             Self::Slugsin => "slugsin",
             Self::StructuredSlugs => "structuredslugs",
+            Self::Tlsf => "tlsf",
         }
     }
 
@@ -69,6 +73,7 @@ impl Format {
         match self {
             Self::Spc => "gr1c",
             Self::Slugsin | Self::StructuredSlugs => "slugs",
+            Self::Tlsf => "LTL synthesis",
         }
     }
 }
@@ -90,6 +95,10 @@ pub struct Reading {
 
 /// Reads a text. `name` becomes the specification's name. Never fails: what could not be understood is in the findings.
 pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
+    if format == Format::Tlsf {
+        let (specification, findings) = tlsf::read(name, file, text);
+        return reading(format, file, text, specification, findings, false);
+    }
     let mut names = names::Names::new(name, file, text);
     let reachability = match format {
         Format::Spc => spc::read(&mut names),
@@ -101,8 +110,20 @@ pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
             slugsin::read(&mut names, slugsin::Dialect::Structured);
             false
         }
+        Format::Tlsf => unreachable!("it has a reader of its own"),
     };
-    let (specification, mut findings) = names.finish();
+    let (specification, findings) = names.finish();
+    reading(format, file, text, specification, findings, reachability)
+}
+
+fn reading(
+    format: Format,
+    file: FileId,
+    text: &str,
+    specification: Specification,
+    mut findings: Vec<Diagnostic>,
+    reachability: bool,
+) -> Reading {
     findings.sort_by_key(|f| f.span);
     Reading {
         format,
