@@ -92,6 +92,8 @@ pub enum Emit {
     Spc,
     /// The specification, for slugs
     Slugsin,
+    /// The specification, for tools of LTL synthesis
+    Tlsf,
 }
 
 impl Emit {
@@ -111,6 +113,7 @@ impl Emit {
             Self::Svg => "svg",
             Self::Spc => "spc",
             Self::Slugsin => "slugsin",
+            Self::Tlsf => "tlsf",
         }
     }
 
@@ -119,6 +122,7 @@ impl Emit {
         match self {
             Self::Spc => Some(Target::Spc),
             Self::Slugsin => Some(Target::Slugsin),
+            Self::Tlsf => Some(Target::Tlsf),
             _ => None,
         }
     }

@@ -1,4 +1,4 @@
-//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`.
+//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`, and `.tlsf`, the format of LTL synthesis.
 //!
 //! [`read`] turns a text into a [`Specification`] and findings; [`write`](fn@write) goes the other way for the formats that a solver takes, and
 //! [`contract::write`] prints a specification as a contract of our own language. The formats differ in how a formula
@@ -9,7 +9,7 @@
 //! tool would have answered. Sources: the documents `spc_format.md` and the grammar of gr1c 0.13, and `input_formats.md` and the
 //! grammar of structured slugs.
 //!
-//! The readers are written by hand rather than with pest: all three formats are a list of words, prefix or infix operators between
+//! The readers of gr1c's and slugs' formats are written by hand rather than with pest: all three are a list of words, prefix or infix operators between
 //! them, and no deeper structure, which explicit stacks read in linear time and without recursion, however deep a formula
 //! nests. Recursive descent, pest's included, would need a bound on nesting before it starts.
 
@@ -28,6 +28,7 @@ mod terms;
 mod tlsf;
 mod write_slugsin;
 mod write_spc;
+mod write_tlsf;
 
 use crate::diagnostics::{Diagnostic, has_errors};
 use crate::gr1::Specification;
@@ -141,6 +142,8 @@ pub enum Target {
     Spc,
     /// slugs'.
     Slugsin,
+    /// That of LTL synthesis, with strict semantics.
+    Tlsf,
 }
 
 /// Writes a specification in another tool's format, so that this tool gives the same verdict. What the format cannot say is
@@ -149,5 +152,6 @@ pub fn write(specification: &Specification, target: Target) -> Result<String, Ve
     match target {
         Target::Spc => write_spc::write(specification),
         Target::Slugsin => write_slugsin::write(specification),
+        Target::Tlsf => write_tlsf::write(specification),
     }
 }

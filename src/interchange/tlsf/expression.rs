@@ -71,7 +71,7 @@ fn prefix(word: &str) -> Option<(Unary, u8)> {
 }
 
 /// Words that are no names.
-pub(super) fn is_reserved(word: &str) -> bool {
+pub(in crate::interchange) fn is_reserved(word: &str) -> bool {
     let letters = word.starts_with(|c: char| c.is_ascii_alphabetic());
     (letters && (infix(word).is_some() || prefix(word).is_some() || big(word).is_some()))
         || matches!(word, "true" | "false" | "otherwise" | "_" | "enum")

@@ -67,7 +67,18 @@ pub(super) struct Meaning<'c, 'f, 'r> {
     pub strict: bool,
 }
 
-/// What the sections come to, and whether a variable for broken promises is needed: it gets the id `broken`.
+/// What is to be kept in the very step in which an assumption is broken, which therefore counts later.
+#[derive(Debug, Clone, Copy)]
+struct When {
+    /// Something about a step.
+    pressing: bool,
+    /// Something about a step and the next one.
+    moving: bool,
+    /// Breaking it excuses from no safety.
+    only_live: bool,
+}
+
+/// What the sections come to.
 pub(super) struct Sides {
     pub assumptions: Side,
     pub guarantees: Side,
@@ -228,6 +239,8 @@ impl Meaning<'_, '_, '_> {
         let soft_safety = soft.iter().any(|f| is_safety(&f.piece));
         // What has to be kept in the very step in which an assumption is broken.
         let pressing = !preset.is_empty() || (assumed && !hard.is_empty());
+        // A PRESET that was moved by a step is about the environment's first move, too.
+        let moving = preset.iter().any(|f| matches!(f.piece, Piece::Step(_)));
         if self.strict && assumed && !assert.is_empty() {
             self.check_strict(&require, &assert);
         }
@@ -236,11 +249,24 @@ impl Meaning<'_, '_, '_> {
         for found in require.iter().chain(&assume) {
             // In a strict file only REQUIRE ends what ASSERT asks.
             let only_live = self.strict && !assert.is_empty() && !is_in(&require, found);
-            self.assumption(found, pressing, only_live, &mut sides, &mut excused);
+            let when = When {
+                pressing,
+                moving,
+                only_live,
+            };
+            self.assumption(found, when, &mut sides, &mut excused);
+        }
+        // Where outputs of the next step are required, the machine breaks REQUIRE and ASSERT with the same move.
+        let mut released = Vec::new();
+        for found in require.iter().filter(|_| self.strict) {
+            if let Piece::Step(e) = &found.piece
+                && (moving || self.mentions(e, &|s, v, t| t == Time::Next && s.is_output(v)))
+            {
+                released.push(e.clone().not());
+            }
         }
         for found in hard {
-            let late = assumed;
-            keep(found, late, &mut sides);
+            keep(found, assumed, &released, &mut sides);
         }
         let pairs = self.pairs(&assert, &guarantee, soft_safety);
         sides.assumptions.justice.extend(pairs);
@@ -331,8 +357,7 @@ impl Meaning<'_, '_, '_> {
     fn assumption(
         &mut self,
         found: &Found,
-        pressing: bool,
-        only_live: bool,
+        when: When,
         sides: &mut Sides,
         excused: &mut Vec<Expr>,
     ) {
@@ -349,7 +374,7 @@ impl Meaning<'_, '_, '_> {
                 };
                 self.refuse(&refusal);
             }
-            piece if only_live => {
+            piece if when.only_live => {
                 if let Some(e) = self.classifier.past(piece) {
                     let kept = self.classifier.kept(&e);
                     side.justice.push(formula(found, &kept));
@@ -358,7 +383,7 @@ impl Meaning<'_, '_, '_> {
             Piece::Initial(e) | Piece::Invariant(e) => {
                 let outputs = self.mentions(e, &|s, v, _| s.is_output(v));
                 let initial = matches!(found.piece, Piece::Initial(_));
-                if pressing || outputs {
+                if when.pressing || outputs {
                     // The environment is held to it in its next move.
                     let e = if initial {
                         self.classifier.not_first().or(e.clone()).simplify()
@@ -374,7 +399,7 @@ impl Meaning<'_, '_, '_> {
             }
             Piece::Step(e) => {
                 let outputs = self.mentions(e, &|s, v, t| t == Time::Next && s.is_output(v));
-                let e = if outputs {
+                let e = if outputs || when.moving {
                     self.classifier.late(e)
                 } else {
                     e.clone()
@@ -477,14 +502,17 @@ impl Meaning<'_, '_, '_> {
 }
 
 /// A promise that nothing excuses but what the environment has broken before.
-fn keep(found: &Found, late: bool, sides: &mut Sides) {
+fn keep(found: &Found, late: bool, released: &[Expr], sides: &mut Sides) {
     let side = &mut sides.guarantees;
+    let unless = |e: &Expr| excuse(e.clone(), released);
     match &found.piece {
+        // Only what is constant is left of a formula under `G`.
+        Piece::Initial(e) if late => side.safety.push(formula(found, &unless(e))),
         Piece::Initial(e) => side.initial.push(formula(found, e)),
         // What REQUIRE asks of this step comes first.
-        Piece::Invariant(e) if late => side.safety.push(formula(found, e)),
+        Piece::Invariant(e) if late => side.safety.push(formula(found, &unless(e))),
         Piece::Invariant(e) => side.invariants.push(formula(found, e)),
-        Piece::Step(e) => side.safety.push(formula(found, e)),
+        Piece::Step(e) => side.safety.push(formula(found, &unless(e))),
         Piece::Recurrent(e) | Piece::Pair(_, e) => {
             side.justice.push(formula(found, e));
         }

@@ -34,6 +34,7 @@ use crate::source::{FileId, Span};
 use ast::{File, Section, Semantics, Shape};
 use classify::Classifier;
 use expand::{Expander, Globals};
+pub(super) use expression::is_reserved;
 use ltl::{Op, Place};
 use meaning::{Meaning, Wish};
 use report::Report;
