@@ -68,6 +68,11 @@ impl Writer<'_> {
                     };
                 }
             }
+            // The format wants one signal at least.
+            let constant = |v: &crate::gr1::Variable| v.domain.size() == 1;
+            if owner == Owner::System && specification.variables.iter().all(constant) {
+                text.push_str("    unused;\n");
+            }
             text.push_str("  }\n");
         }
         let sides = [

@@ -24,7 +24,7 @@ fn places(text: &str) -> Vec<String> {
 fn what_is_outside_is_refused_at_its_smallest_part() {
     for (promises, place) in [
         ("F G g", "F G g"),
-        ("G (r -> X g); F (G g && h)", "G g"),
+        ("G (r -> X g); F (G g && h)", "F (G g && h)"),
         ("G F r -> G F g; G F s -> G F h", "G F s"),
         ("G F g; G F r -> G F h", "G F r"),
         ("G (r -> g U (h U s))", "h U s"),

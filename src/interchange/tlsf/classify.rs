@@ -189,7 +189,13 @@ impl<'f> Classifier<'f> {
         self.monitors.historically(e, &origin)
     }
 
-    /// Whether this is no step before the first.
+    /// That a condition on every step held in the step before.
+    pub fn one_later(&mut self, e: &Expr) -> Expr {
+        let held = self.before(e);
+        self.begun(1).implies(held).simplify()
+    }
+
+    /// Whether this is not the first step.
     pub fn not_first(&mut self) -> Expr {
         self.begun(1)
     }

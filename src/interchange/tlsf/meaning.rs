@@ -230,7 +230,7 @@ impl Meaning<'_, '_, '_> {
 
         let lasting = |f: &&Found| !matches!(f.piece, Piece::Initial(_));
         let assumed =
-            { require.iter().chain(&assume) }.any(|f| lasting(&f) || self.reads_output(f));
+            !require.is_empty() || { assume.iter() }.any(|f| lasting(&f) || self.reads_output(f));
         let (hard, soft): (Vec<&Found>, Vec<&Found>) = match (self.strict, assumed) {
             (_, false) => (assert.iter().chain(&guarantee).collect(), Vec::new()),
             (false, true) => (Vec::new(), assert.iter().chain(&guarantee).collect()),
@@ -259,10 +259,13 @@ impl Meaning<'_, '_, '_> {
         // Where outputs of the next step are required, the machine breaks REQUIRE and ASSERT with the same move.
         let mut released = Vec::new();
         for found in require.iter().filter(|_| self.strict) {
-            if let Piece::Step(e) = &found.piece
-                && (moving || self.mentions(e, &|s, v, t| t == Time::Next && s.is_output(v)))
-            {
-                released.push(e.clone().not());
+            let late = |e: &Expr| self.mentions(e, &|s, v, t| t == Time::Next && s.is_output(v));
+            match &found.piece {
+                Piece::Step(e) if moving || late(e) => released.push(e.clone().not()),
+                Piece::Initial(e) | Piece::Invariant(e) if moving => {
+                    released.push(e.clone().not());
+                }
+                _ => {}
             }
         }
         for found in hard {
@@ -378,6 +381,13 @@ impl Meaning<'_, '_, '_> {
                 if let Some(e) = self.classifier.past(piece) {
                     let kept = self.classifier.kept(&e);
                     side.justice.push(formula(found, &kept));
+                }
+            }
+            // The environment is held to it a move after the first one.
+            piece @ (Piece::Initial(_) | Piece::Invariant(_)) if when.moving => {
+                if let Some(e) = self.classifier.past(piece) {
+                    let e = self.classifier.one_later(&e);
+                    side.safety.push(formula(found, &e));
                 }
             }
             Piece::Initial(e) | Piece::Invariant(e) => {
