@@ -27,10 +27,10 @@ fn what_is_outside_is_refused_at_its_smallest_part() {
         ("G (r -> X g); F (G g && h)", "F (G g && h)"),
         ("G F r -> G F g; G F s -> G F h", "G F s"),
         ("G F g; G F r -> G F h", "G F r"),
-        ("G (r -> g U (h U s))", "h U s"),
-        ("(g U h) U s", "g U h"),
+        ("G (r -> g U (h U s))", "(h U s)"),
+        ("(g U h) U s", "(g U h)"),
         ("G (r -> F (g && F h))", "F h"),
-        ("G ((r -> F g) W h)", "r -> F g"),
+        ("G ((r -> F g) W h)", "F g"),
         ("G (r -> F g && X F (h && G g))", "G g"),
     ] {
         let text = file(

@@ -423,7 +423,7 @@ impl<'f> Classifier<'f> {
 
     /// The smallest temporal formula in one that stands where none can.
     fn nested(&self, f: F, within: &str) -> Refusal {
-        let mut at = f;
+        let (mut at, mut within) = (f, within);
         loop {
             let next = match self.formulas.op(at) {
                 Op::Next(a) => Some(*a),
@@ -432,6 +432,21 @@ impl<'f> Classifier<'f> {
                         |wanted: &dyn Fn(F) -> bool| list.iter().copied().find(|g| wanted(*g));
                     find(&|g| !self.formulas.is_safety(g))
                         .or_else(|| find(&|g| self.formulas.ahead(g).is_none()))
+                }
+                Op::Finally(a) if self.formulas.ahead(*a).is_none() => {
+                    let persistent = matches!(self.formulas.op(*a), Op::Globally(_));
+                    (!persistent).then(|| {
+                        within = "`F`";
+                        *a
+                    })
+                }
+                // What it waits for, or what holds until then, is itself something to wait for.
+                Op::Weak(a, b) | Op::Until(a, b) | Op::Release(a, b) => {
+                    let found = [*a, *b].into_iter().find(|g| !self.formulas.is_safety(*g));
+                    if found.is_some() {
+                        within = "`U`, `W` or `R`";
+                    }
+                    found
                 }
                 _ => None,
             };
