@@ -40,7 +40,7 @@ fn inputs(target: &str) -> Vec<Vec<u8>> {
         let ending = path.extension().and_then(|e| e.to_str());
         matches!(
             ending,
-            None | Some("lw" | "spc" | "slugsin" | "structuredslugs" | "spectra")
+            None | Some("lw" | "spc" | "slugsin" | "structuredslugs" | "spectra" | "tlsf")
         )
     });
     texts

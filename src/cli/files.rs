@@ -386,7 +386,7 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
         None,
         format!("{name} cannot be read: {why}"),
     )
-    .with_help("give the path of a .lw file (`check` and `synth` take .spc, .slugsin, .structuredslugs and .spectra, too), or of a folder that holds .lw files")
+    .with_help("give the path of a .lw file (`check` and `synth` take .spc, .slugsin, .structuredslugs, .spectra and .tlsf, too), or of a folder that holds .lw files")
 }
 
 /// A path without `.` and, as far as possible, `..`, with slashes.

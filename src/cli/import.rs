@@ -18,7 +18,7 @@ use std::path::PathBuf;
 The contract says the same as the file, so checking either gives the same verdict. Names that the \
 language does not take are replaced, and listed in comments.")]
 pub struct Arguments {
-    /// A specification of gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra)
+    /// A specification of gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or in TLSF (.tlsf)
     #[arg(value_name = "FILE")]
     pub file: String,
     /// The file to write; without it, the contract goes to standard output
@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .and_then(|f| Some((f, f.reading.specification.as_ref()?)));
     let Some((foreign, specification)) = read else {
         anyhow::bail!(
-            "{} is no specification of another tool: give a .spc, .slugsin, .structuredslugs or .spectra file",
+            "{} is no specification of another tool: give a .spc, .slugsin, .structuredslugs, .spectra or .tlsf file",
             arguments.file
         );
     };

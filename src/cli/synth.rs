@@ -28,11 +28,11 @@ use std::path::PathBuf;
     linewright synth --counterstrategy --emit json examples/repair-me/1-clash.lw
 
 A controller is written only after it was verified against its contract. One with too many states is written as functions; \
-then its forms are json, c, st and plcopen. `--emit spc`, `--emit slugsin` and `--emit spectra` write the specification itself, for gr1c, slugs and Spectra, and \
+then its forms are json, c, st and plcopen. `--emit spc`, `slugsin`, `spectra` and `tlsf` write the specification itself, for other tools, and \
 need no controller.")]
 pub struct Arguments {
     /// A file with contracts, and the name of one of them; without a name, all that the file declares. Also a specification of
-    /// gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra)
+    /// gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or in TLSF (.tlsf)
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
     /// The form of the controller; can be given several times
@@ -94,6 +94,8 @@ pub enum Emit {
     Slugsin,
     /// The specification, for Spectra
     Spectra,
+    /// The specification, for tools of LTL synthesis
+    Tlsf,
 }
 
 impl Emit {
@@ -114,6 +116,7 @@ impl Emit {
             Self::Spc => "spc",
             Self::Slugsin => "slugsin",
             Self::Spectra => "spectra",
+            Self::Tlsf => "tlsf",
         }
     }
 
@@ -123,6 +126,7 @@ impl Emit {
             Self::Spc => Some(Target::Spc),
             Self::Slugsin => Some(Target::Slugsin),
             Self::Spectra => Some(Target::Spectra),
+            Self::Tlsf => Some(Target::Tlsf),
             _ => None,
         }
     }

@@ -1,4 +1,5 @@
-//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`, Spectra's `.spectra`.
+//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`, Spectra's `.spectra`, and `.tlsf`, the format of LTL
+//! synthesis.
 //!
 //! [`read`] turns a text into a [`Specification`] and findings; [`write`](fn@write) goes the other way for the formats that a solver takes, and
 //! [`contract::write`] prints a specification as a contract of our own language. The formats differ in how a formula
@@ -9,7 +10,8 @@
 //! tool would have answered. Sources: the documents `spc_format.md` and the grammar of gr1c 0.13, and `input_formats.md` and the
 //! grammar of structured slugs.
 //!
-//! Spectra's is a language with declarations and definitions, so its reader has a folder of its own, [`spectra`], and a syntax tree.
+//! Spectra's and TLSF are languages with declarations and definitions, so their readers have folders of their own, [`spectra`] and [`tlsf`], and
+//! syntax trees.
 //!
 //! The readers are written by hand rather than with pest: the first three formats are a list of words, prefix or infix operators between
 //! them, and no deeper structure, which explicit stacks read in linear time and without recursion, however deep a formula
@@ -28,9 +30,11 @@ mod spc;
 mod spectra;
 mod structured;
 mod terms;
+mod tlsf;
 mod write_slugsin;
 mod write_spc;
 mod write_spectra;
+mod write_tlsf;
 
 use crate::diagnostics::{Diagnostic, has_errors};
 use crate::gr1::Specification;
@@ -49,15 +53,18 @@ pub enum Format {
     StructuredSlugs,
     /// Spectra's.
     Spectra,
+    /// The format of LTL synthesis, as far as it is GR(1).
+    Tlsf,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::Spc,
         Self::Slugsin,
         Self::StructuredSlugs,
         Self::Spectra,
+        Self::Tlsf,
     ];
 
     /// The format that a file's ending promises.
@@ -73,6 +80,7 @@ impl Format {
             Self::Slugsin => "slugsin",
             Self::StructuredSlugs => "structuredslugs",
             Self::Spectra => "spectra",
+            Self::Tlsf => "tlsf",
         }
     }
 
@@ -82,6 +90,7 @@ impl Format {
             Self::Spc => "gr1c",
             Self::Slugsin | Self::StructuredSlugs => "slugs",
             Self::Spectra => "Spectra",
+            Self::Tlsf => "LTL synthesis",
         }
     }
 }
@@ -119,6 +128,7 @@ pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
             slugsin::read(&mut names, slugsin::Dialect::Structured);
             names.finish()
         }
+        Format::Tlsf => tlsf::read(name, file, text),
     };
     findings.sort_by_key(|f| f.span);
     Reading {
@@ -139,6 +149,8 @@ pub enum Target {
     Slugsin,
     /// Spectra's.
     Spectra,
+    /// That of LTL synthesis, with strict semantics.
+    Tlsf,
 }
 
 /// Writes a specification in another tool's format, so that this tool gives the same verdict. What the format cannot say is
@@ -148,5 +160,6 @@ pub fn write(specification: &Specification, target: Target) -> Result<String, Ve
         Target::Spc => write_spc::write(specification),
         Target::Slugsin => write_slugsin::write(specification),
         Target::Spectra => write_spectra::write(specification),
+        Target::Tlsf => write_tlsf::write(specification),
     }
 }

@@ -32,6 +32,7 @@ pub fn reader(format: Format, text: &str) {
         (Target::Slugsin, Format::Slugsin),
         (Target::Spc, Format::Spc),
         (Target::Spectra, Format::Spectra),
+        (Target::Tlsf, Format::Tlsf),
     ] {
         if let Ok(written) = write(&specification, target) {
             let again = read(format, "fuzz", FileId(0), &written);

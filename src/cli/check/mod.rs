@@ -43,10 +43,10 @@ keeps the assumptions (safety first, strictly). Each such controller is synthesi
 not written; for a large contract that no machine uses, only the verdict is given. What is known of a contract \
 that has not changed is not worked out again (see --no-cache).
 
-Files of gr1c (.spc), slugs (.slugsin, .structuredslugs) and Spectra (.spectra) are read by their ending; for these the \
+Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and TLSF (.tlsf) are read by their ending; for these the \
 verdict is given, why it is unrealizable, and what is odd about the assumptions.")]
 pub struct Arguments {
-    /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra), or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
+    /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra, .tlsf), or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]
     pub paths: Vec<String>,
     /// Also say what each verdict took: kernel, times by phase, nodes, iterations, orders of the variables

@@ -1,0 +1,240 @@
+//! Negations pushed inwards, conjunctions pulled outwards: the equivalences that hold on every run.
+//!
+//! Formulas about finitely many steps (no operator but `X`) stay as they are. The others:
+//!
+//! ```text
+//! G (a & b) = G a & G b        X (a & b) = X a & X b        p | (a & b) = (p | a) & (p | b)
+//! (a & b) W c = (a W c) & (b W c)     c R (a & b) = (c R a) & (c R b)
+//! a U b = (a W b) & F b        F (a U b) = F b              G X a = X G a,  F X a = X F a
+//! G F G a = F G a              F G F a = G F a
+//! ```
+
+use super::ltl::{F, Formulas, Op, Place};
+
+/// A conjunction is pulled out of a disjunction as long as that makes no more parts.
+const MAX_PARTS: usize = 64;
+
+impl Formulas {
+    /// The formula, or its negation, with negations only before formulas about finitely many steps. The recursion is as deep as the
+    /// formula.
+    pub fn positive(&mut self, f: F, negated: bool) -> F {
+        if self.ahead(f).is_some() {
+            return if negated { self.not(f) } else { f };
+        }
+        let place = self.place(f);
+        match self.op(f).clone() {
+            Op::True | Op::False | Op::Atom(_) => f,
+            Op::Not(a) => self.positive(a, !negated),
+            Op::And(list) | Op::Or(list) => {
+                let and = matches!(self.op(f), Op::And(_)) != negated;
+                let list = list
+                    .into_iter()
+                    .map(|a| self.positive(a, negated))
+                    .collect();
+                if and {
+                    self.and(list, place)
+                } else {
+                    self.or(list, place)
+                }
+            }
+            Op::Implies(a, b) => {
+                let (a, b) = (self.positive(a, !negated), self.positive(b, negated));
+                if negated {
+                    self.and(vec![a, b], place)
+                } else {
+                    self.or(vec![a, b], place)
+                }
+            }
+            Op::Iff(a, b) => {
+                let (p, q) = (self.positive(a, false), self.positive(b, false));
+                let (r, s) = (self.positive(a, true), self.positive(b, true));
+                let (one, two) = if negated {
+                    (vec![p, q], vec![r, s])
+                } else {
+                    (vec![r, q], vec![p, s])
+                };
+                let (one, two) = (self.or(one, place), self.or(two, place));
+                self.and(vec![one, two], place)
+            }
+            Op::Next(a) => {
+                let a = self.positive(a, negated);
+                self.next(a, place)
+            }
+            Op::Globally(a) => {
+                let a = self.positive(a, negated);
+                if negated {
+                    self.finally(a, place)
+                } else {
+                    self.globally(a, place)
+                }
+            }
+            Op::Finally(a) => {
+                let a = self.positive(a, negated);
+                if negated {
+                    self.globally(a, place)
+                } else {
+                    self.finally(a, place)
+                }
+            }
+            // !(a U b) = !a R !b, and a W b = b R (a | b).
+            Op::Until(a, b) => {
+                let (a, b) = (self.positive(a, negated), self.positive(b, negated));
+                self.make(
+                    if negated {
+                        Op::Release(a, b)
+                    } else {
+                        Op::Until(a, b)
+                    },
+                    place,
+                )
+            }
+            Op::Release(a, b) => {
+                let (a, b) = (self.positive(a, negated), self.positive(b, negated));
+                self.make(
+                    if negated {
+                        Op::Until(a, b)
+                    } else {
+                        Op::Release(a, b)
+                    },
+                    place,
+                )
+            }
+            Op::Weak(a, b) => {
+                if negated {
+                    // !(a W b) = !b U (!a & !b)
+                    let (a, b) = (self.positive(a, true), self.positive(b, true));
+                    let both = self.and(vec![a, b], place);
+                    self.make(Op::Until(b, both), place)
+                } else {
+                    let (a, b) = (self.positive(a, false), self.positive(b, false));
+                    self.make(Op::Weak(a, b), place)
+                }
+            }
+        }
+    }
+
+    fn next(&mut self, a: F, place: Place) -> F {
+        match self.op(a).clone() {
+            Op::And(list) | Op::Or(list) => {
+                let and = matches!(self.op(a), Op::And(_));
+                let list = list.into_iter().map(|b| self.next(b, place)).collect();
+                let own = self.place(a);
+                if and {
+                    self.and(list, own)
+                } else {
+                    self.or(list, own)
+                }
+            }
+            _ => self.make(Op::Next(a), place),
+        }
+    }
+
+    fn globally(&mut self, a: F, place: Place) -> F {
+        match self.op(a).clone() {
+            Op::Next(b) if self.ahead(a).is_none() => {
+                let inner = self.globally(b, place);
+                self.make(Op::Next(inner), place)
+            }
+            Op::Finally(b) if matches!(self.op(b), Op::Globally(_)) => a,
+            _ => self.make(Op::Globally(a), place),
+        }
+    }
+
+    fn finally(&mut self, a: F, place: Place) -> F {
+        match self.op(a).clone() {
+            Op::Next(b) if self.ahead(a).is_none() => {
+                let inner = self.finally(b, place);
+                self.make(Op::Next(inner), place)
+            }
+            Op::Globally(b) if matches!(self.op(b), Op::Finally(_)) => a,
+            Op::Until(_, b) => self.finally(b, place),
+            // F (a | b) = F a | F b, where one of them is temporal.
+            Op::Or(list) if self.ahead(a).is_none() => {
+                let list = list.into_iter().map(|b| self.finally(b, place)).collect();
+                self.or(list, place)
+            }
+            _ => self.make(Op::Finally(a), place),
+        }
+    }
+
+    /// The parts that hold together exactly if the formula holds. It has been made [`positive`](Self::positive).
+    pub fn parts(&mut self, f: F) -> Vec<F> {
+        let place = self.place(f);
+        match self.op(f).clone() {
+            Op::And(list) => list.into_iter().flat_map(|a| self.parts(a)).collect(),
+            Op::Globally(a) => {
+                let parts = self.parts(a);
+                // A conjunct is pointed at, not the whole conjunction.
+                if let [part] = parts.as_slice() {
+                    return vec![self.globally(*part, place)];
+                }
+                { parts.into_iter() }
+                    .map(|a| {
+                        let own = self.place(a);
+                        self.globally(a, own)
+                    })
+                    .collect()
+            }
+            Op::Next(a) => {
+                let parts = self.parts(a);
+                parts
+                    .into_iter()
+                    .map(|a| self.make(Op::Next(a), place))
+                    .collect()
+            }
+            Op::Until(a, b) => {
+                let weak = self.make(Op::Weak(a, b), place);
+                let some_day = self.finally(b, place);
+                let mut found = self.parts(weak);
+                found.extend(self.parts(some_day));
+                found
+            }
+            Op::Weak(a, b) => {
+                let parts = self.parts(a);
+                { parts.into_iter() }
+                    .map(|a| self.make(Op::Weak(a, b), place))
+                    .collect()
+            }
+            Op::Release(a, b) => {
+                let parts = self.parts(b);
+                { parts.into_iter() }
+                    .map(|b| self.make(Op::Release(a, b), place))
+                    .collect()
+            }
+            Op::Or(list) if self.ahead(f).is_none() => {
+                let mut product: Vec<Vec<F>> = vec![Vec::new()];
+                for a in list {
+                    let parts = if self.ahead(a).is_some() {
+                        vec![a]
+                    } else {
+                        self.parts(a)
+                    };
+                    if product.len() * parts.len() > MAX_PARTS {
+                        return vec![f];
+                    }
+                    product = product
+                        .iter()
+                        .flat_map(|done| {
+                            parts
+                                .iter()
+                                .map(|p| done.iter().copied().chain([*p]).collect())
+                        })
+                        .collect();
+                }
+                { product.into_iter() }
+                    .map(|list| self.or(list, place))
+                    .collect()
+            }
+            _ => vec![f],
+        }
+    }
+
+    /// Whether a run that breaks it does so after finitely many steps, by its operators.
+    pub fn is_safety(&self, f: F) -> bool {
+        match self.op(f) {
+            _ if self.ahead(f).is_some() => true,
+            Op::Until(..) | Op::Finally(_) => false,
+            op => Self::children(op).iter().all(|g| self.is_safety(*g)),
+        }
+    }
+}

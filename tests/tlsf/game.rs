@@ -1,0 +1,232 @@
+//! Verdicts against a naive game on explicit states, by the formula that a file means: plain and strict, Mealy and Moore.
+
+use crate::lassos::{Dice, L};
+use crate::{file, sound, verdict};
+
+/// A file whose formulas look one step ahead at most.
+struct Random {
+    moore: bool,
+    strict: bool,
+    initially: Vec<L>,
+    preset: Vec<L>,
+    require: Vec<L>,
+    assert: Vec<L>,
+    /// Under `G`, and under `G F`.
+    assume: [Vec<L>; 2],
+    guarantee: [Vec<L>; 2],
+}
+
+impl Random {
+    fn new(dice: &mut Dice) -> Self {
+        let list = |dice: &mut Dice, next: bool| -> Vec<L> {
+            (0..dice.below(3) / 2 + dice.below(2))
+                .map(|_| dice.step(2, next))
+                .collect()
+        };
+        // Inputs only.
+        let initially = match dice.below(5) {
+            0 => vec![L::A],
+            1 => vec![L::Not(Box::new(L::A))],
+            _ => Vec::new(),
+        };
+        Self {
+            moore: dice.below(2) == 0,
+            strict: dice.below(2) == 0,
+            initially,
+            preset: if dice.below(2) == 0 {
+                list(dice, false)
+            } else {
+                Vec::new()
+            },
+            // Next values of outputs would look further than REQUIRE may in a strict file.
+            require: list(dice, true),
+            assert: list(dice, true),
+            assume: [list(dice, true), list(dice, false)],
+            guarantee: [list(dice, true), list(dice, false)],
+        }
+    }
+
+    fn text(&self) -> String {
+        let section = |head: &str, list: &[L], before: &str| {
+            let list: Vec<String> = list.iter().map(|f| format!("{before} ({f});")).collect();
+            format!("{head} {{ {} }}\n", list.join(" "))
+        };
+        let main = [
+            "INPUTS { a; } OUTPUTS { b; }\n".to_owned(),
+            section("INITIALLY", &self.initially, ""),
+            section("PRESET", &self.preset, ""),
+            section("REQUIRE", &self.require, ""),
+            section("ASSERT", &self.assert, ""),
+            section("ASSUME", &self.assume[0], "G"),
+            section("ASSUME", &self.assume[1], "G F"),
+            section("GUARANTEE", &self.guarantee[0], "G"),
+            section("GUARANTEE", &self.guarantee[1], "G F"),
+        ]
+        .concat();
+        let kind = if self.moore { "Moore" } else { "Mealy" };
+        let strict = if self.strict { ",Strict" } else { "" };
+        file(&format!("{kind}{strict}"), kind, &main)
+    }
+
+    /// The state after a step: what is broken so far (1 REQUIRE or safety of ASSUME, 2 GUARANTEE, 4 REQUIRE), and the letter; 32 is
+    /// won, 33 lost.
+    fn next(&self, state: usize, letter: u8) -> usize {
+        if state >= 32 {
+            return state;
+        }
+        let (now, mut broken) = ((state & 3) as u8, state >> 2);
+        let holds = |list: &[L]| list.iter().all(|f| f.on_two(now, letter));
+        let required = holds(&self.require);
+        if !required {
+            broken |= 1 | 4;
+        }
+        if !holds(&self.assume[0]) {
+            broken |= 1;
+        }
+        if !holds(&self.guarantee[0]) {
+            broken |= 2;
+        }
+        if !holds(&self.assert) {
+            if self.strict {
+                // S W !R: lost unless REQUIRE is broken in this step or was before.
+                if broken & 4 == 0 {
+                    return 33;
+                }
+            } else {
+                broken |= 2;
+            }
+        }
+        broken << 2 | usize::from(letter)
+    }
+
+    fn first(&self, letter: u8) -> usize {
+        let holds = |list: &[L]| list.iter().all(|f| f.on_two(letter, 0));
+        if !holds(&self.initially) {
+            32
+        } else if !holds(&self.preset) {
+            33
+        } else {
+            usize::from(letter)
+        }
+    }
+
+    /// Whether the machine can choose its output so that `good` holds of the letter.
+    fn forces(&self, good: &dyn Fn(u8) -> bool) -> bool {
+        if self.moore {
+            [0, 2]
+                .into_iter()
+                .any(|b| [0, 1].into_iter().all(|a| good(a | b)))
+        } else {
+            [0, 1]
+                .into_iter()
+                .all(|a| [0, 2].into_iter().any(|b| good(a | b)))
+        }
+    }
+
+    fn realizable(&self) -> bool {
+        const ALL: u64 = (1 << 34) - 1;
+        let set =
+            |of: &dyn Fn(usize) -> bool| (0..34).filter(|s| of(*s)).fold(0_u64, |m, s| m | 1 << s);
+        let again = |f: &L| set(&|s| s == 32 || s < 32 && f.on_two((s & 3) as u8, 0));
+        // Assumptions, and promises; where the game is won the promises are kept, where it is lost the assumptions.
+        let mut assumed: Vec<u64> = self.assume[1].iter().map(|f| again(f) | 1 << 33).collect();
+        assumed.push(set(&|s| s >= 32 || s >> 2 & 1 == 0));
+        let mut promised: Vec<u64> = self.guarantee[1].iter().map(again).collect();
+        promised.push(set(&|s| s == 32 || s < 32 && s >> 2 & 2 == 0));
+        let step = |target: u64| set(&|s| self.forces(&|l| target >> self.next(s, l) & 1 == 1));
+        // νZ ∧ μY ∨ νX: the fixpoint of Piterman, Pnueli and Sa'ar, 2006.
+        let mut z = ALL;
+        loop {
+            let before = z;
+            for j in &promised {
+                let mut y = 0;
+                loop {
+                    let old = y;
+                    for i in &assumed {
+                        let base = j & step(z) | step(y);
+                        let mut x = ALL;
+                        loop {
+                            let new = base | !i & ALL & step(x);
+                            if new == x {
+                                break;
+                            }
+                            x = new;
+                        }
+                        y |= x;
+                    }
+                    if y == old {
+                        break;
+                    }
+                }
+                z &= y;
+            }
+            if z == before {
+                break;
+            }
+        }
+        self.forces(&|l| z >> self.first(l) & 1 == 1)
+    }
+}
+
+#[test]
+fn random_files_have_the_verdict_of_their_formula() {
+    let mut dice = Dice(3);
+    let mut counts = [[0; 2]; 4];
+    for _ in 0..3000 {
+        let random = Random::new(&mut dice);
+        let text = random.text();
+        let reading = crate::read_text(&text);
+        // A strict REQUIRE about next outputs looks two steps ahead once it is put off.
+        let Some(specification) = reading.specification else {
+            panic!("{}", crate::shown(&reading, &text));
+        };
+        let wanted = random.realizable();
+        assert_eq!(
+            verdict(&specification),
+            wanted,
+            "{text}\n{specification:#?}"
+        );
+        counts[usize::from(random.moore) * 2 + usize::from(random.strict)][usize::from(wanted)] +=
+            1;
+    }
+    println!("plain and strict Mealy, plain and strict Moore: {counts:?}");
+    assert!(counts.iter().flatten().all(|c| *c > 50), "{counts:?}");
+}
+
+/// A Moore file for a Mealy machine, and the other way round, has the verdict of its own semantics.
+#[test]
+fn the_target_changes_no_verdict() {
+    let mut dice = Dice(4);
+    let mut count = 0;
+    for _ in 0..600 {
+        let random = Random {
+            strict: false,
+            ..Random::new(&mut dice)
+        };
+        let kinds = ["Mealy", "Moore"];
+        let (own, other) = (
+            kinds[usize::from(random.moore)],
+            kinds[usize::from(!random.moore)],
+        );
+        let text = random
+            .text()
+            .replace(&format!("TARGET: {own}"), &format!("TARGET: {other}"));
+        let Some(specification) = crate::read_text(&text).specification else {
+            continue;
+        };
+        count += 1;
+        assert_eq!(verdict(&specification), random.realizable(), "{text}");
+    }
+    println!("{count} files moved");
+    assert!(count > 300, "{count}");
+}
+
+#[test]
+fn a_promise_may_be_broken_if_the_environment_will_have_to_break_its_own() {
+    // Plain: breaking b -> X !a by b = true for ever is excused, as a is then required and forbidden.
+    let main =
+        "INPUTS { a; } OUTPUTS { b; } REQUIRE { b -> X a; b -> X !a; } GUARANTEE { G !b; G F b; }";
+    assert!(verdict(&sound(&file("Mealy", "Mealy", main))));
+    let main = main.replace("GUARANTEE { G !b;", "ASSERT { !b; } GUARANTEE {");
+    assert!(verdict(&sound(&file("Mealy", "Mealy", &main))));
+}
