@@ -10,7 +10,7 @@
 //! tool would have answered. Sources: the documents `spc_format.md` and the grammar of gr1c 0.13, and `input_formats.md` and the
 //! grammar of structured slugs.
 //!
-//! Spectra's and TLSF are languages with declarations and definitions, so their readers have folders of their own, [`spectra`] and [`tlsf`], and
+//! Spectra's and TLSF are languages with declarations and definitions, so their readers have folders of their own, `spectra` and `tlsf`, and
 //! syntax trees.
 //!
 //! The readers are written by hand rather than with pest: the first three formats are a list of words, prefix or infix operators between
