@@ -18,22 +18,6 @@ use rayon::prelude::*;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The public benchmark specifications, where they lie beside the repository.
-fn bench() -> Option<PathBuf> {
-    let folder = std::env::var_os("LINEWRIGHT_SPECS").map_or_else(
-        || support::root().join("../shared/bench/specs"),
-        PathBuf::from,
-    );
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    support::skip(
-        "specs",
-        "the benchmark specifications are not beside the repository",
-    );
-    None
-}
-
 /// Every file below a folder in one of the formats, sorted.
 fn specifications(folder: &Path) -> Vec<(Format, PathBuf)> {
     let mut found = Vec::new();
@@ -68,7 +52,9 @@ fn shown(reading: &Reading, text: &str) -> String {
 
 #[test]
 fn every_benchmark_is_read_or_refused_for_the_known_reason() {
-    let Some(folder) = bench() else { return };
+    let Some(folder) = support::specs() else {
+        return;
+    };
     let (mut count, mut refused, mut report) = (0, 0, String::new());
     for (format, path) in specifications(&folder) {
         let text = std::fs::read_to_string(&path).expect("a text");
@@ -436,7 +422,7 @@ fn known_verdict(path: &Path) -> bool {
 /// Decides the benchmarks for which `wanted` holds, as they are and as the contracts they are imported as. `None` without
 /// benchmarks; otherwise how many of both verdicts there were, and how many files are not read.
 fn decide_benchmarks(wanted: impl Fn(&Path) -> bool + Sync) -> Option<[usize; 3]> {
-    let files = specifications(&bench()?);
+    let files = specifications(&support::specs()?);
     let decided = files.par_iter().filter(|(_, path)| wanted(path));
     let decided = decided.map(|(format, path)| {
         let text = std::fs::read_to_string(path).expect("a text");
@@ -479,7 +465,9 @@ fn verdicts_on_large_benchmarks() {
 /// A contract printed from a file is a contract with the same formulas.
 #[test]
 fn imported_benchmarks_have_the_same_formulas() {
-    let Some(folder) = bench() else { return };
+    let Some(folder) = support::specs() else {
+        return;
+    };
     let mut count = 0;
     for (format, path) in specifications(&folder) {
         let text = std::fs::read_to_string(&path).expect("a text");
@@ -501,7 +489,9 @@ fn imported_benchmarks_have_the_same_formulas() {
 /// What is written for slugs and gr1c from a file can be read, and says the same.
 #[test]
 fn benchmarks_are_written_again() {
-    let Some(folder) = bench() else { return };
+    let Some(folder) = support::specs() else {
+        return;
+    };
     let mut count = 0;
     for (format, path) in specifications(&folder) {
         let text = std::fs::read_to_string(&path).expect("a text");

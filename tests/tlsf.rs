@@ -20,19 +20,7 @@ use std::path::PathBuf;
 
 /// The public files, where they lie beside the repository.
 fn bench() -> Option<PathBuf> {
-    let folder = std::env::var_os("LINEWRIGHT_SPECS").map_or_else(
-        || support::root().join("../shared/bench/specs"),
-        PathBuf::from,
-    );
-    let folder = folder.join("tlsf");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    support::skip(
-        "specs",
-        "the benchmark specifications are not beside the repository",
-    );
-    None
+    Some(support::specs()?.join("tlsf"))
 }
 
 fn read_text(text: &str) -> Reading {

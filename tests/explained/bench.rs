@@ -14,17 +14,7 @@ use std::time::Instant;
 
 /// The files, where they lie beside the repository.
 fn files() -> Option<Vec<PathBuf>> {
-    let folder = std::env::var_os("LINEWRIGHT_SPECS").map_or_else(
-        || support::root().join("../shared/bench/specs"),
-        PathBuf::from,
-    );
-    if !folder.is_dir() {
-        support::skip(
-            "specs",
-            "the benchmark specifications are not beside the repository",
-        );
-        return None;
-    }
+    let folder = support::specs()?;
     let mut files = Vec::new();
     for sub in [
         "anzu",

@@ -11,26 +11,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The public benchmark specifications, where they lie beside the repository.
-fn folder() -> Option<PathBuf> {
-    let folder = std::env::var_os("LINEWRIGHT_SPECS").map_or_else(
-        || support::root().join("../shared/bench/specs"),
-        PathBuf::from,
-    );
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    support::skip(
-        "specs",
-        "the benchmark specifications are not beside the repository",
-    );
-    None
-}
-
 /// Every Spectra file, sorted.
 pub fn files() -> Vec<PathBuf> {
     let mut found = Vec::new();
-    let mut open: Vec<PathBuf> = folder().into_iter().collect();
+    let mut open: Vec<PathBuf> = support::specs().into_iter().collect();
     while let Some(folder) = open.pop() {
         for entry in std::fs::read_dir(folder).expect("a folder") {
             let path = entry.expect("an entry").path();

@@ -117,3 +117,17 @@ pub fn python_with(what: &str, module: &str) -> Option<PathBuf> {
         }
     }
 }
+
+/// The public benchmark specifications, where they lie beside the repository.
+pub fn specs() -> Option<std::path::PathBuf> {
+    let folder = std::env::var_os("LINEWRIGHT_SPECS")
+        .map_or_else(|| root().join("../shared/bench/specs"), Into::into);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    skip(
+        "specs",
+        "the benchmark specifications are not beside the repository",
+    );
+    None
+}
