@@ -3,8 +3,9 @@
 //! A formula about current values among the transitions is not an invariant: it holds in every step that is followed by another. The
 //! language says that with `next true -> ...`. Names that the language does not take are replaced, and listed in comments.
 
+use super::Format;
 use super::rename::renamed;
-use super::{Format, gates::is_truth};
+use super::write::is_truth;
 use crate::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp,
 };

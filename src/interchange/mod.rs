@@ -18,7 +18,6 @@
 //! nests. Recursive descent, pest's included, would need a bound on nesting before it starts.
 
 pub mod contract;
-mod gates;
 mod infix;
 pub mod lower;
 mod names;
@@ -31,16 +30,14 @@ mod spectra;
 mod structured;
 mod terms;
 mod tlsf;
-mod write_slugsin;
-mod write_spc;
-mod write_spectra;
-mod write_tlsf;
+mod write;
 
 use crate::diagnostics::{Diagnostic, has_errors};
 use crate::gr1::Specification;
 use crate::source::{FileId, Span};
 
 pub use own_tool::{Inquiry, inquiries};
+pub use write::{Target, write};
 
 /// A format of another tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -137,29 +134,5 @@ pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
         findings,
         reachability,
         span: Span::new(file, 0, text.len()),
-    }
-}
-
-/// The formats that [`write`](fn@write) knows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Target {
-    /// gr1c's.
-    Spc,
-    /// slugs'.
-    Slugsin,
-    /// Spectra's.
-    Spectra,
-    /// That of LTL synthesis, with strict semantics.
-    Tlsf,
-}
-
-/// Writes a specification in another tool's format, so that this tool gives the same verdict. What the format cannot say is
-/// lowered with helper variables, or refused in the findings.
-pub fn write(specification: &Specification, target: Target) -> Result<String, Vec<Diagnostic>> {
-    match target {
-        Target::Spc => write_spc::write(specification),
-        Target::Slugsin => write_slugsin::write(specification),
-        Target::Spectra => write_spectra::write(specification),
-        Target::Tlsf => write_tlsf::write(specification),
     }
 }

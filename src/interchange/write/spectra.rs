@@ -3,18 +3,29 @@
 //! Numbers, comparisons and sums are written as they are. What the language has not: `if`, `min`, `max`, `abs`, truth values as numbers;
 //! a comparison with one of them is taken apart, value by value, by [`gates`](super::gates), and so is one with `/` or `mod`, whose
 //! meaning for negative numbers differs between tools. Enumerations keep their labels where these can be names. A Moore machine is
-//! written as one that answers after; see [`lower`](super::lower).
+//! written as one that answers after; see [`lower`].
 
-use super::gates::{Gate, Gates, Shape, TooMany, is_truth};
-use super::lower;
-use super::rename::renamed;
-use super::spectra::is_keyword;
+use super::super::lower;
+use super::super::rename::renamed;
+use super::super::spectra::is_keyword;
+use super::Writing;
+use super::gates::{Shape, TooMany, is_truth};
+use super::one_line;
+use super::text::{Piece, Rank, Words, at_least};
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp, VarId,
     Variable,
 };
 use std::fmt::Write as _;
+
+const WORDS: Words = Words {
+    truth: ["false", "true"],
+    not: "!",
+    and: "&",
+    or: "|",
+    iff: "<->",
+};
 
 /// A formula may have so many gates, written out.
 const MAX_SIZE: u64 = 1 << 18;
@@ -31,18 +42,10 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
     let wanted = variables.chain(formulas.iter().map(|f| f.name.as_str()));
     let mut names = renamed(wanted, "v_", is_name);
     let labels = names.split_off(lowered.variables.len());
-    let mut writer = Writer {
-        specification: &lowered,
-        names: &names,
-        gates: Gates::default(),
-        findings: Vec::new(),
-    };
+    let base = Writing::new(&lowered, &names);
+    let mut writer = Writer { base };
     let text = writer.file(&labels);
-    if writer.findings.is_empty() {
-        Ok(text)
-    } else {
-        Err(writer.findings)
-    }
+    writer.base.finish(text)
 }
 
 fn is_name(name: &str) -> bool {
@@ -51,35 +54,21 @@ fn is_name(name: &str) -> bool {
         && !is_keyword(name)
 }
 
-/// How tightly a piece of text binds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Rank {
-    Implies,
-    Iff,
-    Or,
-    And,
-    Relation,
-    Sum,
-    Product,
-    Tight,
-}
-
-type Piece = (Rank, String);
-
 struct Writer<'s> {
-    specification: &'s Specification,
-    names: &'s [String],
-    gates: Gates,
-    findings: Vec<Diagnostic>,
+    base: Writing<'s>,
 }
 
 impl Writer<'_> {
     fn file(&mut self, labels: &[String]) -> String {
-        let specification = self.specification;
+        let specification = self.base.specification;
         let stem = renamed([specification.name.as_str()], "s_", is_name);
         let stem = stem.first().map_or("specification", String::as_str);
         let mut text = format!("spec {stem}\n\n");
-        for (index, (variable, name)) in specification.variables.iter().zip(self.names).enumerate()
+        for (index, (variable, name)) in specification
+            .variables
+            .iter()
+            .zip(self.base.names)
+            .enumerate()
         {
             let owner = match (variable.owner, variable.internal) {
                 (Owner::Environment, _) => "env",
@@ -89,7 +78,7 @@ impl Writer<'_> {
             let of = self.type_of(VarId(index as u32));
             let _ = write!(text, "{owner} {of} {name};");
             if *name != variable.name {
-                let was = super::names::one_line(&variable.name);
+                let was = one_line(&variable.name);
                 let _ = write!(text, " -- was {was}");
             }
             if let Domain::Enum { labels, .. } = &variable.domain
@@ -113,11 +102,9 @@ impl Writer<'_> {
             ] {
                 for formula in formulas {
                     let name = labels.next().map_or("formula", String::as_str);
-                    match self.truth(&formula.expr) {
-                        Ok((_, body)) => {
-                            let _ = write!(text, "\n{keyword} {name}:\n  {operator} ({body});\n");
-                        }
-                        Err(TooMany) => self.findings.push(TooMany::finding(formula)),
+                    let piece = self.truth(&formula.expr);
+                    if let Some((_, body)) = self.base.unless_too_many(formula, piece) {
+                        let _ = write!(text, "\n{keyword} {name}:\n  {operator} ({body});\n");
                     }
                 }
             }
@@ -126,7 +113,7 @@ impl Writer<'_> {
     }
 
     fn type_of(&self, v: VarId) -> String {
-        let variable = self.specification.variable(v);
+        let variable = self.base.specification.variable(v);
         match (&variable.domain, self.labels(variable)) {
             (Domain::Bool, _) => "boolean".to_owned(),
             (_, Some(labels)) => format!("{{{}}}", labels.join(", ")),
@@ -138,7 +125,9 @@ impl Writer<'_> {
     fn labels<'v>(&self, variable: &'v Variable) -> Option<&'v [String]> {
         match &variable.domain {
             Domain::Enum { labels, .. }
-                if labels.iter().all(|l| is_name(l) && !self.names.contains(l)) =>
+                if labels
+                    .iter()
+                    .all(|l| is_name(l) && !self.base.names.contains(l)) =>
             {
                 Some(labels)
             }
@@ -149,15 +138,15 @@ impl Writer<'_> {
     /// A truth value. The recursion is as deep as the formula.
     fn truth(&mut self, expr: &Expr) -> Result<Piece, TooMany> {
         use BinaryOp as B;
-        let s = self.specification;
+        let s = self.base.specification;
         match expr {
-            Expr::Const(value) => Ok((Rank::Tight, (*value != 0).to_string())),
+            Expr::Const(value) => Ok(WORDS.truth(*value != 0)),
             Expr::Var(v, time) if s.variable(*v).domain == Domain::Bool => {
                 Ok((Rank::Tight, self.variable(*v, *time)))
             }
             Expr::Unary(UnaryOp::Not, a) => {
                 let a = self.truth(a)?;
-                Ok(not(a))
+                Ok(WORDS.not(a))
             }
             Expr::Binary(op @ (B::And | B::Or), ..) => {
                 let (mut parts, mut open) = (Vec::new(), vec![expr]);
@@ -167,24 +156,29 @@ impl Writer<'_> {
                         other => parts.push(self.truth(other)?),
                     }
                 }
-                Ok(joined(*op, parts))
+                Ok(match op {
+                    B::And => WORDS.all(parts),
+                    _ => WORDS.any(parts),
+                })
             }
             Expr::Binary(B::Implies, a, b) => {
                 let (a, b) = (self.truth(a)?, self.truth(b)?);
-                let (a, b) = (at_least(a, Rank::Iff), at_least(b, Rank::Iff));
+                let (a, b) = (at_least(a, Rank::Relation), at_least(b, Rank::Relation));
                 Ok((Rank::Implies, format!("{a} -> {b}")))
             }
             Expr::Binary(op @ (B::Eq | B::Ne), a, b) if is_truth(s, a) && is_truth(s, b) => {
                 let (a, b) = (self.truth(a)?, self.truth(b)?);
-                let (a, b) = (at_least(a, Rank::Or), at_least(b, Rank::Or));
-                let same = (Rank::Iff, format!("{a} <-> {b}"));
-                Ok(if *op == B::Ne { not(same) } else { same })
+                let same = WORDS.iff(a, b);
+                Ok(match op {
+                    B::Ne => WORDS.not(same),
+                    _ => same,
+                })
             }
             Expr::If(c, a, b) if is_truth(s, a) && is_truth(s, b) => {
                 let (c, a, b) = (self.truth(c)?, self.truth(a)?, self.truth(b)?);
-                let yes = joined(B::And, vec![c.clone(), a]);
-                let no = joined(B::And, vec![not(c), b]);
-                Ok(joined(B::Or, vec![yes, no]))
+                let yes = WORDS.all(vec![c.clone(), a]);
+                let no = WORDS.all(vec![WORDS.not(c), b]);
+                Ok(WORDS.any(vec![yes, no]))
             }
             _ => match self.comparison(expr) {
                 Some(text) => Ok((Rank::Relation, text)),
@@ -218,7 +212,7 @@ impl Writer<'_> {
 
     /// A variable with labels, and what it can be compared with by name.
     fn labelled(&self, a: &Expr, b: &Expr) -> Option<(String, String)> {
-        let s = self.specification;
+        let s = self.base.specification;
         let Expr::Var(v, time) = a else { return None };
         let labels = self.labels(s.variable(*v))?;
         let other = match b {
@@ -237,7 +231,7 @@ impl Writer<'_> {
         match expr {
             Expr::Const(value) => Some((Rank::Tight, number(*value))),
             Expr::Var(v, time) => {
-                let variable = self.specification.variable(*v);
+                let variable = self.base.specification.variable(*v);
                 let plain = variable.domain != Domain::Bool && self.labels(variable).is_none();
                 plain.then(|| (Rank::Tight, self.variable(*v, *time)))
             }
@@ -262,7 +256,7 @@ impl Writer<'_> {
     }
 
     fn variable(&self, v: VarId, time: Time) -> String {
-        let name = &self.names[v.index()];
+        let name = &self.base.names[v.index()];
         match time {
             Time::Now => name.clone(),
             Time::Next => format!("next({name})"),
@@ -271,42 +265,28 @@ impl Writer<'_> {
 
     /// A truth value as tests of single variables.
     fn apart(&mut self, expr: &Expr) -> Result<Piece, TooMany> {
-        let gate = self.gates.formula(self.specification, expr)?;
-        if self.gates.tree_size(gate) > MAX_SIZE {
+        let gate = self.base.gates.formula(self.base.specification, expr)?;
+        if self.base.gates.tree_size(gate) > MAX_SIZE {
             return Err(TooMany);
         }
-        Ok(self.gate(gate))
-    }
-
-    /// The recursion is as deep as the trees of cases.
-    fn gate(&self, gate: Gate) -> Piece {
-        match self.gates.shape(gate) {
-            Shape::Const(value) => (Rank::Tight, value.to_string()),
-            Shape::Not(a) => not(self.gate(a)),
-            Shape::And(a, b) => joined(BinaryOp::And, vec![self.gate(a), self.gate(b)]),
-            Shape::Or(a, b) => joined(BinaryOp::Or, vec![self.gate(a), self.gate(b)]),
-            Shape::Xor(a, b) => {
-                let (a, b) = (self.gate(a), self.gate(b));
-                let (a, b) = (at_least(a, Rank::Or), at_least(b, Rank::Or));
-                not((Rank::Iff, format!("{a} <-> {b}")))
-            }
+        Ok(WORDS.gate(&self.base.gates, gate, &|shape| match shape {
             Shape::Within(v, time, low, high) => self.within(v, time, low, high),
-            // Bits are made by another writer only.
-            Shape::Bit(..) => (Rank::Tight, String::new()),
-        }
+            // Bits are made by other writers only.
+            _ => WORDS.truth(true),
+        }))
     }
 
     fn within(&self, v: VarId, time: Time, low: i64, high: i64) -> Piece {
         let name = self.variable(v, time);
-        let variable = self.specification.variable(v);
+        let variable = self.base.specification.variable(v);
         if variable.domain == Domain::Bool {
             let yes = (Rank::Tight, name);
-            return if low == 1 { yes } else { not(yes) };
+            return if low == 1 { yes } else { WORDS.not(yes) };
         }
         if let Some(labels) = self.labels(variable) {
             let cases = (low..=high).filter_map(|i| labels.get(i as usize));
             let cases = cases.map(|l| (Rank::Relation, format!("{name} = {l}")));
-            return joined(BinaryOp::Or, cases.collect());
+            return WORDS.any(cases.collect());
         }
         let test = |sign: &str, n: i64| (Rank::Relation, format!("{name} {sign} {}", number(n)));
         if low == high {
@@ -319,7 +299,7 @@ impl Writer<'_> {
         if high != variable.domain.high() {
             tests.push(test("<=", high));
         }
-        joined(BinaryOp::And, tests)
+        WORDS.all(tests)
     }
 }
 
@@ -329,41 +309,4 @@ fn number(value: i64) -> String {
     } else {
         value.to_string()
     }
-}
-
-/// The text, in parentheses where it would fall apart.
-fn at_least((rank, text): Piece, wanted: Rank) -> String {
-    if rank >= wanted {
-        text
-    } else {
-        format!("({text})")
-    }
-}
-
-fn not(piece: Piece) -> Piece {
-    (Rank::Tight, format!("!{}", at_least(piece, Rank::Tight)))
-}
-
-fn joined(op: BinaryOp, parts: Vec<Piece>) -> Piece {
-    let (rank, sign) = match op {
-        BinaryOp::And => (Rank::And, " & "),
-        _ => (Rank::Or, " | "),
-    };
-    if parts.len() == 1 {
-        return parts
-            .into_iter()
-            .next()
-            .unwrap_or((Rank::Tight, String::new()));
-    }
-    let parts: Vec<String> = parts
-        .into_iter()
-        .map(|p| {
-            if p.0 == Rank::Tight || p.0 == Rank::Relation {
-                p.1
-            } else {
-                at_least(p, rank)
-            }
-        })
-        .collect();
-    (rank, parts.join(sign))
 }

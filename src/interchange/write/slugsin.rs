@@ -3,12 +3,14 @@
 //! The format has truth values only. A number becomes its bits, named as slugs' translator names them: `x@0.low.high` for the lowest,
 //! `x@1`, ... for the others, which hold the distance from the smallest value; where some bits make no value, lines keep
 //! them out. Sub-formulas that are used more than once become cells of a memory buffer, so that a formula stays as small as its
-//! gates. What the format has not: answering first, and invariants; see [`lower`](super::lower).
+//! gates. What the format has not: answering first, and invariants; see [`lower`].
 
-use super::gates::{Gate, Gates, Shape, TooMany};
-use super::lower;
-use super::rename::renamed;
-use super::write_spc::legend;
+use super::super::lower;
+use super::super::rename::renamed;
+use super::bits::{has_holes, width};
+use super::gates::{Gate, Shape};
+use super::one_line;
+use super::{Writing, legend};
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{Domain, Owner, Side, Specification, Time, VarId};
 use std::collections::BTreeMap;
@@ -21,18 +23,10 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
         "v_",
         is_name,
     );
-    let mut writer = Writer {
-        specification: &lowered,
-        names: &names,
-        gates: Gates::default(),
-        findings: Vec::new(),
-    };
+    let base = Writing::new(&lowered, &names);
+    let mut writer = Writer { base };
     let text = writer.file();
-    if writer.findings.is_empty() {
-        Ok(text)
-    } else {
-        Err(writer.findings)
-    }
+    writer.base.finish(text)
 }
 
 /// Names that slugs' own tools take too.
@@ -56,22 +50,19 @@ fn is_name(name: &str) -> bool {
 }
 
 struct Writer<'s> {
-    specification: &'s Specification,
-    names: &'s [String],
-    gates: Gates,
-    findings: Vec<Diagnostic>,
+    base: Writing<'s>,
 }
 
 impl Writer<'_> {
     fn file(&mut self) -> String {
-        let specification = self.specification;
-        let mut text = format!("# {}\n", super::names::one_line(&specification.name));
-        text.push_str(&legend(specification, self.names, false));
+        let specification = self.base.specification;
+        let mut text = format!("# {}\n", one_line(&specification.name));
+        text.push_str(&legend(specification, self.base.names, false));
         for (head, owner) in [("INPUT", Owner::Environment), ("OUTPUT", Owner::System)] {
             let _ = writeln!(text, "\n[{head}]");
             for (index, variable) in specification.variables.iter().enumerate() {
                 if variable.owner == owner {
-                    for k in 0..bits(&variable.domain) {
+                    for k in 0..width(&variable.domain) {
                         let _ = writeln!(text, "{}", self.bit_name(VarId(index as u32), k));
                     }
                 }
@@ -94,13 +85,10 @@ impl Writer<'_> {
         ] {
             let _ = writeln!(text, "\n[{head}_{kind}]");
             for formula in formulas {
-                let _ = writeln!(text, "# {}", super::names::one_line(&formula.name));
-                match self.gates.formula(self.specification, &formula.expr) {
-                    Ok(gate) => {
-                        let gate = self.in_bits(gate);
-                        let _ = writeln!(text, "{}", self.line(gate));
-                    }
-                    Err(TooMany) => self.findings.push(TooMany::finding(formula)),
+                let _ = writeln!(text, "# {}", one_line(&formula.name));
+                if let Some(gate) = self.base.gate(formula, &formula.expr) {
+                    let gate = self.base.gates.in_bits(self.base.specification, gate);
+                    let _ = writeln!(text, "{}", self.line(gate));
                 }
             }
             if let Some(time) = time {
@@ -111,95 +99,33 @@ impl Writer<'_> {
 
     /// Lines that keep out what the bits of a number can hold beyond its domain.
     fn domains(&mut self, owner: Owner, time: Time, text: &mut String) {
-        for index in 0..self.specification.variables.len() {
-            let variable = &self.specification.variables[index];
-            let size = variable.domain.size();
-            if variable.owner == owner && size != 1 << bits(&variable.domain) {
-                let _ = writeln!(text, "# {} has {size} values", self.names[index]);
-                let gate = self.at_most(VarId(index as u32), time, size - 1);
+        for (index, variable) in self.base.specification.variables.iter().enumerate() {
+            let domain = &variable.domain;
+            if variable.owner == owner && has_holes(domain) {
+                let (name, size) = (&self.base.names[index], domain.size());
+                let _ = writeln!(text, "# {name} has {size} values");
+                let gate = self.base.gates.in_domain(domain, VarId(index as u32), time);
                 let _ = writeln!(text, "{}", self.line(gate));
             }
         }
     }
 
     fn bit_name(&self, v: VarId, k: u32) -> String {
-        let name = &self.names[v.index()];
-        match &self.specification.variable(v).domain {
+        let name = &self.base.names[v.index()];
+        match &self.base.specification.variable(v).domain {
             Domain::Bool => name.clone(),
             domain if k == 0 => format!("{name}@0.{}.{}", domain.low(), domain.high()),
             _ => format!("{name}@{k}"),
         }
     }
 
-    /// That the bits hold at most this number: from the lowest bit up, "at most so far" is "this bit is below the bound's, or equal
-    /// and the lower ones are at most".
-    fn at_most(&mut self, v: VarId, time: Time, bound: u64) -> Gate {
-        let mut gate = self.gates.bool(true);
-        for k in 0..bits(&self.specification.variable(v).domain) {
-            let bit = self.gates.bit(v, time, k);
-            let unset = self.gates.not(bit);
-            gate = if bound >> k & 1 == 1 {
-                self.gates.or(unset, gate)
-            } else {
-                self.gates.and(unset, gate)
-            };
-        }
-        gate
-    }
-
-    fn at_least(&mut self, v: VarId, time: Time, bound: u64) -> Gate {
-        match bound.checked_sub(1) {
-            None => self.gates.bool(true),
-            Some(below) => {
-                let gate = self.at_most(v, time, below);
-                self.gates.not(gate)
-            }
-        }
-    }
-
-    /// The same gate over bits.
-    fn in_bits(&mut self, root: Gate) -> Gate {
-        let mut done: BTreeMap<Gate, Gate> = BTreeMap::new();
-        // A gate stands behind what it uses.
-        for gate in self.gates.uses(root).into_keys() {
-            let new = |g: Gate| done.get(&g).copied().unwrap_or(g);
-            let made = match self.gates.shape(gate) {
-                Shape::Within(v, time, low, high) => {
-                    let bottom = self.specification.variable(v).domain.low();
-                    let low = self.at_least(v, time, (low - bottom) as u64);
-                    let high = self.at_most(v, time, (high - bottom) as u64);
-                    self.gates.and(low, high)
-                }
-                Shape::Not(a) => {
-                    let a = new(a);
-                    self.gates.not(a)
-                }
-                Shape::And(a, b) => {
-                    let (a, b) = (new(a), new(b));
-                    self.gates.and(a, b)
-                }
-                Shape::Or(a, b) => {
-                    let (a, b) = (new(a), new(b));
-                    self.gates.or(a, b)
-                }
-                Shape::Xor(a, b) => {
-                    let (a, b) = (new(a), new(b));
-                    self.gates.xor(a, b)
-                }
-                Shape::Const(_) | Shape::Bit(..) => gate,
-            };
-            done.insert(gate, made);
-        }
-        done.get(&root).copied().unwrap_or(root)
-    }
-
     /// The line of a gate: its shared gates as cells, itself as the last one.
     fn line(&self, root: Gate) -> String {
-        let uses = self.gates.uses(root);
+        let uses = self.base.gates.uses(root);
         let shared = |gate: Gate| {
             uses.get(&gate).is_some_and(|n| *n > 1)
                 && matches!(
-                    self.gates.shape(gate),
+                    self.base.gates.shape(gate),
                     Shape::And(..) | Shape::Or(..) | Shape::Xor(..)
                 )
         };
@@ -230,7 +156,7 @@ impl Writer<'_> {
                 words.extend(["?".to_owned(), cell.to_string()]);
                 continue;
             }
-            let (word, operands) = match self.gates.shape(gate) {
+            let (word, operands) = match self.base.gates.shape(gate) {
                 Shape::Const(value) => (u8::from(value).to_string(), vec![]),
                 Shape::Bit(v, time, k) => {
                     let prime = if time == Time::Next { "'" } else { "" };
@@ -247,9 +173,4 @@ impl Writer<'_> {
             open.extend(operands);
         }
     }
-}
-
-/// How many bits a variable has.
-fn bits(domain: &Domain) -> u32 {
-    u64::BITS - (domain.size() - 1).leading_zeros()
 }

@@ -254,6 +254,33 @@ impl Gates {
         gates.pop().unwrap_or_else(|| self.bool(false))
     }
 
+    /// The operands of a conjunction of conjunctions, side by side.
+    pub fn conjuncts(&self, root: Gate) -> Vec<Gate> {
+        self.operands(root, |shape| match shape {
+            Shape::And(a, b) => Some((a, b)),
+            _ => None,
+        })
+    }
+
+    /// The operands of a disjunction of disjunctions, side by side.
+    pub fn disjuncts(&self, root: Gate) -> Vec<Gate> {
+        self.operands(root, |shape| match shape {
+            Shape::Or(a, b) => Some((a, b)),
+            _ => None,
+        })
+    }
+
+    fn operands(&self, root: Gate, taken: impl Fn(Shape) -> Option<(Gate, Gate)>) -> Vec<Gate> {
+        let (mut found, mut open) = (Vec::new(), vec![root]);
+        while let Some(gate) = open.pop() {
+            match taken(self.shape(gate)) {
+                Some((a, b)) => open.extend([b, a]),
+                None => found.push(gate),
+            }
+        }
+        found
+    }
+
     /// How often each gate below `root` is used, `root` included.
     pub fn uses(&self, root: Gate) -> BTreeMap<Gate, u64> {
         let mut uses = BTreeMap::new();
@@ -293,7 +320,7 @@ impl Gates {
 }
 
 /// Whether the value of an expression is a truth value.
-pub(super) fn is_truth(specification: &Specification, expr: &Expr) -> bool {
+pub(in crate::interchange) fn is_truth(specification: &Specification, expr: &Expr) -> bool {
     use BinaryOp as B;
     match expr {
         Expr::Const(value) => *value == 0 || *value == 1,
