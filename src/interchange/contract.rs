@@ -3,9 +3,9 @@
 //! A formula about current values among the transitions is not an invariant: it holds in every step that is followed by another. The
 //! language says that with `next true -> ...`. Names that the language does not take are replaced, and listed in comments.
 
-use super::Format;
 use super::rename::renamed;
 use super::write::is_truth;
+use super::{Format, labels};
 use crate::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp,
 };
@@ -77,15 +77,21 @@ pub fn write(specification: &Specification, origin: &str) -> String {
         .chain(formulas().map(|f| f.name.as_str()))
         .collect();
     let mut names = renamed(all, "v_", is_name);
-    let labels = names.split_off(specification.variables.len());
+    let formula_names = names.split_off(specification.variables.len());
+    let used: Vec<String> = names.iter().chain(&formula_names).cloned().collect();
+    let kept = labels::kept(specification, &|l| {
+        is_name(l) && !used.iter().any(|name| name == l)
+    });
+    let words = kept.iter().flatten().flat_map(|labels| labels.iter());
     let mut printer = Printer {
         specification,
         names: &names,
-        used: names.iter().chain(&labels).cloned().collect(),
+        labels: &kept,
+        used: used.iter().chain(words).cloned().collect(),
         defines: Vec::new(),
     };
     let mut body = String::new();
-    let mut labels = labels.into_iter();
+    let mut formula_names = formula_names.into_iter();
     for (keyword, side) in [
         ("assume", &specification.assumptions),
         ("guarantee", &specification.guarantees),
@@ -98,7 +104,7 @@ pub fn write(specification: &Specification, origin: &str) -> String {
             ("always eventually ", &side.justice),
         ] {
             for formula in formulas {
-                let label = labels.next().unwrap_or_default();
+                let name = formula_names.next().unwrap_or_default();
                 let text = printer.formula(formula);
                 let text = match temporal {
                     "" => text,
@@ -108,7 +114,7 @@ pub fn write(specification: &Specification, origin: &str) -> String {
                     "always transition" => format!("always (next true -> ({text}))"),
                     temporal => format!("{temporal}({text})"),
                 };
-                let _ = writeln!(lines, "    {keyword} {label}: {text}");
+                let _ = writeln!(lines, "    {keyword} {name}: {text}");
             }
         }
         if !lines.is_empty() {
@@ -117,11 +123,11 @@ pub fn write(specification: &Specification, origin: &str) -> String {
         }
     }
     let mut text = format!("// {}\n", super::names::one_line(origin));
-    for (variable, name) in specification.variables.iter().zip(&names) {
+    for ((variable, name), kept) in specification.variables.iter().zip(&names).zip(&kept) {
         if *name != variable.name {
             let _ = writeln!(text, "// renamed: {} is {name} here", variable.name);
         }
-        if let Domain::Enum { labels, .. } = &variable.domain {
+        if let (Domain::Enum { labels, .. }, None) = (&variable.domain, kept) {
             let labels = labels.iter().enumerate().map(|(i, l)| format!("{i} {l}"));
             let _ = writeln!(
                 text,
@@ -136,21 +142,18 @@ pub fn write(specification: &Specification, origin: &str) -> String {
         ""
     };
     let _ = writeln!(text, "{moore}contract {name} {{");
-    for (variable, name) in specification.variables.iter().zip(&names) {
+    for ((variable, name), kept) in specification.variables.iter().zip(&names).zip(&kept) {
         let owner = match (variable.owner, variable.internal) {
             (Owner::Environment, _) => "input",
             (Owner::System, false) => "output",
             (Owner::System, true) => "internal",
         };
-        let _ = match &variable.domain {
-            Domain::Bool => writeln!(text, "    {owner} {name}: bool"),
-            domain => writeln!(
-                text,
-                "    {owner} {name}: {}..{}",
-                domain.low(),
-                domain.high()
-            ),
+        let domain = match (&variable.domain, kept) {
+            (Domain::Bool, _) => "bool".to_owned(),
+            (_, Some(labels)) => format!("{{{}}}", labels.join(", ")),
+            (domain, None) => format!("{}..{}", domain.low(), domain.high()),
         };
+        let _ = writeln!(text, "    {owner} {name}: {domain}");
     }
     if !printer.defines.is_empty() {
         text.push('\n');
@@ -174,6 +177,8 @@ pub fn origin(file: &str, format: Format) -> String {
 struct Printer<'s> {
     specification: &'s Specification,
     names: &'s [String],
+    /// The labels that values of each variable are printed with.
+    labels: &'s [Option<&'s [String]>],
     used: Vec<String>,
     defines: Vec<(String, String)>,
 }
@@ -351,7 +356,14 @@ impl Printer<'_> {
                 } else {
                     Binds::Tightly
                 };
-                let (a, b) = (self.part(a, truths, wanted), self.part(b, truths, wanted));
+                let labels = labels::of(a, self.labels).or_else(|| labels::of(b, self.labels));
+                let mut operand = |e: &Expr| match (labels, e) {
+                    (Some(labels), Expr::Const(value)) => {
+                        leaf(labels::nth(labels, *value).cloned().unwrap_or_default())
+                    }
+                    _ => self.part(e, truths, wanted),
+                };
+                let (a, b) = (operand(a), operand(b));
                 Printed {
                     text: format!("{} {word} {}", a.text, b.text),
                     depth: a.depth.max(b.depth),

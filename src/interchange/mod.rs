@@ -19,6 +19,7 @@
 
 pub mod contract;
 mod infix;
+mod labels;
 pub mod lower;
 mod names;
 pub mod own_tool;
