@@ -1,7 +1,7 @@
 //! Prints a specification as a contract of our own language, so that checking it gives the same verdict.
 //!
-//! A formula about current values among the transitions is not an invariant: it holds in every step that is followed by another. The
-//! language says that with `next true -> ...`. Names that the language does not take are replaced, and listed in comments.
+//! A formula about current values among the transitions is not quite an invariant: it holds in every step that is followed by another. The
+//! language says that with `next true -> ...`, unless every step is followed by another, since nothing is asked of the environment's moves. Names that the language does not take are replaced, and listed in comments.
 
 use super::rename::renamed;
 use super::write::is_truth;
@@ -92,6 +92,8 @@ pub fn write(specification: &Specification, origin: &str) -> String {
     };
     let mut body = String::new();
     let mut formula_names = formula_names.into_iter();
+    let asked = &specification.assumptions;
+    let goes_on = asked.safety.is_empty() && asked.invariants.is_empty();
     for (keyword, side) in [
         ("assume", &specification.assumptions),
         ("guarantee", &specification.guarantees),
@@ -108,7 +110,7 @@ pub fn write(specification: &Specification, origin: &str) -> String {
                 let text = printer.formula(formula);
                 let text = match temporal {
                     "" => text,
-                    "always transition" if formula.expr.mentions_next() => {
+                    "always transition" if goes_on || formula.expr.mentions_next() => {
                         format!("always ({text})")
                     }
                     "always transition" => format!("always (next true -> ({text}))"),
