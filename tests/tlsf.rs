@@ -1,7 +1,11 @@
 //! TLSF: what the reader takes and refuses, where it refuses it, and what the formulas become.
 
+#[path = "tlsf/explained.rs"]
+mod explained;
 #[path = "tlsf/game.rs"]
 mod game;
+#[path = "tlsf/imported.rs"]
+mod imported;
 #[path = "tlsf/lassos.rs"]
 mod lassos;
 #[path = "tlsf/messages.rs"]

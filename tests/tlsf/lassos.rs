@@ -115,6 +115,11 @@ impl L {
         }
     }
 
+    /// Whether it speaks of the output.
+    pub fn mentions_b(&self) -> bool {
+        self.to_string().contains('b')
+    }
+
     /// Its value in the first of two steps, which is as far as it looks.
     pub fn on_two(&self, now: u8, next: u8) -> bool {
         let run = Lasso {
@@ -244,12 +249,17 @@ impl Judge {
     }
 
     fn accepts(&self, run: &Lasso) -> bool {
-        [0, 1]
-            .into_iter()
-            .any(|broken| self.accepts_with(run, broken))
+        self.accepts_while(run, &[])
     }
 
-    fn accepts_with(&self, run: &Lasso, broken: i64) -> bool {
+    /// With the elements of a bus `c` that do not change.
+    fn accepts_while(&self, run: &Lasso, c: &[bool]) -> bool {
+        [0, 1]
+            .into_iter()
+            .any(|broken| self.accepts_with(run, broken, c))
+    }
+
+    fn accepts_with(&self, run: &Lasso, broken: i64, c: &[bool]) -> bool {
         let s = &self.specification;
         let mut values: Vec<i64> = vec![0; s.variables.len()];
         for (v, value) in &self.initial {
@@ -264,7 +274,13 @@ impl Judge {
                 match variable.name.as_str() {
                     "a" => values[k] = i64::from(run.steps[t] & 1 != 0),
                     "b" => values[k] = i64::from(run.steps[t] & 2 != 0),
-                    _ => {}
+                    name => {
+                        let element = name.strip_prefix("c[").and_then(|n| n.strip_suffix(']'));
+                        let element = element.and_then(|n| n.parse::<usize>().ok());
+                        if let Some(value) = element.and_then(|n| c.get(n)) {
+                            values[k] = i64::from(*value);
+                        }
+                    }
                 }
             }
             if let Some(start) = seen.insert((t, values.clone()), rows.len()) {
@@ -383,6 +399,9 @@ fn imp(p: L, q: L) -> L {
 fn and(p: L, q: L) -> L {
     L::And(Box::new(p), Box::new(q))
 }
+fn or(p: L, q: L) -> L {
+    L::Or(Box::new(p), Box::new(q))
+}
 fn w(p: L, q: L) -> L {
     L::W(Box::new(p), Box::new(q))
 }
@@ -418,6 +437,26 @@ fn accepted_forms() {
         ),
         L::Or(Box::new(g(A)), Box::new(f(B))),
         L::Or(Box::new(f(g(A))), Box::new(g(f(B)))),
+        // Safety that is given, an answer from different steps on, what only the long run decides.
+        imp(g(imp(A, x(w(n(A), n(B))))), g(imp(B, f(A)))),
+        imp(and(g(imp(A, w(B, A))), g(f(A))), and(g(n(B)), f(B))),
+        or(g(imp(A, w(B, A))), f(B)),
+        f(and(A, x(L::U(Box::new(B), Box::new(n(A)))))),
+        f(and(A, x(f(B)))),
+        g(imp(A, or(x(x(f(B))), f(and(B, n(A)))))),
+        g(or(imp(A, f(B)), f(g(A)))),
+        g(f(and(A, f(B)))),
+        g(f(L::R(Box::new(A), Box::new(B)))),
+        f(w(A, B)),
+        f(and(n(A), g(f(B)))),
+        x(g(or(A, g(f(B))))),
+        L::U(Box::new(or(A, g(f(B)))), Box::new(B)),
+        L::U(Box::new(A), Box::new(or(B, g(f(B))))),
+        L::R(Box::new(and(A, g(f(B)))), Box::new(B)),
+        w(and(A, g(f(B))), B),
+        w(A, and(B, g(f(A)))),
+        f(g(f(A))),
+        n(f(and(A, x(g(n(B)))))),
     ];
     let runs = all_lassos(6);
     println!("{} forms on {} lassos", forms.len(), runs.len());
@@ -427,4 +466,40 @@ fn accepted_forms() {
         sound(&text);
         same(&text, &form, &runs);
     }
+}
+
+/// `W` and `R` between formulas about too many conditions for an automaton: over `a`, `b` and nine inputs.
+#[test]
+fn weak_until_and_release_of_large_conditions() {
+    let (mut dice, mut count) = (Dice(7), 0);
+    let large = |dice: &mut Dice| {
+        let parts: Vec<String> = (0..9)
+            .map(|k| format!("(c[{k}] -> {})", dice.step(1, true)))
+            .collect();
+        format!("({})", parts.join(" && "))
+    };
+    for op in ["W", "R"] {
+        for _ in 0..50 {
+            let formula = format!("{} {op} {}", large(&mut dice), large(&mut dice));
+            let main = format!("INPUTS {{ a; c[9]; }} OUTPUTS {{ b; }} GUARANTEE {{ {formula}; }}");
+            let judge = Judge::new(sound(&file("Mealy", "Mealy", &main)));
+            // What c is does not change: the formula with its values is one over a and b.
+            for _ in 0..20 {
+                let c: Vec<bool> = (0..9).map(|_| dice.below(2) == 0).collect();
+                let run = dice.lasso(5);
+                let text = c.iter().enumerate().fold(formula.clone(), |t, (k, v)| {
+                    t.replace(&format!("c[{k}]"), if *v { "true" } else { "false" })
+                });
+                let small = format!("{SIGNALS} GUARANTEE {{ {text}; }}");
+                let small = Judge::new(sound(&file("Mealy", "Mealy", &small)));
+                assert_eq!(
+                    judge.accepts_while(&run, &c),
+                    small.accepts(&run),
+                    "{text}\n{run:?}"
+                );
+                count += 1;
+            }
+        }
+    }
+    println!("{count} runs");
 }

@@ -22,28 +22,90 @@ fn places(text: &str) -> Vec<String> {
 
 #[test]
 fn what_is_outside_is_refused_at_its_smallest_part() {
-    for (promises, place) in [
-        ("F G g", "F G g"),
-        ("G (r -> X g); F (G g && h)", "F (G g && h)"),
-        ("G F r -> G F g; G F s -> G F h", "G F s"),
-        ("G F g; G F r -> G F h", "G F r"),
-        ("G (r -> g U (h U s))", "(h U s)"),
-        ("(g U h) U s", "(g U h)"),
-        ("G (r -> F (g && F h))", "F h"),
-        ("G ((r -> F g) W h)", "F g"),
-        ("G (r -> F g && X F (h && G g))", "G g"),
+    let signals = SIGNALS.replace("h;", "h; q;");
+    for (promises, place, mended) in [
+        ("F G g", "F G g", "G (h -> X h); G (h -> g); G F h"),
+        (
+            "G (r -> X g); F (G g && h)",
+            "F (G g && h)",
+            "G (r -> X g); F (q && h); G (q -> G g)",
+        ),
+        (
+            "G F r -> G F g; G F s -> G F h",
+            "G F s",
+            "G F g; G F h; } ASSUME { G F r; G F s",
+        ),
+        (
+            "G F g; G F r -> G F h",
+            "G F r",
+            "G F g; G F h; } ASSUME { G F r",
+        ),
+        (
+            "G (r -> g U (h U s))",
+            "(h U s)",
+            "G (r -> g U q); G (q -> h U s)",
+        ),
+        ("(g U h) U s", "(g U h)", "q U s; G (q -> g U h)"),
+        (
+            "G (r -> F (g && F h))",
+            "F h",
+            "G (r -> F (g && q)); G (q -> F h)",
+        ),
+        (
+            "G (r -> X ((r -> F g) W h))",
+            "F g",
+            "G (r -> X ((r -> q) W h)); G (q -> F g)",
+        ),
+        (
+            "G (r -> F g && X F (h && G g))",
+            "G g",
+            "G (r -> F g && X F (h && q)); G (q -> G g)",
+        ),
     ] {
-        let text = file(
-            "Mealy",
-            "Mealy",
-            &format!("{SIGNALS} GUARANTEE {{ {promises}; }}"),
-        );
-        let found = places(&text);
+        let of = |promises: &str| {
+            file(
+                "Mealy",
+                "Mealy",
+                &format!("{signals} GUARANTEE {{ {promises}; }}"),
+            )
+        };
+        let found = places(&of(promises));
         assert!(
             found.iter().any(|f| f == place),
             "{promises}: {found:?}, not {place}"
         );
+        // The way out that the help names.
+        crate::sound(&of(mended));
     }
+}
+
+/// What the same conditions under ASSUME make of a Streett pair: a plain promise.
+#[test]
+fn a_condition_that_is_assumed_is_no_condition() {
+    let of = |main: &str| file("Mealy", "Mealy", &format!("{SIGNALS} {main}"));
+    crate::sound(&of(
+        "ASSUME { G F r; G F s; } GUARANTEE { G F r -> G F g; G F s -> G F h; G F (g || h); }",
+    ));
+    let text = of("ASSUME { G F r; } GUARANTEE { G F r -> G F g; G F s -> G F h; }");
+    assert_eq!(places(&text), ["G F s"]);
+}
+
+#[test]
+fn runs_that_end_are_outside_the_fragment() {
+    for semantics in ["Finite", "Mealy,Finite", "Finite,Moore"] {
+        let main = "INPUTS { a; } OUTPUTS { b; } GUARANTEE { X[!] b; }";
+        assert_eq!(places(&file(semantics, "Mealy", main)), [semantics]);
+    }
+}
+
+/// Sections and entries in any order, and more than once; nothing but SEMANTICS and one signal is needed.
+#[test]
+fn sections_stand_in_any_order() {
+    let text = "MAIN { GUARANTEES { G (a -> X b) } OUTPUTS { b } ASSERT { } INPUTS { a; } GUARANTEE { c; } OUTPUTS { c; } }
+        INFO { SEMANTICS: Strict,Moore }";
+    let specification = crate::sound(text);
+    assert_eq!(specification.timing, linewright::gr1::Timing::Moore);
+    assert_eq!(specification.guarantees.all().count(), 2);
 }
 
 #[test]
@@ -118,8 +180,15 @@ fn messages() {
         defined("enum e = A: 01  B: 0*; f = 1; f = 2;", "g"),
         defined("f(x) = F G x;", "f(g)"),
         main(&format!(
-            "{SIGNALS} INITIALLY {{ g; F r; }} PRESET {{ G g; }} ASSUME {{ G F r -> G F s; }}"
+            "{SIGNALS} INITIALLY {{ g; F r; }} PRESET {{ G F g; }} ASSUME {{ G F r -> G F s; }}"
         )),
+        file(
+            "Mealy,Strict",
+            "Mealy",
+            &format!(
+                "{SIGNALS} INITIALLY {{ g; F r; }} REQUIRE {{ r; }} PRESET {{ G g; }} ASSERT {{ g; }}"
+            ),
+        ),
         file(
             "Mealy,Strict",
             "Mealy",

@@ -147,6 +147,8 @@ pub(super) enum Section {
 pub(super) struct Entry {
     pub section: Section,
     pub heading: String,
+    /// Where the section's name stands.
+    pub place: Range<usize>,
     pub tree: Tree,
 }
 
@@ -161,6 +163,8 @@ pub(super) struct Semantics {
 #[derive(Debug, Default)]
 pub(super) struct File {
     pub semantics: Option<Semantics>,
+    /// Whether the semantics is one on finite runs, which is refused.
+    pub finite: bool,
     /// Whether a Moore machine is wanted.
     pub target: Option<bool>,
     pub title: Option<String>,

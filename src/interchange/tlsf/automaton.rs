@@ -53,7 +53,11 @@ struct Builder {
 
 /// The automaton of a safety formula; `None` where it would become too large. `state` gives the expression of a formula about one
 /// step.
-pub(super) fn of(formulas: &Formulas, f: F, state: &dyn Fn(F) -> Expr) -> Option<Automaton> {
+pub(super) fn of(
+    formulas: &Formulas,
+    f: F,
+    state: &dyn Fn(F) -> Option<Expr>,
+) -> Option<Automaton> {
     let mut builder = Builder {
         nodes: Vec::new(),
         known: BTreeMap::new(),
@@ -108,10 +112,10 @@ impl Builder {
         formulas: &Formulas,
         f: F,
         negated: bool,
-        state: &dyn Fn(F) -> Expr,
+        state: &dyn Fn(F) -> Option<Expr>,
     ) -> Option<u32> {
         if formulas.is_state(f) {
-            let expr = state(f).simplify();
+            let expr = state(f)?.simplify();
             let (expr, negated) = match expr {
                 Expr::Unary(crate::gr1::UnaryOp::Not, inner) => (*inner, !negated),
                 expr => (expr, negated),

@@ -234,50 +234,17 @@ impl Formulas {
         F(self.nodes.len() as u32 - 1)
     }
 
-    /// The same with every variable that `later` chooses read a step later.
-    pub fn delayed(&mut self, f: F, later: &dyn Fn(VarId) -> bool) -> F {
-        let place = self.place(f);
-        match self.op(f).clone() {
-            Op::True | Op::False => f,
-            Op::Atom(v) => {
-                if later(v) {
-                    self.make(Op::Next(f), place)
-                } else {
-                    f
-                }
-            }
-            op => {
-                let op = self.mapped(op, &mut |s, g| s.delayed(g, later));
-                self.make(op, place)
-            }
-        }
-    }
-
-    /// The same without the `X` before every variable that `now` chooses.
-    pub fn undelayed(&mut self, f: F, now: &dyn Fn(VarId) -> bool) -> F {
-        let place = self.place(f);
-        match self.op(f).clone() {
-            Op::True | Op::False | Op::Atom(_) => f,
-            Op::Next(a) if matches!(self.op(a), Op::Atom(v) if now(*v)) => a,
-            op => {
-                let op = self.mapped(op, &mut |s, g| s.undelayed(g, now));
-                self.make(op, place)
-            }
-        }
-    }
-
-    /// Whether every variable that `chosen` chooses stands directly behind an `X`.
-    pub fn all_delayed(&self, f: F, chosen: &dyn Fn(VarId) -> bool) -> bool {
+    /// Whether all of its variables are chosen.
+    pub fn all_atoms(&self, f: F, chosen: &dyn Fn(VarId) -> bool) -> bool {
         match self.op(f) {
-            Op::Atom(v) => !chosen(*v),
-            Op::Next(a) if matches!(self.op(*a), Op::Atom(_)) => true,
+            Op::Atom(v) => chosen(*v),
             op => Self::children(op)
                 .iter()
-                .all(|g| self.all_delayed(*g, chosen)),
+                .all(|g| self.all_atoms(*g, chosen)),
         }
     }
 
-    fn mapped(&mut self, op: Op, map: &mut dyn FnMut(&mut Self, F) -> F) -> Op {
+    pub(super) fn mapped(&mut self, op: Op, map: &mut dyn FnMut(&mut Self, F) -> F) -> Op {
         let mut m = |f: F| map(self, f);
         match op {
             Op::True | Op::False | Op::Atom(_) => op,

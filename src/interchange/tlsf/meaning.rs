@@ -8,10 +8,6 @@
 //! strict   I -> P & (S W !R) & (G R & A -> G)
 //! ```
 //!
-//! Where TARGET is not the machine that SEMANTICS was written for, the formula is moved by a step first: for a Moore machine a Mealy
-//! formula reads outputs one step later, for a Mealy machine a Moore formula reads inputs one step later; or the other side one step
-//! earlier, where the formula reads it behind `X` only.
-//!
 //! # Plain implications in a strict game
 //!
 //! A [`Specification`] is strict: the machine has to keep its safety for as long as the environment has kept its own. By a plain
@@ -28,33 +24,40 @@
 //! environment breaks an assumption, so where there are some, assumptions count from the next step on: `R` becomes a condition on the
 //! environment's next move. Then "from every step to the next the environment keeps all R of this step, or else the machine all S of this
 //! step" is `S W !R` to the letter, as long as neither looks further than the next step.
+//!
+//! From what PRESET asks of all steps no assumption excuses. Where there is such a thing, no assumption is one of safety: that it has been
+//! kept so far is assumed again and again.
 
 use super::ast::Section;
-use super::classify::{Classifier, Piece, Refusal};
+use super::classify::{Classifier, Piece};
 use super::expand::Site;
-use super::lexer::one_line;
-use super::ltl::{F, Op};
+use super::ltl::F;
+use super::pairs::under_assumptions;
+use super::past::negated;
+use super::refusal::Refusal;
 use super::report::Report;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::monitors::Origin;
-use crate::gr1::{
-    Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
-};
-use crate::source::Span;
+use crate::gr1::{Expr, Formula, Owner, Side, Time, Timing, VarId, Variable};
+use std::ops::Range;
 
 /// A formula of a section, expanded.
 #[derive(Debug, Clone)]
 pub(super) struct Wish {
     pub section: Section,
     pub name: String,
+    /// Where the name of its section stands.
+    pub heading: Range<usize>,
     pub formula: F,
 }
 
 /// A piece and where it comes from.
-struct Found {
-    piece: Piece,
-    at: F,
-    origin: Origin,
+pub(super) struct Found {
+    pub piece: Piece,
+    pub at: F,
+    pub origin: Origin,
+    /// Where the name of its section stands.
+    pub heading: Range<usize>,
 }
 
 pub(super) struct Meaning<'c, 'f, 'r> {
@@ -85,7 +88,7 @@ pub(super) struct Sides {
 }
 
 impl Meaning<'_, '_, '_> {
-    fn refuse(&mut self, refusal: &Refusal) {
+    pub(super) fn refuse(&mut self, refusal: &Refusal) {
         let place = self.classifier.formulas.place(refusal.at);
         let span = self.report.span(&place.range());
         let finding = Diagnostic::error(codes::NOT_GR1, span, refusal.why.clone())
@@ -94,120 +97,12 @@ impl Meaning<'_, '_, '_> {
         self.report.push(finding);
     }
 
-    /// Conjunctions at the top, and implications that are the only promise, taken apart.
-    fn flattened(&mut self, wishes: Vec<Wish>) -> Vec<Wish> {
-        let mut wishes = self.split(wishes);
-        loop {
-            let bound = |w: &&Wish| matches!(w.section, Section::Assert | Section::Guarantee);
-            let mut promises = wishes.iter().filter(bound);
-            let (Some(only), None) = (promises.next(), promises.next()) else {
-                return wishes;
-            };
-            let Op::Implies(a, b) = *self.classifier.formulas.op(only.formula) else {
-                return wishes;
-            };
-            if only.section != Section::Guarantee
-                || self.classifier.formulas.ahead(only.formula).is_some()
-            {
-                return wishes;
-            }
-            let name = only.name.clone();
-            wishes.retain(|w| !bound(&w));
-            for (section, formula) in [(Section::Assume, a), (Section::Guarantee, b)] {
-                wishes.push(Wish {
-                    section,
-                    name: name.clone(),
-                    formula,
-                });
-            }
-            wishes = self.split(wishes);
-        }
-    }
-
-    fn split(&mut self, wishes: Vec<Wish>) -> Vec<Wish> {
-        let mut found = Vec::new();
-        for wish in wishes {
-            match self.classifier.formulas.op(wish.formula).clone() {
-                Op::And(list) => {
-                    let list = list.into_iter().map(|formula| Wish {
-                        formula,
-                        ..wish.clone()
-                    });
-                    let inner = self.split(list.collect());
-                    found.extend(inner);
-                }
-                _ => found.push(wish),
-            }
-        }
-        found
-    }
-
-    /// The pieces of all formulas of a section.
-    fn pieces(&mut self, wishes: &[Wish], section: Section) -> Vec<Found> {
-        let mut found = Vec::new();
-        for wish in wishes.iter().filter(|w| w.section == section) {
-            let formulas = &mut *self.classifier.formulas;
-            let place = formulas.place(wish.formula);
-            let every = matches!(section, Section::Require | Section::Assert);
-            let whole = if every {
-                formulas.make(Op::Globally(wish.formula), place)
-            } else {
-                wish.formula
-            };
-            let positive = formulas.positive(whole, false);
-            let parts = formulas.parts(positive);
-            let several = parts.len() > 1;
-            for (k, part) in parts.into_iter().enumerate() {
-                // What is constantly true asks nothing.
-                if self.classifier.formulas.truth(part) == Some(true) {
-                    continue;
-                }
-                let place = self.classifier.formulas.place(part);
-                let range = place.range();
-                let origin = Origin {
-                    name: if several {
-                        format!("{}.{}", wish.name, k + 1)
-                    } else {
-                        wish.name.clone()
-                    },
-                    requirement: None,
-                    span: self.report.span(&range),
-                    text: one_line(self.text.get(range).unwrap_or("")),
-                };
-                self.classifier.origin = origin.clone();
-                match self.classifier.pieces(part) {
-                    Ok(pieces) => found.extend(pieces.into_iter().map(|piece| Found {
-                        piece,
-                        at: part,
-                        origin: origin.clone(),
-                    })),
-                    Err(refusal) => self.refuse(&refusal),
-                }
-                if self.classifier.formulas.too_large {
-                    self.too_large(origin.span);
-                    return found;
-                }
-            }
-        }
-        found
-    }
-
-    fn too_large(&mut self, span: Span) {
-        let finding = Diagnostic::error(
-            codes::TOO_LARGE,
-            span,
-            "this formula becomes too large once its conjunctions are pulled apart",
-        )
-        .with_help("give parts of it outputs of their own");
-        self.report.push(finding);
-    }
-
-    fn is_output(&self, v: VarId) -> bool {
+    pub(super) fn is_output(&self, v: VarId) -> bool {
         // Monitors are outputs.
         { self.variables.get(v.index()) }.is_none_or(|v| v.owner == Owner::System)
     }
 
-    fn mentions(&self, e: &Expr, wanted: &dyn Fn(&Self, VarId, Time) -> bool) -> bool {
+    pub(super) fn mentions(&self, e: &Expr, wanted: &dyn Fn(&Self, VarId, Time) -> bool) -> bool {
         let mut found = false;
         e.for_each_var(&mut |v, t| found |= wanted(self, v, t));
         found
@@ -215,18 +110,27 @@ impl Meaning<'_, '_, '_> {
 
     /// The whole specification; findings are reported.
     pub fn sides(&mut self, wishes: Vec<Wish>) -> Sides {
+        let wishes = self.first_steps(wishes);
         let wishes = self.flattened(wishes);
         let initially = self.pieces(&wishes, Section::Initially);
         let preset = self.pieces(&wishes, Section::Preset);
         let require = self.pieces(&wishes, Section::Require);
         let assume = self.pieces(&wishes, Section::Assume);
-        let assert = self.pieces(&wishes, Section::Assert);
-        let guarantee = self.pieces(&wishes, Section::Guarantee);
+        let mut assert = self.pieces(&wishes, Section::Assert);
+        let mut guarantee = self.pieces(&wishes, Section::Guarantee);
+        if !self.strict {
+            under_assumptions(&require, &assume, &mut assert);
+        }
+        under_assumptions(&require, &assume, &mut guarantee);
         let mut sides = Sides {
             assumptions: Side::default(),
             guarantees: Side::default(),
         };
-        self.beginnings(&initially, &preset, &mut sides);
+        // What PRESET asks of all steps is asked without the assumptions, too.
+        let lasting_preset =
+            { preset.iter() }.any(|f| self.classifier.formulas.ahead(f.at).is_none());
+        let required = !require.is_empty();
+        self.beginnings(&initially, &preset, required, &mut sides);
 
         let lasting = |f: &&Found| !matches!(f.piece, Piece::Initial(_));
         let assumed =
@@ -248,7 +152,8 @@ impl Meaning<'_, '_, '_> {
         let mut excused = Vec::new();
         for found in require.iter().chain(&assume) {
             // In a strict file only REQUIRE ends what ASSERT asks.
-            let only_live = self.strict && !assert.is_empty() && !is_in(&require, found);
+            let only_live =
+                lasting_preset || (self.strict && !assert.is_empty() && !is_in(&require, found));
             let when = When {
                 pressing,
                 moving,
@@ -292,48 +197,6 @@ impl Meaning<'_, '_, '_> {
         }
     }
 
-    /// INITIALLY and PRESET.
-    fn beginnings(&mut self, initially: &[Found], preset: &[Found], sides: &mut Sides) {
-        for found in initially {
-            match &found.piece {
-                Piece::Initial(e) if !self.mentions(e, &|s, v, _| s.is_output(v)) => {
-                    sides.assumptions.initial.push(formula(found, e));
-                }
-                Piece::Step(e)
-                    if !self.mentions(e, &|s, v, t| t == Time::Next && s.is_output(v)) =>
-                {
-                    sides.assumptions.safety.push(formula(found, e));
-                }
-                Piece::Initial(_) | Piece::Step(_) => {
-                    let finding = Diagnostic::error(
-                        codes::NOT_CONTROLLED,
-                        found.origin.span,
-                        "this initial condition of the environment speaks of outputs, which the system chooses",
-                    )
-                    .with_help("INITIALLY is about inputs; what outputs are at the beginning stands under PRESET");
-                    self.report.push(finding);
-                }
-                _ => self.misplaced(found, "INITIALLY", "REQUIRE or ASSUME"),
-            }
-        }
-        for found in preset {
-            match &found.piece {
-                Piece::Initial(e) => sides.guarantees.initial.push(formula(found, e)),
-                Piece::Step(e) => sides.guarantees.safety.push(formula(found, e)),
-                _ => self.misplaced(found, "PRESET", "ASSERT or GUARANTEE"),
-            }
-        }
-    }
-
-    fn misplaced(&mut self, found: &Found, here: &str, there: &str) {
-        let refusal = Refusal {
-            at: found.at,
-            why: format!("{here} is about the first step, and this formula about all of them"),
-            help: format!("put it under {there}"),
-        };
-        self.refuse(&refusal);
-    }
-
     /// In a strict file with assumptions, neither side of `S W !R` may look further than the next step.
     fn check_strict(&mut self, require: &[Found], assert: &[Found]) {
         let mut wrong = Vec::new();
@@ -368,12 +231,12 @@ impl Meaning<'_, '_, '_> {
         let side = &mut sides.assumptions;
         match &found.piece {
             Piece::Recurrent(e) => side.justice.push(formula(found, e)),
-            Piece::Persistent(e) => excused.push(e.clone().not().simplify()),
+            Piece::Persistent(e) => excused.push(negated(e)),
             Piece::Pair(..) => {
                 let refusal = Refusal {
                     at: found.at,
                     why: "this assumption says that one thing happens again and again if another does, which is outside GR(1)".to_owned(),
-                    help: "GR(1) has assumptions `G F a` and promises `G F b`; a choice between `F G a` and `G F b` is a promise only".to_owned(),
+                    help: "assume the second thing outright, `G F b`, if the environment sees to that: GR(1) has assumptions `G F a` and promises `G F b`".to_owned(),
                 };
                 self.refuse(&refusal);
             }
@@ -448,11 +311,13 @@ impl Meaning<'_, '_, '_> {
                 _ => {}
             }
         }
+        let safe = soft.iter().find(|f| is_safety(&f.piece));
+        let heading = safe.map_or(0..0, |f| f.heading.clone());
         let made = |name: &str, expr| Formula {
             name: name.to_owned(),
             requirement: None,
             expr,
-            span: self.report.span(&(0..0)),
+            span: self.report.span(&heading),
             text: String::new(),
         };
         let stays = Expr::now(broken).implies(Expr::next(broken));
@@ -465,49 +330,6 @@ impl Meaning<'_, '_, '_> {
             .guarantees
             .justice
             .push(made("no promise is broken", never));
-    }
-
-    /// What promises of the form "if again and again, then again and again" assume; all have to assume the same.
-    fn pairs(&mut self, assert: &[Found], guarantee: &[Found], soft_safety: bool) -> Vec<Formula> {
-        let mut first: Option<(&Found, &Vec<(F, Expr)>)> = None;
-        let same = |a: &[(F, Expr)], b: &[(F, Expr)]| {
-            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.1 == b.1)
-        };
-        let mut refusals = Vec::new();
-        for found in assert.iter().chain(guarantee) {
-            match &found.piece {
-                Piece::Persistent(_) => refusals.push(Refusal {
-                    at: found.at,
-                    why: "`F G` (from some step on for ever) is promised, which is outside GR(1)".to_owned(),
-                    help: "let an output say when it begins: `G (settled -> X settled)`, `G (settled -> a)` and `G F settled`".to_owned(),
-                }),
-                Piece::Pair(when, _) => match first {
-                    None => first = Some((found, when)),
-                    Some((_, known)) if same(known, when) => {}
-                    Some(_) => refusals.push(pair(found, "another promise has another condition")),
-                },
-                _ => {}
-            }
-        }
-        if let Some((found, _)) = first {
-            let other =
-                { assert.iter().chain(guarantee) }.any(|f| matches!(f.piece, Piece::Recurrent(_)));
-            if other {
-                refusals.push(pair(
-                    found,
-                    "other promises of `F` or `G F` have no such condition",
-                ));
-            } else if soft_safety {
-                refusals.push(pair(found, "the promises of safety have no such condition"));
-            }
-        }
-        for refusal in &refusals {
-            self.refuse(refusal);
-        }
-        let Some((found, when)) = first else {
-            return Vec::new();
-        };
-        when.iter().map(|(_, e)| formula(found, e)).collect()
     }
 }
 
@@ -530,18 +352,6 @@ fn keep(found: &Found, late: bool, released: &[Expr], sides: &mut Sides) {
     }
 }
 
-fn pair(found: &Found, why: &str) -> Refusal {
-    let at = match &found.piece {
-        Piece::Pair(when, _) => when.first().map_or(found.at, |w| w.0),
-        _ => found.at,
-    };
-    Refusal {
-        at,
-        why: format!("a promise depends on this happening again and again, and {why}: a Streett pair beyond GR(1)"),
-        help: "GR(1) is one implication, from all assumptions `G F a` to all promises `G F b`: put the condition under ASSUME, if all may depend on it".to_owned(),
-    }
-}
-
 fn is_in(list: &[Found], found: &Found) -> bool {
     list.iter().any(|f| std::ptr::eq(f, found))
 }
@@ -557,81 +367,12 @@ fn excuse(e: Expr, excused: &[Expr]) -> Expr {
     excused.iter().fold(e, |e, x| e.or(x.clone())).simplify()
 }
 
-fn formula(found: &Found, expr: &Expr) -> Formula {
+pub(super) fn formula(found: &Found, expr: &Expr) -> Formula {
     Formula {
         name: found.origin.name.clone(),
         requirement: None,
         expr: expr.simplify(),
         span: found.origin.span,
         text: found.origin.text.clone(),
-    }
-}
-
-/// Puts everything together.
-pub(super) fn specification(
-    name: &str,
-    timing: Timing,
-    mut variables: Vec<Variable>,
-    sides: Sides,
-    classifier: &Classifier<'_>,
-    span: Span,
-) -> Specification {
-    let Sides {
-        assumptions,
-        guarantees,
-    } = sides;
-    let mut taken: Vec<String> = variables.iter().map(|v| v.name.clone()).collect();
-    taken.extend(classifier.monitors.variables().map(|v| v.name.clone()));
-    let mut word = "broken".to_owned();
-    while taken.contains(&word) {
-        word.push('_');
-    }
-    variables.push(Variable {
-        name: word,
-        owner: Owner::System,
-        internal: true,
-        domain: Domain::Bool,
-        unit: String::new(),
-        span,
-    });
-    let mut specification = Specification {
-        name: name.to_owned(),
-        timing,
-        variables,
-        assumptions,
-        guarantees,
-    };
-    classifier.monitors.add_to(&mut specification);
-    without(&mut specification, classifier.broken);
-    specification
-}
-
-/// Drops a variable that no formula mentions.
-fn without(specification: &mut Specification, id: VarId) {
-    let sides = [&specification.assumptions, &specification.guarantees];
-    let mut used = false;
-    for formula in sides.into_iter().flat_map(Side::all) {
-        formula.expr.for_each_var(&mut |v, _| used |= v == id);
-    }
-    if used {
-        return;
-    }
-    specification.variables.remove(id.index());
-    for side in [
-        &mut specification.assumptions,
-        &mut specification.guarantees,
-    ] {
-        for list in [
-            &mut side.initial,
-            &mut side.invariants,
-            &mut side.safety,
-            &mut side.justice,
-        ] {
-            for formula in list {
-                formula.expr = formula
-                    .expr
-                    .substitute(&mut |v, t| Expr::Var(if v > id { VarId(v.0 - 1) } else { v }, t));
-            }
-        }
     }
 }

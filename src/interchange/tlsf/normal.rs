@@ -5,14 +5,15 @@
 //! ```text
 //! G (a & b) = G a & G b        X (a & b) = X a & X b        p | (a & b) = (p | a) & (p | b)
 //! (a & b) W c = (a W c) & (b W c)     c R (a & b) = (c R a) & (c R b)
-//! a U b = (a W b) & F b        F (a U b) = F b              G X a = X G a,  F X a = X F a
-//! G F G a = F G a              F G F a = G F a
+//! a U b = (a W b) & F b
 //! ```
+//!
+//! and those of [`long_run`](super::long_run).
 
-use super::ltl::{F, Formulas, Op, Place};
+use super::ltl::{F, Formulas, Op};
 
 /// A conjunction is pulled out of a disjunction as long as that makes no more parts.
-const MAX_PARTS: usize = 64;
+const MAX_PARTS: usize = 1024;
 
 impl Formulas {
     /// The formula, or its negation, with negations only before formulas about finitely many steps. The recursion is as deep as the
@@ -79,81 +80,31 @@ impl Formulas {
             // !(a U b) = !a R !b, and a W b = b R (a | b).
             Op::Until(a, b) => {
                 let (a, b) = (self.positive(a, negated), self.positive(b, negated));
-                self.make(
-                    if negated {
-                        Op::Release(a, b)
-                    } else {
-                        Op::Until(a, b)
-                    },
-                    place,
-                )
+                if negated {
+                    self.release(a, b, place)
+                } else {
+                    self.until(a, b, place)
+                }
             }
             Op::Release(a, b) => {
                 let (a, b) = (self.positive(a, negated), self.positive(b, negated));
-                self.make(
-                    if negated {
-                        Op::Until(a, b)
-                    } else {
-                        Op::Release(a, b)
-                    },
-                    place,
-                )
+                if negated {
+                    self.until(a, b, place)
+                } else {
+                    self.release(a, b, place)
+                }
             }
             Op::Weak(a, b) => {
                 if negated {
                     // !(a W b) = !b U (!a & !b)
                     let (a, b) = (self.positive(a, true), self.positive(b, true));
                     let both = self.and(vec![a, b], place);
-                    self.make(Op::Until(b, both), place)
+                    self.until(b, both, place)
                 } else {
                     let (a, b) = (self.positive(a, false), self.positive(b, false));
-                    self.make(Op::Weak(a, b), place)
+                    self.weak(a, b, place)
                 }
             }
-        }
-    }
-
-    fn next(&mut self, a: F, place: Place) -> F {
-        match self.op(a).clone() {
-            Op::And(list) | Op::Or(list) => {
-                let and = matches!(self.op(a), Op::And(_));
-                let list = list.into_iter().map(|b| self.next(b, place)).collect();
-                let own = self.place(a);
-                if and {
-                    self.and(list, own)
-                } else {
-                    self.or(list, own)
-                }
-            }
-            _ => self.make(Op::Next(a), place),
-        }
-    }
-
-    fn globally(&mut self, a: F, place: Place) -> F {
-        match self.op(a).clone() {
-            Op::Next(b) if self.ahead(a).is_none() => {
-                let inner = self.globally(b, place);
-                self.make(Op::Next(inner), place)
-            }
-            Op::Finally(b) if matches!(self.op(b), Op::Globally(_)) => a,
-            _ => self.make(Op::Globally(a), place),
-        }
-    }
-
-    fn finally(&mut self, a: F, place: Place) -> F {
-        match self.op(a).clone() {
-            Op::Next(b) if self.ahead(a).is_none() => {
-                let inner = self.finally(b, place);
-                self.make(Op::Next(inner), place)
-            }
-            Op::Globally(b) if matches!(self.op(b), Op::Finally(_)) => a,
-            Op::Until(_, b) => self.finally(b, place),
-            // F (a | b) = F a | F b, where one of them is temporal.
-            Op::Or(list) if self.ahead(a).is_none() => {
-                let list = list.into_iter().map(|b| self.finally(b, place)).collect();
-                self.or(list, place)
-            }
-            _ => self.make(Op::Finally(a), place),
         }
     }
 
@@ -177,13 +128,10 @@ impl Formulas {
             }
             Op::Next(a) => {
                 let parts = self.parts(a);
-                parts
-                    .into_iter()
-                    .map(|a| self.make(Op::Next(a), place))
-                    .collect()
+                parts.into_iter().map(|a| self.next(a, place)).collect()
             }
             Op::Until(a, b) => {
-                let weak = self.make(Op::Weak(a, b), place);
+                let weak = self.weak(a, b, place);
                 let some_day = self.finally(b, place);
                 let mut found = self.parts(weak);
                 found.extend(self.parts(some_day));
@@ -192,13 +140,13 @@ impl Formulas {
             Op::Weak(a, b) => {
                 let parts = self.parts(a);
                 { parts.into_iter() }
-                    .map(|a| self.make(Op::Weak(a, b), place))
+                    .map(|a| self.weak(a, b, place))
                     .collect()
             }
             Op::Release(a, b) => {
                 let parts = self.parts(b);
                 { parts.into_iter() }
-                    .map(|b| self.make(Op::Release(a, b), place))
+                    .map(|b| self.release(a, b, place))
                     .collect()
             }
             Op::Or(list) if self.ahead(f).is_none() => {

@@ -1,6 +1,6 @@
 //! Reads the sections of a file.
 
-use super::ast::{Definition, Entry, Enumeration, File, Label, Section, Semantics, Shape, Signal};
+use super::ast::{Entry, File, Section, Shape, Signal};
 use super::expression::is_reserved;
 use super::lexer::{Token, Word};
 use super::report::Report;
@@ -54,7 +54,7 @@ impl<'t, 'r> Parser<'t, 'r> {
     }
 
     /// Where the next word stands, or the end of the text.
-    fn here(&self) -> Range<usize> {
+    pub(super) fn here(&self) -> Range<usize> {
         if let Some(token) = self.tokens.get(self.at) {
             return token.range.clone();
         }
@@ -63,17 +63,25 @@ impl<'t, 'r> Parser<'t, 'r> {
     }
 
     pub fn missing<T>(&mut self, what: &str) -> Option<T> {
-        let found = match self.peek() {
-            Some(word) => format!("`{}`", quoted(word)),
-            None => "the end of the file".to_owned(),
-        };
         let help = match self.peek() {
             Some(word) if is_reserved(word) && what == "an expression" => {
                 format!(
                     "`{word}` is a word of the format: an operand is missing, or the name has to be another one"
                 )
             }
+            _ if what == "an expression" => {
+                "an operand is missing: a formula, a number or a set".to_owned()
+            }
             _ => "sections stand in braces, formulas are ended by `;`".to_owned(),
+        };
+        self.missing_with(what, help)
+    }
+
+    /// Says that something is missing, with a way out.
+    pub fn missing_with<T>(&mut self, what: &str, help: impl Into<String>) -> Option<T> {
+        let found = match self.peek() {
+            Some(word) => format!("`{}`", quoted(word)),
+            None => "the end of the file".to_owned(),
         };
         self.report
             .syntax(self.here(), format!("expected {what}, found {found}"), help);
@@ -101,7 +109,7 @@ impl<'t, 'r> Parser<'t, 'r> {
     }
 
     /// Goes on behind the next `;` of this block, or at the brace that ends it.
-    fn recover(&mut self) {
+    pub(super) fn recover(&mut self) {
         let mut open = 0_usize;
         while let Some(word) = self.peek() {
             match word {
@@ -119,7 +127,7 @@ impl<'t, 'r> Parser<'t, 'r> {
     }
 
     /// A name that is none of the format's own words.
-    fn name(&mut self, what: &str) -> Option<(String, Range<usize>)> {
+    pub(super) fn name(&mut self, what: &str) -> Option<(String, Range<usize>)> {
         match self.tokens.get(self.at) {
             Some(token) if token.word == Word::Name && !is_reserved(self.word(&token.range)) => {
                 self.at += 1;
@@ -179,129 +187,6 @@ impl<'t, 'r> Parser<'t, 'r> {
         file
     }
 
-    fn info(&mut self, file: &mut File) {
-        loop {
-            let place = self.here();
-            match self.peek() {
-                None => {
-                    let _: Option<()> = self.missing("`}`");
-                    return;
-                }
-                Some("}") => {
-                    self.at += 1;
-                    return;
-                }
-                Some(word @ ("TITLE" | "DESCRIPTION")) => {
-                    self.at += 1;
-                    let text = self.expect(":").and_then(|_| {
-                        let token = self.tokens.get(self.at)?;
-                        (token.word == Word::Text).then(|| self.word(&token.range))
-                    });
-                    if let Some(text) = text {
-                        self.at += 1;
-                        if word == "TITLE" {
-                            file.title = Some(text.trim_matches('"').to_owned());
-                        }
-                    } else {
-                        let _: Option<()> = self.missing("a text in quotation marks");
-                        self.at += usize::from(self.peek().is_some_and(|w| w != "}"));
-                    }
-                }
-                Some("SEMANTICS") => {
-                    self.at += 1;
-                    self.expect(":");
-                    let words = self.words_of_info();
-                    let texts: Vec<&str> = words.iter().map(|r| self.word(r)).collect();
-                    let strict = texts.iter().filter(|w| **w == "Strict").count();
-                    let base: Vec<&str> =
-                        texts.iter().copied().filter(|w| *w != "Strict").collect();
-                    file.semantics = match base.as_slice() {
-                        ["Mealy"] if strict <= 1 => Some(false),
-                        ["Moore"] if strict <= 1 => Some(true),
-                        _ => None,
-                    }
-                    .map(|moore| Semantics {
-                        moore,
-                        strict: strict == 1,
-                    });
-                    if file.semantics.is_none() {
-                        let range = words.first().map_or(place.clone(), |first| {
-                            first.start..words.last().map_or(first.end, |l| l.end)
-                        });
-                        let message = if texts.contains(&"Finite") {
-                            "a semantics on finite runs is not read: controllers here run for ever"
-                        } else {
-                            "this is no semantics of the format"
-                        };
-                        self.report.syntax(
-                            range,
-                            message,
-                            "it is Mealy or Moore, or one of them with `,Strict` behind it",
-                        );
-                        // Said once.
-                        file.semantics = Some(Semantics {
-                            moore: false,
-                            strict: false,
-                        });
-                    }
-                }
-                Some("TARGET") => {
-                    self.at += 1;
-                    self.expect(":");
-                    if let Some(word @ ("Mealy" | "Moore")) = self.peek() {
-                        self.at += 1;
-                        file.target = Some(word == "Moore");
-                    } else {
-                        let _: Option<()> = self.missing("Mealy or Moore");
-                        file.target = Some(false);
-                        self.at += usize::from(self.peek().is_some_and(|w| w != "}"));
-                    }
-                }
-                Some("TAGS") => {
-                    self.at += 1;
-                    self.expect(":");
-                    self.words_of_info();
-                }
-                Some(word) => {
-                    self.report.syntax(
-                        place,
-                        format!("`{}` is no entry of INFO", quoted(word)),
-                        "INFO has TITLE, DESCRIPTION, SEMANTICS, TARGET and TAGS, each followed by `:`",
-                    );
-                    self.at += 1;
-                    while self.peek().is_some_and(|w| {
-                        !matches!(
-                            w,
-                            "}" | "TITLE" | "DESCRIPTION" | "SEMANTICS" | "TARGET" | "TAGS"
-                        )
-                    }) {
-                        self.at += 1;
-                    }
-                }
-            }
-        }
-    }
-
-    /// Words with commas between them.
-    fn words_of_info(&mut self) -> Vec<Range<usize>> {
-        let mut found = Vec::new();
-        while let Some(token) = self.tokens.get(self.at) {
-            let text = self.word(&token.range);
-            let entry = matches!(
-                text,
-                "TITLE" | "DESCRIPTION" | "SEMANTICS" | "TARGET" | "TAGS"
-            );
-            if text == "}" || entry {
-                break;
-            }
-            if text != "," {
-                found.push(token.range.clone());
-            }
-            self.at += 1;
-        }
-        found
-    }
-
     fn global(&mut self, file: &mut File) {
         loop {
             match self.peek() {
@@ -326,7 +211,7 @@ impl<'t, 'r> Parser<'t, 'r> {
     }
 
     /// Goes on behind the section that has gone wrong.
-    fn leave(&mut self) {
+    pub(super) fn leave(&mut self) {
         while self
             .peek()
             .is_some_and(|w| !matches!(w, "INFO" | "GLOBAL" | "MAIN"))
@@ -336,7 +221,7 @@ impl<'t, 'r> Parser<'t, 'r> {
     }
 
     /// Entries with `;` between them up to the closing brace.
-    fn block(&mut self, mut entry: impl FnMut(&mut Self) -> Option<()>) {
+    pub(super) fn block(&mut self, mut entry: impl FnMut(&mut Self) -> Option<()>) {
         loop {
             match self.peek() {
                 None => {
@@ -364,116 +249,6 @@ impl<'t, 'r> Parser<'t, 'r> {
                 }
             }
         }
-    }
-
-    fn definition(&mut self, parameter: bool, file: &mut File) -> Option<()> {
-        if !parameter && self.take("enum") {
-            let enumeration = self.enumeration()?;
-            file.enumerations.push(enumeration);
-            return Some(());
-        }
-        let (name, place) = self.name("a name to define")?;
-        let mut arguments = Vec::new();
-        if self.take("(") && !self.take(")") {
-            loop {
-                arguments.push(self.name("the name of an argument")?.0);
-                if !self.take(",") {
-                    self.expect(")")?;
-                    break;
-                }
-            }
-        }
-        self.expect("=")?;
-        let mut cases = vec![self.expression()?];
-        while !matches!(self.peek(), None | Some(";" | "}")) {
-            cases.push(self.expression()?);
-        }
-        file.definitions.push(Definition {
-            name,
-            place,
-            arguments,
-            cases,
-            parameter,
-        });
-        Some(())
-    }
-
-    /// `enum name = A: 01,10  B: 1*`
-    fn enumeration(&mut self) -> Option<Enumeration> {
-        let (name, place) = self.name("the name of the enumeration")?;
-        self.expect("=")?;
-        let mut labels: Vec<Label> = Vec::new();
-        let mut width = 0;
-        while !matches!(self.peek(), None | Some(";" | "}")) {
-            let (label, at) = self.name("a value of the enumeration")?;
-            self.expect(":")?;
-            let mut codes = Vec::new();
-            loop {
-                let code = self.code()?;
-                if width == 0 {
-                    width = code.len();
-                } else if code.len() != width {
-                    self.report.syntax(
-                        at.clone(),
-                        format!(
-                            "`{}` has a code of {} bits, where the ones before have {width}",
-                            quoted(&label),
-                            code.len()
-                        ),
-                        "all values of an enumeration have codes of the same length",
-                    );
-                    return None;
-                }
-                codes.push(code);
-                if !self.take(",") {
-                    break;
-                }
-            }
-            labels.push(Label {
-                name: label,
-                place: at,
-                codes,
-            });
-        }
-        if labels.is_empty() {
-            return self.missing("a value of the enumeration");
-        }
-        Some(Enumeration {
-            name,
-            place,
-            width,
-            labels,
-        })
-    }
-
-    /// `0`, `1` and `*`, without blanks between them.
-    fn code(&mut self) -> Option<Vec<Option<bool>>> {
-        let mut bits = Vec::new();
-        let mut end = None;
-        while let Some(token) = self.tokens.get(self.at) {
-            let text = self.word(&token.range);
-            if end.is_some_and(|e| e != token.range.start)
-                || !text.bytes().all(|b| b"01*".contains(&b))
-            {
-                break;
-            }
-            bits.extend(text.bytes().map(|b| match b {
-                b'0' => Some(false),
-                b'1' => Some(true),
-                _ => None,
-            }));
-            end = Some(token.range.end);
-            self.at += 1;
-        }
-        if bits.is_empty() {
-            return self.missing("a code of the bits 0, 1 and `*`");
-        }
-        // More values than that are no enumeration that a person wrote.
-        if bits.len() > 16 {
-            self.at -= 1;
-            return self.missing("a code of at most 16 bits");
-        }
-        Some(bits)
     }
 
     fn main(&mut self, file: &mut File) {
@@ -511,6 +286,7 @@ impl<'t, 'r> Parser<'t, 'r> {
                     return self.leave();
                 }
             };
+            let place = self.here();
             self.at += 1;
             if self.expect("{").is_none() {
                 return self.leave();
@@ -521,6 +297,7 @@ impl<'t, 'r> Parser<'t, 'r> {
                 file.entries.push(Entry {
                     section,
                     heading: heading.clone(),
+                    place: place.clone(),
                     tree,
                 });
                 Some(())

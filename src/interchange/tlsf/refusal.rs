@@ -1,0 +1,105 @@
+//! What is refused, at its smallest part, and the equivalence that is missing.
+
+use super::classify::Classifier;
+use super::ltl::{F, Formulas, Op};
+
+/// Why a formula is none of GR(1).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Refusal {
+    pub at: F,
+    pub why: String,
+    pub help: String,
+}
+
+impl Classifier<'_> {
+    /// The smallest temporal formula in one that stands where none can.
+    pub fn nested(&self, f: F, within: &str) -> Refusal {
+        let (mut at, mut within) = (f, within);
+        loop {
+            let next = match self.formulas.op(at) {
+                Op::Next(a) => Some(*a),
+                Op::And(list) | Op::Or(list) => {
+                    let find =
+                        |wanted: &dyn Fn(F) -> bool| list.iter().copied().find(|g| wanted(*g));
+                    find(&|g| !self.formulas.is_safety(g))
+                        .or_else(|| find(&|g| self.formulas.ahead(g).is_none()))
+                }
+                Op::Finally(a) if self.formulas.ahead(*a).is_none() => {
+                    let persistent = matches!(self.formulas.op(*a), Op::Globally(_));
+                    (!persistent).then(|| {
+                        within = "`F`";
+                        *a
+                    })
+                }
+                // What it waits for, or what holds until then, is itself something to wait for.
+                Op::Weak(a, b) | Op::Until(a, b) | Op::Release(a, b) => {
+                    let found = [*a, *b].into_iter().find(|g| !self.formulas.is_safety(*g));
+                    if found.is_some() {
+                        within = "`U`, `W` or `R`";
+                    }
+                    found
+                }
+                _ => None,
+            };
+            match next {
+                Some(next) => at = next,
+                None => break,
+            }
+        }
+        let (word, help) = match self.formulas.op(at) {
+            Op::Until(..) | Op::Weak(..) | Op::Release(..) => (
+                "this `U`, `W` or `R`",
+                "let an output stand for it, which may ask for more: `G (q -> a U b)`, and `q` in its place",
+            ),
+            Op::Finally(g) if matches!(self.formulas.op(*g), Op::Globally(_)) => (
+                "`F G`",
+                "\"some day and from then on\" has no equivalent: let an output say when it begins, `G (settled -> X settled)`, \
+                 `G (settled -> a)` and `G F settled`",
+            ),
+            Op::Globally(g) if matches!(self.formulas.op(*g), Op::Finally(_)) => (
+                "`G F`",
+                "`G F a` has to stand alone, beside `||`, or behind `->`",
+            ),
+            Op::Finally(_) => (
+                "this `F`",
+                "let an output stand for it, which may ask for more: `G (q -> F a)`, and `q` in its place",
+            ),
+            _ => (
+                "this `G`",
+                "let an output stand for it, which may ask for more: `G (q -> G a)`, and `q` in its place",
+            ),
+        };
+        Refusal {
+            at,
+            why: format!("{word} stands within {within}, which is outside GR(1)"),
+            help: help.to_owned(),
+        }
+    }
+
+    /// An `U` within an `U`, as they were written, where both are promised: the inner one.
+    pub fn nested_until(&self, f: F) -> Option<Refusal> {
+        let at = self.inner_until(f, false, false)?;
+        Some(Refusal {
+            at,
+            why: "this `U` stands within another `U`: nested untils are outside what is turned into GR(1)".to_owned(),
+            help: "let an output stand for the inner one, which may ask for more: `a U q` and `G (q -> b U c)` for `a U (b U c)`".to_owned(),
+        })
+    }
+
+    fn inner_until(&self, f: F, negated: bool, within: bool) -> Option<F> {
+        let op = self.formulas.op(f);
+        let until = matches!(op, Op::Until(..)) && !negated;
+        if until && within {
+            return Some(f);
+        }
+        let within = within || until;
+        match op {
+            Op::Not(a) => self.inner_until(*a, !negated, within),
+            Op::Implies(a, b) => (self.inner_until(*a, !negated, within))
+                .or_else(|| self.inner_until(*b, negated, within)),
+            op => Formulas::children(op)
+                .into_iter()
+                .find_map(|g| self.inner_until(g, negated, within)),
+        }
+    }
+}
