@@ -8,6 +8,10 @@ mod bad;
 mod bench;
 #[path = "spectra/constructs.rs"]
 mod constructs;
+#[path = "spectra/formulas.rs"]
+mod formulas;
+#[path = "spectra/imports.rs"]
+mod imports;
 #[path = "spectra/lassos.rs"]
 mod lassos;
 #[path = "spectra/patterns.rs"]

@@ -229,6 +229,33 @@ fn imported_files_are_watched_there_or_not() {
 }
 
 #[test]
+fn what_a_spectra_file_imports_is_watched() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    std::fs::create_dir(folder.join("specs")).expect("a folder");
+    let main = "import \"../rules/Rules.spectra\"\nspec Belt\nenv boolean request;\nsys boolean running;\ngar alw follows(request, running);\n";
+    write(folder, "specs/belt.spectra", main);
+    let mut watching = Watching::start(folder, &["specs/belt.spectra", "--format", "json"]);
+    watching.verdicts(&[("belt", "invalid")]);
+    std::fs::create_dir(folder.join("rules")).expect("a folder");
+    let rules = |body: &str| {
+        let text = format!("spec Rules\npredicate follows(boolean a, boolean b): {body};\n");
+        write(folder, "rules/Rules.spectra", &text);
+    };
+    rules("a -> b");
+    let found = watching.verdicts(&[("belt", "realizable")]);
+    assert_eq!(changes(&found), [("rules/Rules.spectra", "new")]);
+    rules("a <-> b & false");
+    watching.verdicts(&[("belt", "unrealizable")]);
+    rules("a <->");
+    let found = watching.verdicts(&[("belt", "invalid")]);
+    assert!(found.to_string().contains("expected a formula"), "{found}");
+    // What is told of an imported file is told at its own place.
+    assert!(found.to_string().contains("rules/Rules.spectra"), "{found}");
+    watching.end();
+}
+
+#[test]
 fn people_see_what_has_changed() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();

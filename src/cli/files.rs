@@ -12,6 +12,7 @@ use crate::interchange::{self, Format, Reading};
 use crate::source::{FileId, Span};
 use include_dir::{Dir, include_dir};
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -154,13 +155,36 @@ impl Loaded {
         }
     }
 
-    /// Reads another tool's file, and makes a contract of it.
+    /// Reads another tool's file and what it imports, and makes a contract of it.
     fn add_foreign(&mut self, format: Format, path: &str, text: String) {
         let stem = Path::new(path).file_stem().unwrap_or_default();
         let name = stem.to_string_lossy().into_owned();
         let text: Arc<str> = text.into();
         let file = self.library.sources.add(path, Arc::clone(&text));
-        let reading = interchange::read(format, &name, file, &text);
+        let Self {
+            library, missing, ..
+        } = self;
+        let mut known = BTreeMap::from([(path.to_owned(), file)]);
+        let reading =
+            interchange::read_with(format, &name, file, &text, &mut |wanted, importer| {
+                let sources = &mut library.sources;
+                let folder = Path::new(&sources.file(importer).name).parent();
+                let wanted = wanted.replace('\\', "/");
+                let name = clean(&folder.unwrap_or(Path::new("")).join(wanted));
+                if let Some(id) = known.get(&name) {
+                    return Ok((*id, Arc::clone(&sources.file(*id).text)));
+                }
+                let text: Arc<str> = match read(Path::new(&name)) {
+                    Ok(text) => text.into(),
+                    Err(why) => {
+                        missing.push(name);
+                        return Err(why);
+                    }
+                };
+                let id = sources.add(name.as_str(), Arc::clone(&text));
+                known.insert(name, id);
+                Ok((id, text))
+            });
         self.findings.extend(reading.findings.iter().cloned());
         if let Some(specification) = &reading.specification {
             self.library.contracts.push(Contract {

@@ -36,6 +36,7 @@ mod write;
 use crate::diagnostics::{Diagnostic, has_errors};
 use crate::gr1::Specification;
 use crate::source::{FileId, Span};
+use std::sync::Arc;
 
 pub use own_tool::{Inquiry, inquiries};
 pub use write::{Target, write};
@@ -108,12 +109,29 @@ pub struct Reading {
     pub span: Span,
 }
 
-/// Reads a text. `name` becomes the specification's name. Never fails: what could not be understood is in the findings.
+/// Finds a file that another one imports, by the path that is written there: its id, the same each time, and its text; or why it cannot
+/// be read.
+pub type Loader<'a> = dyn FnMut(&str, FileId) -> Result<(FileId, Arc<str>), String> + 'a;
+
+/// Reads a text that imports nothing. `name` becomes the specification's name. Never fails: what could not be understood is in the
+/// findings.
 pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
+    let alone = &mut |_: &str, _| Err("no other files are read here".to_owned());
+    read_with(format, name, file, text, alone)
+}
+
+/// Reads a text and the files that it imports.
+pub fn read_with(
+    format: Format,
+    name: &str,
+    file: FileId,
+    text: &str,
+    loader: &mut Loader<'_>,
+) -> Reading {
     let mut names = names::Names::new(name, file, text);
     let mut reachability = false;
     let (specification, mut findings) = match format {
-        Format::Spectra => spectra::read(name, file, text),
+        Format::Spectra => spectra::read(name, file, text, loader),
         Format::Spc => {
             reachability = spc::read(&mut names);
             names.finish()

@@ -51,7 +51,7 @@ const REFUSED: [(&str, &str); 2] = [
     ),
 ];
 
-/// Files of the mixed folder that have no machine, and why.
+/// Files of the mixed folder that have no machine, and why. Spectra's collection has the same bytes in `SYNTECH17/all_unrealizable`.
 const UNREALIZABLE: [(&str, &str); 3] = [
     (
         "AirportShuttleProject_AirportShuttle1_AirportShuttle_208",

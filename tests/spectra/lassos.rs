@@ -77,6 +77,9 @@ pub fn lassos(sizes: &[i64], longest: u32) -> Vec<Lasso> {
     found
 }
 
+/// The values of two steps that follow one another.
+type Pair = (Vec<i64>, Vec<i64>);
+
 /// A specification that has internal variables only beside inputs, and whose internal variables are determined.
 pub struct Game {
     specification: Specification,
@@ -156,16 +159,14 @@ impl Game {
         found
     }
 
-    /// Whether the guarantees are kept on a lasso.
-    pub fn kept(&mut self, lasso: &Lasso) -> bool {
+    /// The pairs of steps of a lasso, internal values included, and where the part begins that is repeated; `None` where no internal
+    /// values keep the guarantees that are no justice.
+    fn run(&mut self, lasso: &Lasso) -> Option<(Vec<Pair>, usize)> {
         let side = &self.specification.guarantees;
-        let first = Self::only((0..self.choices.len()).filter(|c| {
+        let mut choice = Self::only((0..self.choices.len()).filter(|c| {
             let full = self.full(*c, lasso.at(0));
             Self::all(&side.initial, &full, &[]) && Self::all(&side.invariants, &full, &[])
-        }));
-        let Some(mut choice) = first else {
-            return false;
-        };
+        }))?;
         let (mut heads, mut run) = (HashMap::new(), Vec::new());
         for step in 0.. {
             let position = if step < lasso.letters.len() {
@@ -176,16 +177,9 @@ impl Game {
             if position == lasso.back
                 && let Some(start) = heads.insert(choice, step)
             {
-                let cycle: &[(Vec<i64>, Vec<i64>)] = &run[start..];
-                let justice = &self.specification.guarantees.justice;
-                return justice.iter().all(|f| {
-                    let mut steps = cycle.iter();
-                    steps.any(|(now, next)| holds(&f.expr, now, next))
-                });
+                return Some((run, start));
             }
-            let Some(next) = self.step(choice, lasso.at(step), lasso.at(step + 1)) else {
-                return false;
-            };
+            let next = self.step(choice, lasso.at(step), lasso.at(step + 1))?;
             run.push((
                 self.full(choice, lasso.at(step)),
                 self.full(next, lasso.at(step + 1)),
@@ -194,15 +188,56 @@ impl Game {
         }
         unreachable!("a run repeats")
     }
+
+    fn repeated(justice: &[Formula], cycle: &[Pair]) -> bool {
+        justice.iter().all(|f| {
+            let mut steps = cycle.iter();
+            steps.any(|(now, next)| holds(&f.expr, now, next))
+        })
+    }
+
+    /// Whether the guarantees are kept on a lasso.
+    pub fn kept(&mut self, lasso: &Lasso) -> bool {
+        let Some((run, start)) = self.run(lasso) else {
+            return false;
+        };
+        Self::repeated(&self.specification.guarantees.justice, &run[start..])
+    }
+
+    /// Whether the assumptions are kept on a lasso, on which the internal variables can always go on.
+    pub fn assumed(&mut self, lasso: &Lasso) -> bool {
+        let (run, start) = self.run(lasso).expect("monitors do not get stuck");
+        let side = &self.specification.assumptions;
+        let mut steps = run.iter();
+        Self::all(&side.initial, &run[0].0, &[])
+            && steps.all(|(now, next)| {
+                Self::all(&side.invariants, now, &[]) && Self::all(&side.safety, now, next)
+            })
+            && Self::repeated(&side.justice, &run[start..])
+    }
 }
 
 /// That a text is kept on exactly those lassos of its inputs for which `naive` says so; gives their number, and how many keep it.
 pub fn agrees(text: &str, sizes: &[i64], naive: impl Fn(&Lasso) -> bool) -> (usize, usize) {
+    compared(text, sizes, naive, Game::kept)
+}
+
+/// The same for the assumptions of a text.
+pub fn agrees_assumed(text: &str, sizes: &[i64], naive: impl Fn(&Lasso) -> bool) -> (usize, usize) {
+    compared(text, sizes, naive, Game::assumed)
+}
+
+fn compared(
+    text: &str,
+    sizes: &[i64],
+    naive: impl Fn(&Lasso) -> bool,
+    ours: impl Fn(&mut Game, &Lasso) -> bool,
+) -> (usize, usize) {
     let mut game = game(text);
     let (mut count, mut kept) = (0, 0);
     for lasso in lassos(sizes, 6) {
         let wanted = naive(&lasso);
-        assert_eq!(game.kept(&lasso), wanted, "{text}\n{lasso:?}");
+        assert_eq!(ours(&mut game, &lasso), wanted, "{text}\n{lasso:?}");
         count += 1;
         kept += usize::from(wanted);
     }

@@ -3,6 +3,7 @@
 use crate::cli::files::Loaded;
 use crate::cli::outline::{self, Declaration, Kind};
 use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::interchange::Format;
 use crate::source::{FileId, Span};
 
 /// One file, with what is declared in it and what was found in it while loading.
@@ -27,6 +28,8 @@ impl<'a> FileView<'a> {
                         name: foreign.name.clone(),
                         extent: foreign.reading.span,
                     }],
+                    // What another tool's file imports declares nothing of its own.
+                    None if Format::of_path(&file.name).is_some() => Vec::new(),
                     None => outline::declarations(sources, id),
                 };
                 let findings: Vec<&Diagnostic> = loaded

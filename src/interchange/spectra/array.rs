@@ -3,7 +3,8 @@
 //! `a[i]` is a choice between the elements that `i` can name. All of them have to be there: an index that could leave its array is a
 //! mistake, as it is in Spectra.
 
-use super::reader::{Binding, Cells, Reader, Symbol};
+use super::reader::{Binding, Reader};
+use super::scope::{Cells, Symbol};
 use super::syntax::{Define, Elements, Name, Node};
 use super::value::{Kind, Value};
 use crate::diagnostics::codes;
@@ -39,15 +40,15 @@ impl Reader {
         indices: &[Node],
         span: Span,
     ) -> Option<Value> {
-        let name = define.name.text.clone();
+        let name = &define.name;
         let sizes: Option<Vec<i64>> = define.sizes.iter().map(|n| self.number(n)).collect();
         let sizes = sizes?;
         let elements = self.elements(define, &sizes)?;
-        self.dimensions(&name, &sizes, indices, span)?;
+        self.dimensions(&name.text, &sizes, indices, span)?;
         let indices = self.indices(&sizes, indices)?;
         self.choose(&sizes, &indices, 0, &mut |reader, place| {
             let node = elements.get(place)?;
-            reader.expanded(&name, span, |reader| reader.value(node))
+            reader.expanded(name, span, |reader| reader.value(node))
         })
     }
 
@@ -173,9 +174,9 @@ impl Reader {
         Some(found)
     }
 
-    /// `a.all`, `a.any`, `a.sum`, `a.prod`, `a.min`, `a.max`; of a variable that is no array, `min` and `max` of its type.
+    /// `a.all`, `a.any`, `a.sum`, `a.prod`, `a.min`, `a.max`: of all elements; a variable that is no array has one.
     pub fn function(&mut self, name: &Name, indices: &[Node], function: &Name) -> Option<Value> {
-        let cells = match (self.bound(&name.text), self.symbols.get(&name.text)) {
+        let cells = match (self.bound(&name.text), self.symbol(&name.text, name.span)) {
             (Some(Binding::Cells(cells)), _) | (None, Some((Symbol::Variable(cells), _))) => {
                 cells.clone()
             }
@@ -212,7 +213,7 @@ impl Reader {
         if !indices.is_empty() {
             return None;
         }
-        match (self.bound(name), self.symbols.get(name)) {
+        match (self.bound(name), self.symbol(name, node.span)) {
             (Some(binding @ (Binding::Cells(_) | Binding::Elements(_))), _) => {
                 Some(binding.clone())
             }

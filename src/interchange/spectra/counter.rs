@@ -12,7 +12,8 @@
 //! Where nothing is said of an end, it is `false`. Each is a demand of its own, as in Spectra: two of them in one step that ask for
 //! different values cannot be kept, so the machine has to prevent that.
 
-use super::reader::{Cells, Reader};
+use super::reader::Reader;
+use super::scope::Cells;
 use super::syntax::{Counter, Node, Overflow, When};
 use super::value::{Kind, Value};
 use crate::gr1::{BinaryOp, Expr, Owner};

@@ -8,6 +8,9 @@
 use super::automaton::Automaton;
 use super::ltl::{self, Ltl};
 
+/// The published file, by its name.
+pub(super) const FILE: &str = "DwyerPatterns.spectra";
+
 /// A pattern of the published file.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Published {
@@ -236,6 +239,7 @@ pub static PATTERNS: [Published; 56] = [
         "stzpqr",
         "G ((q & F r) -> ((p -> (!r U (s & !r & !z & X ((!r & !z) U t)))) U r))",
     ),
+    // As five of them were called in older files.
     published("notP_globally", "p", "G !p"),
     published("notP_beforeR", "pr", "F r -> (!p U r)"),
     published(
@@ -248,18 +252,18 @@ pub static PATTERNS: [Published; 56] = [
 ];
 
 impl Published {
-    /// The automaton over its parameters.
+    /// The automaton over its parameters, unless it is too large; none of the table is.
     pub(super) fn automaton(&self) -> Option<Automaton> {
         let mut reader = Letters {
             parameters: self.parameters,
             rest: self.formula.as_bytes(),
         };
-        let formula = reader.implication();
+        let formula = reader.implication()?;
         ltl::automaton(&formula, self.parameters.len())
     }
 }
 
-/// Reads a formula of the table above, in which nothing can be wrong.
+/// Reads a formula of the table above; `None` if it is none.
 struct Letters {
     parameters: &'static str,
     rest: &'static [u8],
@@ -277,71 +281,61 @@ impl Letters {
         }
     }
 
-    fn implication(&mut self) -> Ltl {
-        let left = self.disjunction();
+    fn implication(&mut self) -> Option<Ltl> {
+        let left = self.disjunction()?;
         if self.take("->") {
-            left.implies(self.implication())
-        } else {
-            left
+            return Some(left.implies(self.implication()?));
         }
+        Some(left)
     }
 
-    fn disjunction(&mut self) -> Ltl {
-        let mut left = self.conjunction();
+    fn disjunction(&mut self) -> Option<Ltl> {
+        let mut left = self.conjunction()?;
         while self.take("|") {
-            left = left.or(self.conjunction());
+            left = left.or(self.conjunction()?);
         }
-        left
+        Some(left)
     }
 
-    fn conjunction(&mut self) -> Ltl {
-        let mut left = self.until();
+    fn conjunction(&mut self) -> Option<Ltl> {
+        let mut left = self.until()?;
         while self.take("&") {
-            left = left.and(self.until());
+            left = left.and(self.until()?);
         }
-        left
+        Some(left)
     }
 
-    fn until(&mut self) -> Ltl {
-        let left = self.unary();
+    fn until(&mut self) -> Option<Ltl> {
+        let left = self.unary()?;
         if self.take("U") {
-            left.until(self.until())
-        } else if self.take("W") {
-            left.unless(self.until())
-        } else {
-            left
+            return Some(left.until(self.until()?));
         }
+        if self.take("W") {
+            return Some(left.unless(self.until()?));
+        }
+        Some(left)
     }
 
-    fn unary(&mut self) -> Ltl {
+    fn unary(&mut self) -> Option<Ltl> {
         if self.take("!") {
-            return self.unary().not();
+            return Some(self.unary()?.not());
         }
         if self.take("X") {
-            return self.unary().next();
+            return Some(self.unary()?.next());
         }
         if self.take("F") {
-            return self.unary().eventually();
+            return Some(self.unary()?.eventually());
         }
         if self.take("G") {
-            return self.unary().always();
+            return Some(self.unary()?.always());
         }
         if self.take("(") {
-            let inner = self.implication();
-            self.take(")");
-            return inner;
+            let inner = self.implication()?;
+            return self.take(")").then_some(inner);
         }
-        let place = self
-            .parameters
-            .bytes()
-            .position(|p| self.rest.first() == Some(&p));
-        self.rest = self.rest.get(1..).unwrap_or_default();
-        match place {
-            Some(atom) => Ltl::Atom(atom, true),
-            None => unreachable!(
-                "a letter of {} that is no parameter; please report it",
-                self.parameters
-            ),
-        }
+        let (letter, rest) = self.rest.split_first()?;
+        let place = self.parameters.bytes().position(|p| p == *letter)?;
+        self.rest = rest;
+        Some(Ltl::Atom(place, true))
     }
 }

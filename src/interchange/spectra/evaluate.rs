@@ -1,12 +1,14 @@
 //! Formulas: names are looked up, operators are applied, kinds are checked. What has its own rules has its own file.
 
-use super::reader::{Binding, Reader, Symbol};
-use super::syntax::{Elements, Node, Shape};
+use super::reader::{Binding, Reader};
+use super::scope::Symbol;
+use super::syntax::{Define, Elements, Name, Node, Shape};
 use super::types::kind_of;
 use super::value::{Kind, Value};
 use crate::diagnostics::codes;
 use crate::gr1::{BinaryOp, Expr, Time, UnaryOp};
 use crate::source::Span;
+use std::rc::Rc;
 
 impl Reader {
     /// The value of a formula; `None` where a mistake in it was reported.
@@ -131,6 +133,16 @@ impl Reader {
         let kind = match op {
             B::And | B::Or => Kind::Bool,
             B::Eq | B::Ne => return self.equations(values, rest, &spans),
+            B::Lt | B::Le | B::Gt | B::Ge if values.iter().all(|v| v.kind.is_enumeration()) => {
+                self.note(
+                    codes::NOTATION,
+                    first.span.to(spans[spans.len() - 1]),
+                    "values of enumerations are compared by their places: the first is the smallest",
+                    "compare numbers, or say which values are meant: `x in {a, b}`",
+                );
+                let mut values = values.into_iter();
+                return Some(Value::binary(op, values.next()?, values.next()?));
+            }
             _ => Kind::Int,
         };
         for (value, span) in values.iter().zip(&spans) {
@@ -251,7 +263,7 @@ impl Reader {
             Some(Binding::Elements(define)) => return self.defined(&define, indices, span),
             None => {}
         }
-        match self.symbols.get(name).map(|(symbol, _)| symbol.clone()) {
+        match self.symbol(name, span).map(|(symbol, _)| symbol.clone()) {
             Some(Symbol::Variable(cells)) => self.element(&cells, name, indices, span),
             Some(Symbol::Define(define)) => self.defined(&define, indices, span),
             Some(Symbol::Predicate(predicate)) if indices.is_empty() => {
@@ -291,16 +303,11 @@ impl Reader {
     }
 
     /// The value of a define, or of an element of one that is an array.
-    fn defined(
-        &mut self,
-        define: &std::rc::Rc<super::syntax::Define>,
-        indices: &[Node],
-        span: Span,
-    ) -> Option<Value> {
-        let name = &define.name.text;
+    fn defined(&mut self, define: &Rc<Define>, indices: &[Node], span: Span) -> Option<Value> {
+        let name = &define.name;
         if let Elements::One(node) = &define.value {
-            self.no_indices(name, indices, span)?;
-            if let Some((value, mentions)) = self.expanded.get(name) {
+            self.no_indices(&name.text, indices, span)?;
+            if let Some((value, mentions)) = self.expanded.get(&name.span) {
                 let value = value.clone();
                 self.mentions.extend(mentions.iter().copied());
                 return value;
@@ -309,8 +316,7 @@ impl Reader {
             let value = self.expanded(name, span, |reader| reader.value(node));
             let mentions = self.mentions.clone();
             self.mentions.append(&mut before);
-            self.expanded
-                .insert(name.clone(), (value.clone(), mentions));
+            self.expanded.insert(name.span, (value.clone(), mentions));
             return value;
         }
         self.defined_element(define, indices, span)
@@ -319,20 +325,20 @@ impl Reader {
     /// Expands a definition, in which names around it are not seen; it must not use itself.
     pub fn expanded<T>(
         &mut self,
-        name: &str,
+        name: &Name,
         span: Span,
         expand: impl FnOnce(&mut Self) -> Option<T>,
     ) -> Option<T> {
-        if self.open.iter().any(|open| open == name) {
+        if self.open.contains(&name.span) {
             self.error(
                 codes::NOT_CONSTANT,
                 span,
-                format!("`{name}` is defined by itself"),
+                format!("`{}` is defined by itself", name.text),
                 "a definition may use those that do not use it; what changes over time is a variable, a monitor or a counter",
             );
             return None;
         }
-        self.open.push(name.to_owned());
+        self.open.push(name.span);
         self.frames.push(Vec::new());
         let found = expand(self);
         self.frames.pop();

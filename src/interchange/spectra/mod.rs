@@ -5,6 +5,7 @@
 //!
 //! | construct | file |
 //! |---|---|
+//! | `import` | `import`, `scope` |
 //! | `type`, arrays, `.all .any .sum .prod .min .max` | `types`, `array` |
 //! | `define`, `predicate` | `evaluate`, `array`, `predicate` |
 //! | `forall`, `exists`, `in {..}` | `quantifier`, `membership` |
@@ -12,18 +13,21 @@
 //! | `monitor`, `counter` | `statement`, `counter` |
 //! | `pattern`, the published patterns | `pattern`, `dwyer`, `ltl` |
 //! | `trig`, `regexp` | `trigger`, `regexp` |
+//! | `ini`, `G`, `alw`, `GF` | `statement`, `initial` |
 //!
-//! What counts weights or asks for the existence of runs has no place in GR(1): the former is ignored with a note, the latter refused.
+//! What counts weights (an energy objective) or asks for the existence of runs has no place in GR(1): the former is ignored with a note, the
+//! latter refused.
 //!
 //! Declarations may stand in any order, so a file is read in three passes: its words into declarations ([`parser`]), names and types,
-//! formulas.
+//! formulas. Imported files take part in the first two.
 
 mod array;
 mod automaton;
 mod counter;
 pub(super) mod dwyer;
 mod evaluate;
-mod formulas;
+mod import;
+mod initial;
 mod ltl;
 mod membership;
 mod parser;
@@ -33,76 +37,63 @@ mod predicate;
 mod quantifier;
 mod reader;
 mod regexp;
+mod scope;
 mod statement;
 mod syntax;
 mod trigger;
 mod types;
 mod value;
-mod words;
 
-use crate::diagnostics::{Diagnostic, codes};
-use crate::gr1::{Owner, Specification};
+use super::Loader;
+use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::gr1::{Owner, Specification, VarId};
 use crate::source::FileId;
+use import::{Source, Sources};
 pub(super) use parser::is_keyword;
-use reader::{Reader, Symbol};
+use reader::Reader;
+use scope::Symbol;
 use std::rc::Rc;
 use syntax::{Base, Declaration, Name, TypeName};
 
-/// The file of the published patterns, by its name.
-const PUBLISHED: &str = "DwyerPatterns.spectra";
-
-/// Reads a file.
-pub(super) fn read(name: &str, file: FileId, text: &str) -> (Specification, Vec<Diagnostic>) {
-    let (declarations, findings) = parser::parse(file, text);
-    let taken = declarations.iter().filter_map(name_of).collect();
-    let mut reader = Reader::new(name, text, taken);
-    reader.findings = findings;
+/// Reads a file and what it imports.
+pub(super) fn read(
+    name: &str,
+    file: FileId,
+    text: &str,
+    loader: &mut Loader<'_>,
+) -> (Specification, Vec<Diagnostic>) {
+    let Sources { files, findings } = import::gather(file, text, loader);
+    let taken = files[0].declarations.iter();
+    let taken = taken.filter_map(import::state).map(|n| n.text.clone());
+    let length = files.iter().map(|s| s.text.len()).sum();
+    let mut reader = Reader::new(name, file, length, taken.collect());
     // A name whose declaration could not be read would be missed at each of its uses.
-    let broken = !reader.findings.is_empty();
+    let broken = has_errors(&findings);
+    reader.findings = findings;
     let before = reader.findings.len();
-    reader.types(&declarations);
-    reader.names(&declarations);
-    reader.formulas(&declarations, text);
+    for source in &files {
+        reader.types(source);
+        reader.definitions(&source.declarations);
+        reader.imports(source);
+    }
+    reader.declared(&files[0].declarations);
+    reader.formulas(&files[0].declarations, text);
+    let mut others = reader.findings.split_off(before);
     if broken {
-        let (parsed, others) = {
-            let others = reader.findings.split_off(before);
-            (std::mem::take(&mut reader.findings), others)
-        };
-        reader.findings = parsed;
-        let known = others.into_iter();
-        reader
-            .findings
-            .extend(known.filter(|f| f.code != codes::NAME_UNKNOWN));
+        others.retain(|f| f.code != codes::NAME_UNKNOWN);
     }
+    reader.findings.extend(others);
     reader.finish()
-}
-
-/// The name of a variable, to keep it from helpers.
-fn name_of(declaration: &Declaration) -> Option<String> {
-    match declaration {
-        Declaration::Variable(_, variable) => Some(variable.name.text.clone()),
-        Declaration::Monitor(monitor) => Some(monitor.variable.name.text.clone()),
-        Declaration::Counter(counter) => Some(counter.name.text.clone()),
-        _ => None,
-    }
 }
 
 impl Reader {
     /// Types, and the values of enumerations.
-    fn types(&mut self, declarations: &[Declaration]) {
-        for declaration in declarations {
+    fn types(&mut self, source: &Source) {
+        for declaration in &source.declarations {
             match declaration {
                 Declaration::Type(name, of) => {
                     self.labels_of(of);
-                    let known = self.types.insert(name.text.clone(), Rc::new(of.clone()));
-                    if known.is_some() {
-                        self.error(
-                            codes::NAME_DOUBLE,
-                            name.span,
-                            format!("the type `{}` is declared twice", name.text),
-                            "give one of the two another name",
-                        );
-                    }
+                    self.declare_type(name, of, &source.text);
                 }
                 Declaration::Variable(_, variable) => self.labels_of(&variable.of),
                 Declaration::Monitor(monitor) => self.labels_of(&monitor.variable.of),
@@ -126,14 +117,46 @@ impl Reader {
         }
     }
 
+    /// Gives a type its name. Spectra takes the first of two; here they have to be the same.
+    fn declare_type(&mut self, name: &Name, of: &TypeName, text: &str) {
+        let scope = self.scopes.entry(name.span.file).or_default();
+        let Some((known, first)) = scope.types.get(&name.text) else {
+            let declared = (Rc::new(of.clone()), name.span);
+            scope.types.insert(name.text.clone(), declared);
+            return;
+        };
+        let line = |span| parser::one_line(statement::text_of(text, span));
+        let (known, first) = (known.span, *first);
+        if line(known) == line(of.span) {
+            self.note(
+                codes::NAME_DOUBLE,
+                name.span,
+                format!(
+                    "the type `{}` is declared twice, in the same words",
+                    name.text
+                ),
+                "leave one of the two out",
+            );
+            return;
+        }
+        let finding = Diagnostic::error(
+            codes::NAME_DOUBLE,
+            name.span,
+            format!("the type `{}` is declared twice", name.text),
+        )
+        .with_label(first, "declared here first")
+        .with_help("give one of the two another name");
+        self.findings.push(finding);
+    }
+
     fn labels_of(&mut self, of: &TypeName) {
         if let Base::Labels(labels) = &of.base {
             self.labels.extend(labels.iter().map(|l| l.text.clone()));
         }
     }
 
-    /// What names stand for. Sizes may be defines, so those come first.
-    fn names(&mut self, declarations: &[Declaration]) {
+    /// Definitions. Sizes may be defines, so variables come later.
+    fn definitions(&mut self, declarations: &[Declaration]) {
         for declaration in declarations {
             match declaration {
                 Declaration::Define(define) => {
@@ -152,6 +175,10 @@ impl Reader {
                 _ => {}
             }
         }
+    }
+
+    /// Variables, monitors and counters.
+    fn declared(&mut self, declarations: &[Declaration]) {
         for declaration in declarations {
             match declaration {
                 Declaration::Variable(owner, variable) => {
@@ -160,7 +187,7 @@ impl Reader {
                 }
                 Declaration::Monitor(monitor) => {
                     let variable = &monitor.variable;
-                    self.declare(&variable.name, &variable.of, Owner::System, true);
+                    self.watcher(&variable.name, &variable.of);
                 }
                 Declaration::Counter(counter) => {
                     let of = TypeName {
@@ -171,12 +198,19 @@ impl Reader {
                         sizes: Vec::new(),
                         span: counter.low.span.to(counter.high.span),
                     };
-                    self.declare(&counter.name, &of, Owner::System, true);
+                    self.watcher(&counter.name, &of);
                 }
-                Declaration::Import(path, span) => self.import(path, *span),
                 _ => {}
             }
         }
+    }
+
+    /// A monitor or a counter.
+    fn watcher(&mut self, name: &Name, of: &TypeName) {
+        let first = self.specification.variables.len() as u32;
+        self.declare(name, of, Owner::System, true);
+        let end = self.specification.variables.len() as u32;
+        self.watchers.extend((first..end).map(VarId));
     }
 
     fn declare(&mut self, name: &Name, of: &TypeName, owner: Owner, internal: bool) {
@@ -189,24 +223,12 @@ impl Reader {
         }
     }
 
-    fn import(&mut self, path: &str, span: crate::source::Span) {
-        if path.rsplit(['/', '\\']).next() != Some(PUBLISHED) {
-            self.error(
-                codes::NAME_UNKNOWN,
-                span,
-                format!("the file `{path}` is not read"),
-                format!(
-                    "put its declarations into this file; `{PUBLISHED}` is there without a file"
-                ),
-            );
-            return;
-        }
-        for published in &dwyer::PATTERNS {
-            // A file's own pattern of that name is meant where there is one.
-            self.symbols
-                .entry(published.name.to_owned())
-                .or_insert((Symbol::Published(published), span));
-        }
+    /// Lets a file see what the files that it imports declare.
+    fn imports(&mut self, source: &Source) {
+        let behind = source.declarations.iter().filter_map(import::state);
+        let scope = self.scopes.entry(source.file).or_default();
+        scope.behind = behind.map(|n| (n.text.clone(), n.span)).collect();
+        scope.imports = source.imports.iter().map(|(target, _)| *target).collect();
     }
 
     fn formulas(&mut self, declarations: &[Declaration], text: &str) {
@@ -227,8 +249,8 @@ impl Reader {
                 Declaration::Ignored("weight", span) => self.note(
                     codes::OWN_TOOL,
                     *span,
-                    "weights are ignored: they say which machine Spectra's tool prefers, not which ones are right",
-                    "choose between machines with `synth --prefer`",
+                    "weights are ignored: Spectra's tool also asks that their sum, from a bounded start, never falls below zero in a run; the machine need not keep that",
+                    "where the sum matters, count it with a counter or a variable, and say in a guarantee how far it may fall",
                 ),
                 Declaration::Ignored(_, span) => self.note(
                     codes::OWN_TOOL,

@@ -4,7 +4,8 @@
 //! the machine's duty, also where the pattern is assumed: so it is in Spectra. What the pattern asks for by `GF` is assumed or
 //! guaranteed. A published pattern is an automaton in place of that.
 
-use super::reader::{Binding, Reader, Symbol};
+use super::reader::{Binding, Reader};
+use super::scope::Symbol;
 use super::syntax::{Name, Node, Pattern, When};
 use super::value::Value;
 use crate::gr1::Owner;
@@ -13,7 +14,7 @@ use crate::source::Span;
 impl Reader {
     /// Whether a formula is the use of a pattern.
     pub fn is_pattern(&self, name: &Name) -> bool {
-        let found = self.symbols.get(&name.text);
+        let found = self.symbol(&name.text, name.span);
         matches!(found, Some((Symbol::Pattern(_) | Symbol::Published(_), _)))
     }
 
@@ -24,7 +25,7 @@ impl Reader {
         arguments: &[Node],
         span: Span,
     ) -> Option<()> {
-        let (symbol, _) = self.symbols.get(&name.text).cloned()?;
+        let (symbol, _) = self.symbol(&name.text, name.span).cloned()?;
         let wanted = match &symbol {
             Symbol::Pattern(pattern) => pattern.parameters.len(),
             Symbol::Published(published) => published.parameters.len(),
@@ -70,7 +71,7 @@ impl Reader {
             let cells = self.variables(&name, Owner::System, true, domain, span)?;
             frame.push((variable.name.text.clone(), Binding::Cells(cells)));
         }
-        self.expanded(&pattern.name.text, span, |reader| {
+        self.expanded(&pattern.name, span, |reader| {
             if let Some(last) = reader.frames.last_mut() {
                 *last = frame;
             }

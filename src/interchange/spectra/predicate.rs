@@ -3,7 +3,8 @@
 //! Arguments are put in by value. As a formula's value is an expression, `next(free(r))` speaks of next values within the argument
 //! too.
 
-use super::reader::{Binding, Reader, Symbol};
+use super::reader::{Binding, Reader};
+use super::scope::Symbol;
 use super::syntax::{Name, Node, Parameter, Predicate};
 use super::types::kind_of;
 use super::value::{Kind, Value};
@@ -15,7 +16,7 @@ use std::rc::Rc;
 impl Reader {
     /// `p(a, b)` within a formula.
     pub fn call(&mut self, name: &Name, arguments: &[Node], span: Span) -> Option<Value> {
-        match self.symbols.get(&name.text).map(|(s, _)| s.clone()) {
+        match self.symbol(&name.text, name.span).map(|(s, _)| s.clone()) {
             Some(Symbol::Predicate(predicate)) => self.predicate(&predicate, arguments, span),
             Some(Symbol::Pattern(_) | Symbol::Published(_)) => {
                 self.error(
@@ -48,8 +49,13 @@ impl Reader {
         arguments: &[Node],
         span: Span,
     ) -> Option<Value> {
-        let name = &predicate.name.text;
-        self.counted(name, predicate.parameters.len(), arguments.len(), span)?;
+        let name = &predicate.name;
+        self.counted(
+            &name.text,
+            predicate.parameters.len(),
+            arguments.len(),
+            span,
+        )?;
         let mut bindings = Vec::new();
         for (parameter, argument) in predicate.parameters.iter().zip(arguments) {
             let binding = self.argument(parameter, argument)?;
@@ -70,7 +76,7 @@ impl Reader {
         self.error(
             codes::ARGUMENT,
             span,
-            format!("`{name}` takes {wanted} arguments and has {given} here"),
+            format!("`{name}` takes {} and has {given} here", arguments(wanted)),
             "write one argument for each parameter",
         );
         None
@@ -110,5 +116,13 @@ impl Reader {
             return None;
         }
         Some(Binding::Value(value))
+    }
+}
+
+fn arguments(count: usize) -> String {
+    match count {
+        0 => "no arguments".to_owned(),
+        1 => "1 argument".to_owned(),
+        _ => format!("{count} arguments"),
     }
 }

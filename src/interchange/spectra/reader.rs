@@ -1,12 +1,14 @@
 //! A specification that grows while its declarations are read, and the names in it.
 
-use super::syntax::{Define, Name, Pattern, Predicate, Regexp, TypeName};
+use super::dwyer;
+use super::scope::{self, Cells, Scope};
+use super::syntax::Define;
 use super::value::Value;
 use crate::diagnostics::{Code, Diagnostic, codes, nearest};
 use crate::gr1::interval::{Interval, Problem, interval};
 use crate::gr1::monitors::{Monitors, Origin};
 use crate::gr1::{Domain, Expr, Owner, Side, Specification, Timing, VarId, Variable};
-use crate::source::Span;
+use crate::source::{FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -27,26 +29,6 @@ pub(super) const MAX_VARIABLES: usize = 1 << 14;
 /// For so many unknown names a similar one is looked for.
 const MAX_GUESSES: usize = 50;
 
-/// A variable or an array of variables, whose ids follow one another, the last index fastest.
-#[derive(Debug, Clone)]
-pub(super) struct Cells {
-    pub first: VarId,
-    pub sizes: Vec<i64>,
-    pub domain: Domain,
-}
-
-/// What a name of the file stands for.
-#[derive(Debug, Clone)]
-pub(super) enum Symbol {
-    Variable(Cells),
-    Define(Rc<Define>),
-    Predicate(Rc<Predicate>),
-    Pattern(Rc<Pattern>),
-    /// A pattern that every file may import.
-    Published(&'static super::dwyer::Published),
-    Regexp(Rc<Regexp>),
-}
-
 /// What a define came to, with what it mentions.
 type Expansion = (Option<Value>, BTreeSet<(VarId, Span)>);
 
@@ -62,23 +44,29 @@ pub(super) enum Binding {
 pub(super) struct Reader {
     pub findings: Vec<Diagnostic>,
     pub specification: Specification,
-    pub types: BTreeMap<String, Rc<TypeName>>,
-    pub symbols: BTreeMap<String, (Symbol, Span)>,
+    /// The file that is read; others are imported.
+    root: FileId,
+    /// Names, by files.
+    pub scopes: BTreeMap<FileId, Scope>,
+    /// Of the published patterns.
+    pub published: Scope,
+    /// Monitors and counters.
+    pub watchers: BTreeSet<VarId>,
     /// All values of enumerations.
     pub labels: BTreeSet<String>,
     pub monitors: Monitors,
     /// What is bound in the definition at hand; those of the definitions around it are not seen.
     pub frames: Vec<Vec<(String, Binding)>>,
-    /// Definitions that are being expanded.
-    pub open: Vec<String>,
+    /// Definitions that are being expanded, by their names' places.
+    pub open: Vec<Span>,
     /// What the formula at hand mentions, and where.
     pub mentions: BTreeSet<(VarId, Span)>,
     /// The assumption or guarantee at hand.
     pub origin: Origin,
     /// How often each stem was given to helpers.
     pub numbers: BTreeMap<String, u32>,
-    /// Defines that were expanded. Nothing around a define is seen in it, so it is expanded once.
-    pub expanded: BTreeMap<String, Expansion>,
+    /// Defines that were expanded, by their names' places. Nothing around a define is seen in it, so it is expanded once.
+    pub expanded: BTreeMap<Span, Expansion>,
     depth: u32,
     budget: u64,
     exhausted: bool,
@@ -89,7 +77,7 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    pub fn new(name: &str, text: &str, taken: Vec<String>) -> Self {
+    pub fn new(name: &str, root: FileId, length: usize, taken: Vec<String>) -> Self {
         Self {
             findings: Vec::new(),
             specification: Specification {
@@ -99,8 +87,10 @@ impl Reader {
                 assumptions: Side::default(),
                 guarantees: Side::default(),
             },
-            types: BTreeMap::new(),
-            symbols: BTreeMap::new(),
+            root,
+            scopes: BTreeMap::new(),
+            published: scope::published(),
+            watchers: BTreeSet::new(),
             labels: BTreeSet::new(),
             monitors: Monitors::new(VarId(FIRST_MONITOR), taken),
             frames: vec![Vec::new()],
@@ -112,7 +102,7 @@ impl Reader {
             depth: 0,
             exhausted: false,
             told: BTreeSet::new(),
-            budget: MIN_BUDGET + 8 * text.len() as u64,
+            budget: MIN_BUDGET + 8 * length as u64,
             guessed: 0,
             noted: BTreeSet::new(),
         }
@@ -145,22 +135,6 @@ impl Reader {
             self.findings
                 .push(Diagnostic::note(code, span, message).with_help(help));
         }
-    }
-
-    /// Gives a name its meaning, once.
-    pub fn define(&mut self, name: &Name, symbol: Symbol) {
-        if let Some((_, first)) = self.symbols.get(&name.text) {
-            let finding = Diagnostic::error(
-                codes::NAME_DOUBLE,
-                name.span,
-                format!("`{}` is declared twice", name.text),
-            )
-            .with_label(*first, "declared here first")
-            .with_help("give one of the two another name");
-            self.findings.push(finding);
-            return;
-        }
-        self.symbols.insert(name.text.clone(), (symbol, name.span));
     }
 
     /// Adds a variable, or those of an array.
@@ -218,7 +192,8 @@ impl Reader {
         loop {
             *number += 1;
             let name = format!("{stem}_{number}");
-            if !self.symbols.contains_key(&name) {
+            let taken = |scope: &Scope| scope.symbols.contains_key(&name);
+            if !self.scopes.get(&self.root).is_some_and(taken) {
                 return name;
             }
         }
@@ -233,17 +208,39 @@ impl Reader {
 
     /// Reports a name that is not declared.
     pub fn unknown(&mut self, what: &str, name: &str, span: Span) {
+        if let Some(declared) = self.left_behind(name, span) {
+            let message = format!(
+                "`{name}` is declared in another file, and imports bring in no variables, monitors and counters"
+            );
+            if self
+                .told
+                .insert((span, codes::NAME_UNKNOWN.id, message.clone()))
+            {
+                self.findings.push(
+                    Diagnostic::error(codes::NAME_UNKNOWN, span, message)
+                        .with_label(declared, "declared here")
+                        .with_help(
+                            "declare it in this file, or give it to the definition as a parameter",
+                        ),
+                );
+            }
+            return;
+        }
         self.guessed += 1;
         let near = if self.guessed > MAX_GUESSES {
             None
         } else if what == "type" {
-            nearest(name, self.types.keys().map(String::as_str)).map(str::to_owned)
+            nearest(name, self.seen_types(span)).map(str::to_owned)
         } else {
             let bound = self.frames.last().into_iter().flatten().map(|(n, _)| n);
-            let known = self.symbols.keys().chain(&self.labels).chain(bound);
-            nearest(name, known.map(String::as_str)).map(str::to_owned)
+            let others = self.labels.iter().chain(bound).map(String::as_str);
+            nearest(name, self.seen(span).chain(others)).map(str::to_owned)
         };
         let help = match near {
+            _ if self.published.symbols.contains_key(name) => format!(
+                "it is one of the published patterns: write `import \"{}\"` before `spec`",
+                dwyer::FILE
+            ),
             Some(near) => format!("did you mean `{near}`?"),
             None if what == "type" => "declare it: `type T = {a, b};`".to_owned(),
             None => "declare it, as a variable, a value of an enumeration, a define, a predicate or a pattern".to_owned(),
@@ -269,7 +266,7 @@ impl Reader {
     }
 
     /// Takes work from what the file may have. What is not there is said once.
-    fn spend(&mut self, work: u64, span: Span) -> Option<()> {
+    pub fn spend(&mut self, work: u64, span: Span) -> Option<()> {
         if work <= self.budget && !self.exhausted {
             self.budget -= work;
             return Some(());

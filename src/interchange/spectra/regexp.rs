@@ -5,8 +5,9 @@
 //! intersections are sets.
 
 use super::automaton::{Automaton, MAX_ATOMS, MAX_STATES, Tree};
-use super::reader::{Reader, Symbol};
-use super::syntax::{Regexp, RegexpShape};
+use super::reader::Reader;
+use super::scope::Symbol;
+use super::syntax::{Name, Regexp, RegexpShape};
 use super::value::Value;
 use crate::diagnostics::codes;
 use crate::gr1::Expr;
@@ -235,11 +236,16 @@ impl Reader {
                 })))
             }
             RegexpShape::Named(name) => {
-                let Some((Symbol::Regexp(named), _)) = self.symbols.get(name).cloned() else {
+                let found = self.symbol(name, regexp.span).cloned();
+                let Some((Symbol::Regexp(named), span)) = found else {
                     self.unknown("regular expression", name, regexp.span);
                     return None;
                 };
-                self.expanded(name, regexp.span, |reader| {
+                let name = Name {
+                    text: name.clone(),
+                    span,
+                };
+                self.expanded(&name, regexp.span, |reader| {
                     reader.regexp_part(&named, atoms, parts)
                 })
             }

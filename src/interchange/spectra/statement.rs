@@ -10,10 +10,11 @@
 //! `asm alw` over the machine's variables is judged when the environment has made its next move, as Spectra's tool does: it could not
 //! be blamed for what the machine answers.
 
-use super::reader::{Reader, Symbol};
+use super::parser::one_line;
+use super::reader::Reader;
+use super::scope::Symbol;
 use super::syntax::{Body, Clause, Monitor, Name, Node, Shape, Statement, When};
 use super::value::Value;
-use super::words::one_line;
 use crate::diagnostics::codes;
 use crate::gr1::monitors::{Kind, Obligation, Origin};
 use crate::gr1::{Expr, Owner, Time, VarId};
@@ -88,6 +89,7 @@ impl Reader {
     fn body(&mut self, statement: &Statement) -> Option<()> {
         let side = statement.side;
         match &statement.body {
+            // They make it GR(1)* (Amram, Maoz, Pistiner: GR(1)*: GR(1) Specifications Extended with Existential Guarantees, FM 2019).
             Body::Existential(span) => {
                 self.error(
                     codes::NOT_GR1,
@@ -178,11 +180,11 @@ impl Reader {
 
     /// Adds what a counter says.
     pub fn counted_by(&mut self, counter: &super::syntax::Counter, text: &str) {
-        let Some((Symbol::Variable(cells), _)) = self.symbols.get(&counter.name.text).cloned()
+        let span = counter.name.span;
+        let Some((Symbol::Variable(cells), _)) = self.symbol(&counter.name.text, span).cloned()
         else {
             return;
         };
-        let span = counter.name.span;
         let line = one_line(text_of(text, span));
         self.begin(counter.name.text.clone(), span, line);
         self.counter(counter, &cells);
@@ -190,19 +192,13 @@ impl Reader {
 
     /// Adds a formula to the list that it belongs to.
     pub fn add(&mut self, side: Owner, when: When, value: Value) {
-        let Value { expr, size, .. } = value;
+        let Value { mut expr, size, .. } = value;
         let next = expr.mentions_next();
         if when == When::Initially && next {
-            let span = self.first_mention(|_| true);
-            self.error(
-                codes::NOT_GR1,
-                span,
-                "an initial condition speaks of the next step",
-                "say it of all steps with `G`, or describe step 0 alone",
-            );
-            return;
+            expr = self.first_transition(expr);
         }
         let kind = match when {
+            When::Initially if next => Kind::Safety,
             When::Initially => Kind::Initial,
             When::Transition => Kind::Safety,
             When::Always if next => Kind::Safety,
@@ -212,6 +208,12 @@ impl Reader {
         let obligations = if side == Owner::System {
             vec![Obligation { kind, expr }]
         } else {
+            if kind == Kind::Initial
+                && self.speaks_of_outputs(&expr, None).is_some()
+                && let Some(left) = self.left_to_environment(&expr)
+            {
+                expr = left;
+            }
             // Who watches the machine's variables waits for its answer.
             let kind = if kind == Kind::Invariant && self.speaks_of_outputs(&expr, None).is_some() {
                 Kind::Safety
@@ -294,7 +296,8 @@ impl Reader {
     }
 }
 
-fn text_of(text: &str, span: Span) -> &str {
+/// The text of a place.
+pub(super) fn text_of(text: &str, span: Span) -> &str {
     text.get(span.start as usize..span.end as usize)
         .unwrap_or_default()
 }

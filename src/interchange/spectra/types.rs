@@ -36,7 +36,7 @@ impl Reader {
                 Base::Int(low, high) => self.integers(low, high, at.span)?,
                 Base::Labels(labels) => self.enumeration(declared, labels)?,
                 Base::Named(name) => {
-                    let Some(next) = self.types.get(name) else {
+                    let Some(next) = self.declared_type(name, at.span) else {
                         self.unknown("type", name, of.span);
                         return None;
                     };

@@ -15,6 +15,11 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// Whether a variable of an enumeration has such values; a value alone has no enumeration yet.
+    pub fn is_enumeration(&self) -> bool {
+        matches!(self, Self::Labels(_))
+    }
+
     /// In a message.
     pub fn describe(&self) -> String {
         match self {

@@ -81,7 +81,7 @@ fn run(text: &str, of: impl Fn(u8) -> bool) -> usize {
 }
 
 /// A piece of a text in one line, without comments.
-pub(super) fn one_line(text: &str) -> String {
+pub(in crate::interchange::spectra) fn one_line(text: &str) -> String {
     let mut line = String::new();
     let mut last = 0;
     for (word, range) in words(text) {

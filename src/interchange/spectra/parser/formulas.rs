@@ -1,20 +1,20 @@
-//! Reads formulas, types and regular expressions. Operators by rank, the loosest first:
+//! Reads formulas. Operators by rank, the loosest first:
 //!
 //! ```text
 //! in {..}   -> implies   <-> iff   | or xor   & and   = != < > <= >=   mod %   + -   * /   S SINCE T TRIGGERED   PREV ONCE ...
 //! ```
 
-use super::parser::{Parsed, Parser};
-use super::syntax::{Base, Item, Name, Node, Past, Regexp, RegexpShape, Shape, SinceOp, TypeName};
 use super::words::Word;
+use super::{Parsed, Parser};
 use crate::gr1::BinaryOp;
+use crate::interchange::spectra::syntax::{Item, Name, Node, Past, Shape, SinceOp};
 
 /// What can be said of a whole array.
 const FUNCTIONS: [&str; 6] = ["all", "any", "prod", "sum", "min", "max"];
 
 const IMPLIES: u8 = 1;
 const RELATION: u8 = 5;
-const REMAINDER: u8 = 6;
+pub(super) const REMAINDER: u8 = 6;
 const SINCE: u8 = 9;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,7 +115,7 @@ impl Parser<'_> {
     }
 
     /// Operators that bind as tightly as `least` or tighter, and their operands.
-    fn operators(&mut self, least: u8) -> Parsed<Node> {
+    pub fn operators(&mut self, least: u8) -> Parsed<Node> {
         let start = self.start();
         let mut left = self.unary()?;
         // The rank of the operators that `left` is made of, if they were written here.
@@ -223,7 +223,8 @@ impl Parser<'_> {
                 self.expect(")", "the parenthesis is not closed")?;
                 Shape::Matches(regexp)
             }
-            "forall" | "exists" => {
+            // Older versions of the language knew no quantifiers: there these words are names of predicates.
+            "forall" | "exists" if !self.is_ahead(1, "(") => {
                 self.next();
                 let name = self.name("a name for the values")?;
                 if !self.take_word("in") {
@@ -261,7 +262,7 @@ impl Parser<'_> {
 
     /// `x`, `x[1][i]`, `p(a, b)`, `x.all`
     fn named(&mut self) -> Parsed<Shape> {
-        let name = self.name("a formula")?;
+        let name = self.name_of_definition("a formula")?;
         if self.take("(") {
             let mut arguments = Vec::new();
             while !self.is(")") {
@@ -301,201 +302,5 @@ impl Parser<'_> {
                 "numbers are smaller than 2^40",
             ),
         }
-    }
-
-    /// The sizes of an array: `[2][n]`.
-    pub fn sizes(&mut self) -> Parsed<Vec<Node>> {
-        let mut found = Vec::new();
-        while self.take("[") {
-            found.push(self.size()?);
-            self.expect("]", "the bracket is not closed")?;
-        }
-        Ok(found)
-    }
-
-    /// A number, a define or a calculation: what sizes are made of.
-    fn size(&mut self) -> Parsed<Node> {
-        self.operators(REMAINDER)
-    }
-
-    /// `0..3`
-    pub fn range(&mut self) -> Parsed<(Node, Node)> {
-        let low = self.size()?;
-        self.expect("..", "write a range as `0..3`")?;
-        Ok((low, self.size()?))
-    }
-
-    pub fn type_name(&mut self) -> Parsed<TypeName> {
-        let start = self.start();
-        let base = match self.word() {
-            "boolean" => {
-                self.next();
-                Base::Bool
-            }
-            "Int" => {
-                self.next();
-                self.expect("(", "write `Int(0..3)`")?;
-                let (low, high) = self.range()?;
-                self.expect(")", "write `Int(0..3)`")?;
-                Base::Int(Box::new(low), Box::new(high))
-            }
-            "" if self.take("{") => {
-                let mut labels = Vec::new();
-                loop {
-                    labels.push(self.label()?);
-                    if !self.take(",") {
-                        break;
-                    }
-                }
-                self.expect("}", "write the values as `{a, b, c}`")?;
-                Base::Labels(labels)
-            }
-            "" => {
-                return self.unexpected(
-                    "a type",
-                    "types are `boolean`, `Int(0..3)`, `{a, b}` and those declared with `type`",
-                );
-            }
-            _ => Base::Named(self.name("a type")?.text),
-        };
-        let sizes = self.sizes()?;
-        Ok(TypeName {
-            base,
-            sizes,
-            span: self.since(start),
-        })
-    }
-
-    /// A value of an enumeration: a name or a number.
-    fn label(&mut self) -> Parsed<Name> {
-        if self.token().0 == Word::Number {
-            let range = self.next();
-            return Ok(Name {
-                text: self.text()[range.clone()].to_owned(),
-                span: self.span(range),
-            });
-        }
-        self.name("a value")
-    }
-
-    /// Sequences, `&` and `|` bind alike, from left to right, as in the language's grammar.
-    pub fn regexp(&mut self) -> Parsed<Regexp> {
-        self.deeper()?;
-        let start = self.start();
-        let mut left = self.repeated()?;
-        let mut links = 0;
-        loop {
-            let make = if self.take("&") {
-                RegexpShape::And
-            } else if self.take("|") {
-                RegexpShape::Or
-            } else if self.begins_regexp() {
-                RegexpShape::Sequence
-            } else {
-                break;
-            };
-            // The chain grows to the left; its length counts as nesting.
-            self.deeper()?;
-            links += 1;
-            let right = self.repeated()?;
-            left = Regexp {
-                shape: make(Box::new(left), Box::new(right)),
-                span: self.since(start),
-            };
-        }
-        self.depth -= 1 + links;
-        Ok(left)
-    }
-
-    fn begins_regexp(&self) -> bool {
-        let word = self.word();
-        self.is("(")
-            || self.is("[")
-            || self.is("~")
-            || (!word.is_empty() && !matches!(word, "gar" | "asm" | "guarantee" | "assumption"))
-    }
-
-    fn repeated(&mut self) -> Parsed<Regexp> {
-        let start = self.start();
-        let inner = if self.take("~") {
-            self.deeper()?;
-            let inner = self.step()?;
-            self.depth -= 1;
-            Regexp {
-                shape: RegexpShape::Complement(Box::new(inner)),
-                span: self.since(start),
-            }
-        } else {
-            self.step()?
-        };
-        let number = |value| {
-            Box::new(Node {
-                shape: Shape::Number(value),
-                span: inner.span,
-            })
-        };
-        let (low, high) = if self.take("*") {
-            (number(0), None)
-        } else if self.take("+") {
-            (number(1), None)
-        } else if self.take("?") {
-            (number(0), Some(number(1)))
-        } else if self.take("{") {
-            let low = Box::new(self.size()?);
-            let high = if !self.take(",") {
-                Some(low.clone())
-            } else if self.is("}") {
-                None
-            } else {
-                Some(Box::new(self.size()?))
-            };
-            self.expect("}", "repeat with `r{3}`, `r{3,}` or `r{3,5}`")?;
-            (low, high)
-        } else {
-            return Ok(inner);
-        };
-        Ok(Regexp {
-            shape: RegexpShape::Repeat(Box::new(inner), low, high),
-            span: self.since(start),
-        })
-    }
-
-    fn step(&mut self) -> Parsed<Regexp> {
-        let start = self.start();
-        let shape = match self.word() {
-            "true" | "TRUE" => {
-                self.next();
-                RegexpShape::Constant(true)
-            }
-            "false" | "FALSE" => {
-                self.next();
-                RegexpShape::Constant(false)
-            }
-            "" if self.take("[") => {
-                let node = self.formula()?;
-                self.expect("]", "a step's condition stands in brackets: `[p]`")?;
-                RegexpShape::Step(Box::new(node))
-            }
-            "" if self.take("(") => {
-                if self.take(")") {
-                    RegexpShape::Empty
-                } else {
-                    let inner = self.regexp()?;
-                    self.expect(")", "the parenthesis is not closed")?;
-                    return Ok(inner);
-                }
-            }
-            "" => {
-                return self.unexpected(
-                    "a regular expression",
-                    "they are made of `[p]`, `true`, `false`, `()`, names and `* + ? {n} {n,m} & | ~`",
-                );
-            }
-            _ => RegexpShape::Named(self.name("a regular expression")?.text),
-        };
-        Ok(Regexp {
-            shape,
-            span: self.since(start),
-        })
     }
 }
