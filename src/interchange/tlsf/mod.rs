@@ -33,6 +33,7 @@ mod parts;
 mod past;
 mod refusal;
 mod report;
+mod states;
 mod target;
 mod value;
 
@@ -163,6 +164,7 @@ fn understood(name: &str, file: &File, text: &str, report: &mut Report) -> Optio
         variables: &variables,
         timing,
         strict: semantics.strict,
+        kept_anyway: false,
     }
     .sides(wishes);
     if has_errors(&report.findings) {
