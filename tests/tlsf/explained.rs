@@ -18,7 +18,7 @@ const HEADINGS: [&str; 10] = [
     "REQUIRE",
     "ASSUME",
     "ASSUMPTIONS",
-    "no promise is broken",
+    "the safety of ",
     "what was broken stays broken",
 ];
 

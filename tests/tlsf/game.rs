@@ -13,6 +13,8 @@ struct Random {
     always: Vec<L>,
     require: Vec<L>,
     assert: Vec<L>,
+    /// In ASSUME, about the first step.
+    given: Vec<L>,
     /// Under `G`, and under `G F`.
     assume: [Vec<L>; 2],
     guarantee: [Vec<L>; 2],
@@ -48,6 +50,11 @@ impl Random {
             // Next values of outputs would look further than REQUIRE may in a strict file.
             require: list(dice, true),
             assert: list(dice, true),
+            given: if dice.below(4) == 0 {
+                vec![dice.step(1, false)]
+            } else {
+                Vec::new()
+            },
             assume: [list(dice, true), list(dice, false)],
             guarantee: [list(dice, true), list(dice, false)],
         }
@@ -65,6 +72,7 @@ impl Random {
             section("PRESET", &self.always, "G"),
             section("REQUIRE", &self.require, ""),
             section("ASSERT", &self.assert, ""),
+            section("ASSUME", &self.given, ""),
             section("ASSUME", &self.assume[0], "G"),
             section("ASSUME", &self.assume[1], "G F"),
             section("GUARANTEE", &self.guarantee[0], "G"),
@@ -116,7 +124,7 @@ impl Random {
         } else if !holds(&self.preset) {
             33
         } else {
-            usize::from(letter)
+            usize::from(!holds(&self.given)) << 2 | usize::from(letter)
         }
     }
 
@@ -229,6 +237,55 @@ fn the_target_changes_no_verdict() {
         assert_eq!(verdict(&specification), random.realizable(), "{text}");
     }
     println!("moved from plain and strict Mealy, plain and strict Moore: {counts:?}");
+    assert!(counts.iter().all(|c| *c > 100), "{counts:?}");
+}
+
+/// Safety beside an implication, all in one formula: the safety is kept whatever becomes of the assumptions.
+#[test]
+fn safety_beside_an_implication_is_kept_anyway() {
+    let mut dice = Dice(5);
+    let mut counts = [0; 2];
+    for _ in 0..1200 {
+        let mut random = Random {
+            require: Vec::new(),
+            assert: Vec::new(),
+            strict: false,
+            ..Random::new(&mut dice)
+        };
+        random.always.push(dice.step(2, true));
+        // An assumption about the first output leaves more than one implication.
+        if random.initially.iter().any(L::mentions_b) {
+            continue;
+        }
+        let all = |list: &[L], before: &str| {
+            let list: Vec<String> = list.iter().map(|f| format!("{before} ({f})")).collect();
+            format!(
+                "({})",
+                if list.is_empty() {
+                    "true".to_owned()
+                } else {
+                    list.join(" && ")
+                }
+            )
+        };
+        let both =
+            |lists: &[Vec<L>; 2]| format!("{} && {}", all(&lists[0], "G"), all(&lists[1], "G F"));
+        let main = format!(
+            "INPUTS {{ a; }} OUTPUTS {{ b; }} INITIALLY {{ {}; }} PRESET {{ {}; }} GUARANTEE {{ {} && ({} && {} -> {}); }}",
+            all(&random.initially, ""),
+            all(&random.preset, ""),
+            all(&random.always, "G"),
+            all(&random.given, ""),
+            both(&random.assume),
+            both(&random.guarantee)
+        );
+        let kind = if random.moore { "Moore" } else { "Mealy" };
+        let text = file(kind, kind, &main);
+        let wanted = random.realizable();
+        assert_eq!(verdict(&sound(&text)), wanted, "{text}");
+        counts[usize::from(wanted)] += 1;
+    }
+    println!("unrealizable and realizable: {counts:?}");
     assert!(counts.iter().all(|c| *c > 100), "{counts:?}");
 }
 

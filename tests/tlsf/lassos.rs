@@ -457,6 +457,17 @@ fn accepted_forms() {
         w(A, and(B, g(f(A)))),
         f(g(f(A))),
         n(f(and(A, x(g(n(B)))))),
+        and(
+            g(or(A, B)),
+            imp(
+                and(g(imp(A, x(n(A)))), g(f(A))),
+                and(g(imp(B, x(A))), g(f(B))),
+            ),
+        ),
+        and(
+            g(imp(A, x(B))),
+            imp(g(imp(B, x(w(A, B)))), and(w(A, B), f(n(B)))),
+        ),
     ];
     let runs = all_lassos(6);
     println!("{} forms on {} lassos", forms.len(), runs.len());

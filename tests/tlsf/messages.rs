@@ -230,6 +230,16 @@ fn deep_and_large_files_are_survived() {
         of("f(9999999)").replace("MAIN", "GLOBAL { DEFINITIONS { f(n) = n <= 0 : g  otherwise : f(n - 1); } }\nMAIN"),
         of("f(g)").replace("MAIN", "GLOBAL { DEFINITIONS { f(n) = f(f(n)); } }\nMAIN"),
         format!("INFO {{ {} ", "/*".repeat(n)),
+        of(&format!("{}g{}", "(G F g || (F G h && ".repeat(90), "))".repeat(90))),
+        of(&format!("{}g{}", "F (g && X G (h || ".repeat(90), "))".repeat(90))),
+        of(&format!("{}g{}", "G (g || F (h && ".repeat(90), "))".repeat(90))),
+        of(&format!("{}g{}", "(r R (g && ".repeat(90), "))".repeat(90))),
+        of(&format!("{}g{}", "((G F r && g) W ".repeat(90), ")".repeat(90))),
+        of(&format!("{}g{}", "(r <-> X F ".repeat(60), ")".repeat(60))),
+        of("&&[i IN {}] g; ||[i IN {}] g; SUM[i IN {}] i == 0; &&[0 <= i < 0 - 5] g"),
+        of("g").replace("bus[2]", "bus[0]; more[1000000000]"),
+        of("g").replace("MAIN", "GLOBAL { PARAMETERS { n = m; m = n; } }\nMAIN").replace("bus[2]", "bus[n]"),
+        of("S == S").replace("MAIN", "GLOBAL { PARAMETERS { S = {0,1..1000000000}; } }\nMAIN"),
     ];
     for text in texts {
         let start = std::time::Instant::now();

@@ -5,6 +5,7 @@
 //! 1998). States that cannot be told apart are joined, and the one in which nothing can help is the end.
 
 use super::ltl::{F, Formulas, Op};
+use super::states::{State, and, joined, or};
 use crate::gr1::Expr;
 use crate::gr1::eval::holds;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,12 +16,6 @@ const MAX_STATES: usize = 48;
 const MAX_LETTERS: usize = 8;
 /// Conditions are tried on all values of so many variables at most.
 const MAX_VARIABLES: usize = 12;
-/// So many conjunctions make a state.
-const MAX_TERMS: usize = 48;
-
-/// A disjunction of conjunctions of obligations: none is false, an empty conjunction true.
-type State = BTreeSet<BTreeSet<u32>>;
-
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Node {
     True,
@@ -49,6 +44,8 @@ struct Builder {
     known: BTreeMap<Node, u32>,
     letters: Vec<Expr>,
     progress: BTreeMap<(u32, u32), State>,
+    /// Formulas and their negations as nodes: `a <-> b` asks for both of both.
+    made: BTreeMap<(F, bool), u32>,
 }
 
 /// The automaton of a safety formula; `None` where it would become too large. `state` gives the expression of a formula about one
@@ -63,6 +60,7 @@ pub(super) fn of(
         known: BTreeMap::new(),
         letters: Vec::new(),
         progress: BTreeMap::new(),
+        made: BTreeMap::new(),
     };
     let root = builder.node(formulas, f, false, state)?;
     let possible = builder.possible();
@@ -108,6 +106,21 @@ impl Builder {
 
     /// The recursion is as deep as the formula.
     fn node(
+        &mut self,
+        formulas: &Formulas,
+        f: F,
+        negated: bool,
+        state: &dyn Fn(F) -> Option<Expr>,
+    ) -> Option<u32> {
+        if let Some(known) = self.made.get(&(f, negated)) {
+            return Some(*known);
+        }
+        let found = self.node_of(formulas, f, negated, state)?;
+        self.made.insert((f, negated), found);
+        Some(found)
+    }
+
+    fn node_of(
         &mut self,
         formulas: &Formulas,
         f: F,
@@ -291,63 +304,6 @@ impl Builder {
         self.progress.insert((node, letter), found.clone());
         Some(found)
     }
-}
-
-fn and(a: &State, b: &State) -> Option<State> {
-    let mut all = State::new();
-    for p in a {
-        for q in b {
-            all.insert(p.union(q).copied().collect());
-        }
-    }
-    least(&all)
-}
-
-fn or(mut a: State, b: State) -> Option<State> {
-    a.extend(b);
-    least(&a)
-}
-
-/// Without conjunctions that ask more than another one.
-fn least(all: &State) -> Option<State> {
-    let kept: State = all
-        .iter()
-        .filter(|p| !all.iter().any(|q| q != *p && q.is_subset(p)))
-        .cloned()
-        .collect();
-    (kept.len() <= MAX_TERMS).then_some(kept)
-}
-
-/// States that cannot be told apart as one (Moore, Gedanken-experiments on sequential machines, 1956), those that always break as
-/// broken. State 0 stays the first.
-fn joined(steps: &[BTreeMap<u32, Option<usize>>]) -> Vec<BTreeMap<u32, Option<usize>>> {
-    let mut class: Vec<Option<usize>> = vec![Some(0); steps.len()];
-    // A state all of whose steps break is broken itself, one step late: it stays a state, since breaking is seen at its step.
-    loop {
-        let mut names = BTreeMap::new();
-        let next: Vec<Option<usize>> = (0..steps.len())
-            .map(|s| {
-                let row: Vec<Option<Option<usize>>> =
-                    steps[s].values().map(|t| t.map(|t| class[t])).collect();
-                let count = names.len();
-                Some(*names.entry((class[s], row)).or_insert(count))
-            })
-            .collect();
-        let stable = next == class;
-        class = next;
-        if stable {
-            break;
-        }
-    }
-    let count = class.iter().flatten().max().map_or(0, |m| m + 1);
-    let mut result = vec![BTreeMap::new(); count];
-    for (s, row) in steps.iter().enumerate() {
-        if let Some(c) = class[s] {
-            let row = row.iter().map(|(l, t)| (*l, t.and_then(|t| class[t])));
-            result[c] = row.collect();
-        }
-    }
-    result
 }
 
 impl Automaton {

@@ -40,7 +40,8 @@ impl Meaning<'_, '_, '_> {
             }
         }
         for found in preset {
-            let lasting = self.classifier.formulas.ahead(found.at).is_none();
+            let ahead = self.classifier.formulas.ahead(found.at);
+            let lasting = ahead.is_none_or(|n| n > 1);
             match &found.piece {
                 // Breaking REQUIRE ends what ASSERT asks, and not this.
                 _ if lasting && self.strict && required => {

@@ -1,6 +1,7 @@
 //! Formulas of linear temporal logic, expanded: nodes that know where they were written, how large they are, and how far they look.
 
 use crate::gr1::VarId;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// A formula may have so many operators and operands, written out.
@@ -68,6 +69,8 @@ struct Node {
 #[derive(Debug, Default)]
 pub(super) struct Formulas {
     nodes: Vec<Node>,
+    /// What [`positive`](Self::positive) has made.
+    pub positives: BTreeMap<(F, bool), F>,
     /// A bound was passed: what was made since is worth nothing.
     pub too_large: bool,
 }

@@ -68,6 +68,8 @@ pub(super) struct Meaning<'c, 'f, 'r> {
     pub variables: &'r [Variable],
     pub timing: Timing,
     pub strict: bool,
+    /// Whether promises were moved to PRESET.
+    pub kept_anyway: bool,
 }
 
 /// What is to be kept in the very step in which an assumption is broken, which therefore counts later.
@@ -126,15 +128,17 @@ impl Meaning<'_, '_, '_> {
             assumptions: Side::default(),
             guarantees: Side::default(),
         };
-        // What PRESET asks of all steps is asked without the assumptions, too.
-        let lasting_preset =
-            { preset.iter() }.any(|f| self.classifier.formulas.ahead(f.at).is_none());
+        // What PRESET asks of more than the first step is asked without the assumptions, too.
+        let strict = self.strict;
+        let formulas = &*self.classifier.formulas;
+        let further = |f: &Found| formulas.ahead(f.at).is_none_or(|n| n > u32::from(strict));
+        let lasting_preset = self.kept_anyway || preset.iter().any(further);
         let required = !require.is_empty();
         self.beginnings(&initially, &preset, required, &mut sides);
 
         let lasting = |f: &&Found| !matches!(f.piece, Piece::Initial(_));
-        let assumed =
-            !require.is_empty() || { assume.iter() }.any(|f| lasting(&f) || self.reads_output(f));
+        let assumed = !require.is_empty() || { assume.iter() }
+            .any(|f| lasting_preset || lasting(&f) || self.reads_output(f));
         let (hard, soft): (Vec<&Found>, Vec<&Found>) = match (self.strict, assumed) {
             (_, false) => (assert.iter().chain(&guarantee).collect(), Vec::new()),
             (false, true) => (Vec::new(), assert.iter().chain(&guarantee).collect()),
@@ -311,8 +315,17 @@ impl Meaning<'_, '_, '_> {
                 _ => {}
             }
         }
-        let safe = soft.iter().find(|f| is_safety(&f.piece));
-        let heading = safe.map_or(0..0, |f| f.heading.clone());
+        let mut headings = Vec::new();
+        for found in soft.iter().filter(|f| is_safety(&f.piece)) {
+            if !headings.contains(&found.heading) {
+                headings.push(found.heading.clone());
+            }
+        }
+        let heading = headings.first().cloned().unwrap_or(0..0);
+        let mut words: Vec<&str> = { headings.into_iter() }
+            .filter_map(|place| self.text.get(place))
+            .collect();
+        words.dedup();
         let made = |name: &str, expr| Formula {
             name: name.to_owned(),
             requirement: None,
@@ -326,10 +339,10 @@ impl Meaning<'_, '_, '_> {
             .safety
             .push(made("what was broken stays broken", stays));
         let never = excuse(Expr::now(broken).not(), excused);
-        sides
-            .guarantees
-            .justice
-            .push(made("no promise is broken", never));
+        sides.guarantees.justice.push(made(
+            &format!("the safety of {}", words.join(" and ")),
+            never,
+        ));
     }
 }
 
@@ -356,7 +369,7 @@ fn is_in(list: &[Found], found: &Found) -> bool {
     list.iter().any(|f| std::ptr::eq(f, found))
 }
 
-fn is_safety(piece: &Piece) -> bool {
+pub(super) fn is_safety(piece: &Piece) -> bool {
     matches!(
         piece,
         Piece::Initial(_) | Piece::Invariant(_) | Piece::Step(_)

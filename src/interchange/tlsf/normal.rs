@@ -22,6 +22,16 @@ impl Formulas {
         if self.ahead(f).is_some() {
             return if negated { self.not(f) } else { f };
         }
+        // `a <-> b` asks for both of both, so each is made once.
+        if let Some(known) = self.positives.get(&(f, negated)) {
+            return *known;
+        }
+        let found = self.positive_of(f, negated);
+        self.positives.insert((f, negated), found);
+        found
+    }
+
+    fn positive_of(&mut self, f: F, negated: bool) -> F {
         let place = self.place(f);
         match self.op(f).clone() {
             Op::True | Op::False | Op::Atom(_) => f,

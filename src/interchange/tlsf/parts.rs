@@ -3,32 +3,40 @@
 use super::ast::Section;
 use super::lexer::one_line;
 use super::ltl::{F, Op};
-use super::meaning::{Found, Meaning, Wish};
+use super::meaning::{Found, Meaning, Wish, is_safety};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::monitors::Origin;
 use crate::source::Span;
 use std::collections::BTreeMap;
 
 impl Meaning<'_, '_, '_> {
-    /// Conjunctions at the top, and implications that are the only promise, taken apart.
+    /// Conjunctions at the top, and implications, taken apart: `H & (A -> B)` is PRESET, ASSUME and GUARANTEE, where H is safety and nothing
+    /// else is assumed; without H anything may be.
     pub(super) fn flattened(&mut self, wishes: Vec<Wish>) -> Vec<Wish> {
         let mut wishes = self.split(wishes);
         loop {
-            let bound = |w: &&Wish| matches!(w.section, Section::Assert | Section::Guarantee);
-            let mut promises = wishes.iter().filter(bound);
-            let (Some(only), None) = (promises.next(), promises.next()) else {
+            let formulas = &*self.classifier.formulas;
+            let implication = |w: &Wish| match *formulas.op(w.formula) {
+                Op::Implies(a, b)
+                    if w.section == Section::Guarantee && formulas.ahead(w.formula).is_none() =>
+                {
+                    Some((a, b))
+                }
+                _ => None,
+            };
+            let mut found = wishes
+                .iter()
+                .enumerate()
+                .filter_map(|(k, w)| Some((k, implication(w)?)));
+            let (Some((k, (a, b))), None) = (found.next(), found.next()) else {
                 return wishes;
             };
-            let Op::Implies(a, b) = *self.classifier.formulas.op(only.formula) else {
-                return wishes;
-            };
-            if only.section != Section::Guarantee
-                || self.classifier.formulas.ahead(only.formula).is_some()
-            {
+            let alone =
+                !{ wishes.iter().enumerate() }.any(|(other, w)| other != k && is_promise(w));
+            if !alone && !self.kept_anyway(&mut wishes, k) {
                 return wishes;
             }
-            let only = only.clone();
-            wishes.retain(|w| !bound(&w));
+            let only = wishes.remove(k);
             for (section, formula) in [(Section::Assume, a), (Section::Guarantee, b)] {
                 wishes.push(Wish {
                     section,
@@ -38,6 +46,48 @@ impl Meaning<'_, '_, '_> {
             }
             wishes = self.split(wishes);
         }
+    }
+
+    /// Moves the promises but one to PRESET; `false` where that would mean something else.
+    fn kept_anyway(&mut self, wishes: &mut [Wish], but: usize) -> bool {
+        let assumed = |w: &Wish| matches!(w.section, Section::Require | Section::Assume);
+        if wishes.iter().any(assumed) {
+            return false;
+        }
+        let mut moved = Vec::new();
+        for (k, wish) in wishes.iter().enumerate() {
+            if k == but || !is_promise(wish) {
+                continue;
+            }
+            let formulas = &mut *self.classifier.formulas;
+            let place = formulas.place(wish.formula);
+            let formula = if wish.section == Section::Assert {
+                formulas.make(Op::Globally(wish.formula), place)
+            } else {
+                wish.formula
+            };
+            let positive = formulas.positive(formula, false);
+            let range = place.range();
+            self.classifier.origin = Origin {
+                name: wish.name.clone(),
+                requirement: None,
+                span: self.report.span(&range),
+                text: one_line(self.text.get(range).unwrap_or("")),
+            };
+            for part in self.classifier.formulas.parts(positive) {
+                let piece = self.classifier.piece(part);
+                if !piece.is_ok_and(|p| is_safety(&p)) {
+                    return false;
+                }
+            }
+            moved.push((k, formula));
+        }
+        for (k, formula) in moved {
+            wishes[k].section = Section::Preset;
+            wishes[k].formula = formula;
+            self.kept_anyway = true;
+        }
+        true
     }
 
     pub(super) fn split(&mut self, wishes: Vec<Wish>) -> Vec<Wish> {
@@ -137,4 +187,8 @@ impl Meaning<'_, '_, '_> {
         .with_help("give parts of it outputs of their own");
         self.report.push(finding);
     }
+}
+
+fn is_promise(wish: &Wish) -> bool {
+    matches!(wish.section, Section::Assert | Section::Guarantee)
 }
