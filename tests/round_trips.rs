@@ -20,7 +20,7 @@ use proptest::prelude::*;
 use rayon::prelude::*;
 use std::path::PathBuf;
 
-const TARGETS: [Target; 3] = [Target::Spc, Target::Slugsin, Target::Spectra];
+const TARGETS: [Target; 4] = [Target::Spc, Target::Slugsin, Target::Spectra, Target::Tlsf];
 
 /// The format that a target is read as.
 fn format(target: Target) -> Format {

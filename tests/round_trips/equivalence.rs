@@ -42,12 +42,15 @@ pub fn prove(a: &Specification, b: &Specification, layout: Layout) -> Result<(),
         next: kernel.constant(true),
         a,
         layout,
-        free: a.assumptions.safety.is_empty() && a.assumptions.invariants.is_empty(),
+        free: false,
+        at_ease: false,
         carried: &carried,
         kernel,
         encoding,
     };
     proof.find_domains().map_err(gave_up)?;
+    proof.free = proof.asks_nothing(&a.assumptions, true).map_err(gave_up)?;
+    proof.at_ease = proof.asks_nothing(&a.guarantees, false).map_err(gave_up)?;
     // Invariants are a matter of the first step and of every next one.
     let (a, b) = (lower::without_invariants(a), lower::without_invariants(b));
     for (who, owner, a, b) in [
@@ -133,11 +136,21 @@ struct Lists {
     justice: Vec<Item>,
 }
 
+/// Initial conditions and transitions that lead to a further step.
+struct GoingOn {
+    initial: Function,
+    step: Function,
+    /// What holds now in every such step.
+    always: Function,
+}
+
 struct Proof<'s> {
     a: &'s Specification,
     layout: Layout,
     /// Whether every move of the environment is legal.
     free: bool,
+    /// Whether every move of the machine is.
+    at_ease: bool,
     carried: &'s [Expr],
     /// That all variables of `a` have values now, and next.
     now: Function,
@@ -161,6 +174,13 @@ impl Proof<'_> {
         let of_a = |v: VarId, time| at(&self.carried[v.index()], time);
         let a = self.lists(owner, a, &of_a)?;
         let b = self.lists(owner, b, &Expr::Var)?;
+        let (all_of_a, all_of_b) = (a, b);
+        let (a, b) = (&all_of_a, &all_of_b);
+        // Where the other side has nothing to lose meanwhile, it does not matter in which step this one loses.
+        let some_time = match owner {
+            Owner::Environment => self.at_ease,
+            Owner::System => self.free,
+        };
         for (what, a, b, domains, bound) in [
             (
                 "initial conditions",
@@ -185,7 +205,8 @@ impl Proof<'_> {
                     let all = |set: &HashSet<Function>| self.kernel.all(set.iter());
                     let (left, right) = (all(&left)?, all(&right)?);
                     self.kernel.and(&left, domains)? == self.kernel.and(&right, domains)?
-                };
+                }
+                || bound.is_some() && some_time && self.same_in_the_end(&all_of_a, &all_of_b)?;
             if !same {
                 let only = |list: &[Item], others: &HashSet<Function>| -> Result<String, Limit> {
                     let mut found = Vec::new();
@@ -227,6 +248,64 @@ impl Proof<'_> {
         Ok(Ok(()))
     }
 
+    /// Whether nothing is asked of any move of a side of `a`, or, `later`, of any but the first.
+    fn asks_nothing(&self, side: &Side, later: bool) -> Result<bool, Limit> {
+        let both = self.kernel.and(&self.now, &self.next)?;
+        let of_a = |v: VarId, time| at(&self.carried[v.index()], time);
+        let mut lists = vec![&side.invariants, &side.safety];
+        lists.extend((!later).then_some(&side.initial));
+        for list in lists {
+            if !self.within(&self.items(list, &of_a)?, &both)?.is_empty() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Whether the initial conditions and transitions allow the same runs.
+    fn same_in_the_end(&self, a: &Lists, b: &Lists) -> Result<bool, Limit> {
+        let (a, b) = (self.going_on(a)?, self.going_on(b)?);
+        if [&a, &b].iter().all(|s| self.kernel.is_false(&s.initial)) {
+            return Ok(true);
+        }
+        // What holds in every step of the runs of both.
+        let always = self.kernel.and(&a.always, &b.always)?;
+        let always_next = self.kernel.prime(&always)?;
+        for side in [&a, &b] {
+            let first = self.kernel.implies(&side.initial, &always)?;
+            let later = self.kernel.implies(&side.step, &always_next)?;
+            if !self.kernel.is_true(&first) || !self.kernel.is_true(&later) {
+                return Ok(false);
+            }
+        }
+        let steps = |side: &GoingOn| self.kernel.and(&side.step, &always);
+        Ok(a.initial == b.initial && steps(&a)? == steps(&b)?)
+    }
+
+    fn going_on(&self, lists: &Lists) -> Result<GoingOn, Limit> {
+        let all = |items: &[Item]| self.kernel.all(items.iter().map(|(f, _)| f));
+        let both = self.kernel.and(&self.now, &self.next)?;
+        let step = self.kernel.and(&all(&lists.safety)?, &both)?;
+        let always = self.kernel.exists(&step, &self.bits(Time::Next))?;
+        let initial = self.kernel.and(&all(&lists.initial)?, &self.now)?;
+        Ok(GoingOn {
+            initial: self.kernel.and(&initial, &always)?,
+            step: self.kernel.and(&step, &self.kernel.prime(&always)?)?,
+            always,
+        })
+    }
+
+    fn bits(&self, time: Time) -> BitSet {
+        let pairs = self.encoding.pairs();
+        BitSet::new((0..pairs).map(|p| {
+            let bit = Bit(2 * p as u16);
+            match time {
+                Time::Now => bit,
+                Time::Next => bit.primed(),
+            }
+        }))
+    }
+
     /// What a side asks, in a form that does not depend on which of several ways to say it was taken.
     fn lists(
         &self,
@@ -264,22 +343,14 @@ impl Proof<'_> {
 
     /// The function over values of this time alone, if it depends on no others, where all variables have values.
     fn over(&self, f: &Function, time: Time) -> Result<Option<Function>, Limit> {
-        let other = match time {
-            Time::Now => Time::Next,
-            Time::Next => Time::Now,
-        };
-        let pairs = self.encoding.pairs();
-        let bits = BitSet::new((0..pairs).map(|p| {
-            let bit = Bit(2 * p as u16);
-            match other {
-                Time::Now => bit,
-                Time::Next => bit.primed(),
-            }
-        }));
         let (here, there) = match time {
             Time::Now => (&self.now, &self.next),
             Time::Next => (&self.next, &self.now),
         };
+        let bits = self.bits(match time {
+            Time::Now => Time::Next,
+            Time::Next => Time::Now,
+        });
         let some = self.kernel.and_exists(f, there, &bits)?;
         let all = self.kernel.implies_forall(there, f, &bits)?;
         let same = self.kernel.and(&some, here)? == self.kernel.and(&all, here)?;

@@ -157,7 +157,8 @@ impl<'f> Classifier<'f> {
 
     /// A formula about finitely many steps, once all of them are over; its value in the first ones does not matter.
     fn looked_back(&mut self, f: F) -> Option<Expr> {
-        let ahead = self.formulas.ahead(f)?;
+        // Of a step and the next one, justice speaks as it is.
+        let ahead = self.formulas.ahead(f)?.max(1) - 1;
         Some(self.seen(f, i64::from(ahead))?.simplify())
     }
 

@@ -117,7 +117,8 @@ impl Meaning<'_, '_, '_> {
         let initially = self.pieces(&wishes, Section::Initially);
         let preset = self.pieces(&wishes, Section::Preset);
         let require = self.pieces(&wishes, Section::Require);
-        let assume = self.pieces(&wishes, Section::Assume);
+        let mut assume = self.pieces(&wishes, Section::Assume);
+        only_in_vain(&mut assume);
         let mut assert = self.pieces(&wishes, Section::Assert);
         let mut guarantee = self.pieces(&wishes, Section::Guarantee);
         if !self.strict {
@@ -139,6 +140,10 @@ impl Meaning<'_, '_, '_> {
         let lasting = |f: &&Found| !matches!(f.piece, Piece::Initial(_));
         let assumed = !require.is_empty() || { assume.iter() }
             .any(|f| lasting_preset || lasting(&f) || self.reads_output(f));
+        only_in_vain(&mut guarantee);
+        if assumed && !strict {
+            only_in_vain(&mut assert);
+        }
         let (hard, soft): (Vec<&Found>, Vec<&Found>) = match (self.strict, assumed) {
             (_, false) => (assert.iter().chain(&guarantee).collect(), Vec::new()),
             (false, true) => (Vec::new(), assert.iter().chain(&guarantee).collect()),
@@ -262,7 +267,7 @@ impl Meaning<'_, '_, '_> {
                 let initial = matches!(found.piece, Piece::Initial(_));
                 if when.pressing || outputs {
                     // The environment is held to it in its next move.
-                    let e = if initial {
+                    let e = if initial && !matches!(e, Expr::Const(_)) {
                         self.classifier.not_first().or(e.clone()).simplify()
                     } else {
                         e.clone()
@@ -362,6 +367,20 @@ fn keep(found: &Found, late: bool, released: &[Expr], sides: &mut Sides) {
             side.justice.push(formula(found, e));
         }
         Piece::Persistent(_) => {}
+    }
+}
+
+/// Constants among what is assumed or promised: what says nothing is left out, and what nothing can keep is as well asked again and again.
+fn only_in_vain(list: &mut Vec<Found>) {
+    let constant = |f: &Found| match f.piece {
+        Piece::Initial(Expr::Const(value)) | Piece::Invariant(Expr::Const(value)) => Some(value),
+        _ => None,
+    };
+    list.retain(|f| constant(f).is_none_or(|value| value == 0));
+    for found in list {
+        if constant(found).is_some() {
+            found.piece = Piece::Recurrent(Expr::FALSE);
+        }
     }
 }
 
