@@ -64,7 +64,9 @@ pub(super) fn read(
     text: &str,
     loader: &mut Loader<'_>,
 ) -> (Specification, Vec<Diagnostic>) {
-    let Sources { files, findings } = import::gather(file, text, loader);
+    let Sources {
+        files, findings, ..
+    } = import::gather(file, text, loader);
     let taken = files[0].declarations.iter();
     let taken = taken.filter_map(import::state).map(|n| n.text.clone());
     let length = files.iter().map(|s| s.text.len()).sum();
