@@ -188,11 +188,12 @@ fn values_of_enumerations_are_compared_by_their_places() {
 #[test]
 fn predicates_may_be_called_as_quantifiers_are() {
     let text = "spec t\nenv boolean[2] a;\npredicate exists(Int(0..1) i): a[i];\npredicate forall(boolean p): p & exists(1);\n\
-        gar alw exists(0) | forall (a[1]) | (exists i in Int(0..1) . !exists(i));\n";
+        gar alw (exists(0) -> forall (a[1])) & (exists i in Int(0..1) . exists(i));\n";
     agrees(text, &[2, 2], |l| {
         (0..horizon(l)).all(|t| {
             let (a, b) = (l.at(t)[0] == 1, l.at(t)[1] == 1);
-            a || b || !(a && b)
+            let implied = !a || b;
+            implied && (a || b)
         })
     });
 }
@@ -212,11 +213,11 @@ fn initial_conditions_about_the_second_step() {
 #[test]
 fn initial_assumptions_leave_the_machines_values_open() {
     // The environment keeps what some values of the machine would make true.
-    let cases: [(&str, fn(i64) -> bool); 4] = [
-        ("s & x = 1", |x| x == 1),
-        ("n < 2 -> x = 0", |_| true),
-        ("n = x & !s", |x| x <= 2),
-        ("n + x > 4 & (s | x = 3)", |x| x >= 3),
+    let cases = [
+        ("s & x = 1", 1..=1),
+        ("n < 2 -> x = 0", 0..=3),
+        ("n = x & !s", 0..=2),
+        ("n + x > 4 & (s | x = 3)", 3..=3),
     ];
     for (formula, left) in cases {
         let text = format!(
@@ -225,7 +226,11 @@ fn initial_assumptions_leave_the_machines_values_open() {
         );
         let mut game = game(&text);
         for lasso in lassos(&[4], 6) {
-            assert_eq!(game.assumed(&lasso), left(lasso.at(0)[0]), "{text}");
+            assert_eq!(
+                game.assumed(&lasso),
+                left.contains(&lasso.at(0)[0]),
+                "{text}"
+            );
         }
     }
 }

@@ -187,4 +187,8 @@ fn so_many_files_are_imported_and_no_more() {
     assert_eq!(chain(65), 0);
     assert_eq!(chain(66), 1);
     assert_eq!(chain(200), 1);
+    let missing = "import \"missing.spectra\"\n".repeat(20_000);
+    let file = format!("{missing}spec t\nsys boolean x;\n");
+    let (reading, _) = read_files(&[("t.spectra", &file)]);
+    assert_eq!(errors(&reading).len(), 64);
 }

@@ -26,9 +26,19 @@ impl Lasso {
     pub fn period(&self) -> usize {
         self.letters.len() - self.back
     }
+
+    /// Whether no shorter lasso is the same run.
+    fn is_shortest(&self) -> bool {
+        let cycle = &self.letters[self.back..];
+        let rolled = self.back > 0 && self.letters.last() == self.letters.get(self.back - 1);
+        let repeats = |part: usize| {
+            cycle.len().is_multiple_of(part) && cycle.chunks(part).all(|c| c == &cycle[..part])
+        };
+        !rolled && !(1..cycle.len()).any(repeats)
+    }
 }
 
-/// All lassos of up to `longest` letters over variables with so many values each, or 10,000 random ones where that is too many.
+/// All runs that are lassos of up to `longest` letters over variables with so many values each, or 10,000 random ones where that is too many.
 pub fn lassos(sizes: &[i64], longest: u32) -> Vec<Lasso> {
     let letters: i64 = sizes.iter().product();
     let count: i64 = (1..=longest)
@@ -43,7 +53,8 @@ pub fn lassos(sizes: &[i64], longest: u32) -> Vec<Lasso> {
         digits.collect()
     };
     let mut found = Vec::new();
-    if count <= 30_000 {
+    // Those over two truth values are 30,948.
+    if count <= 31_000 {
         for length in 1..=longest {
             for mut word in 0..letters.pow(length) {
                 let mut run = Vec::new();
@@ -52,10 +63,13 @@ pub fn lassos(sizes: &[i64], longest: u32) -> Vec<Lasso> {
                     word /= letters;
                 }
                 for back in 0..length as usize {
-                    found.push(Lasso {
+                    let lasso = Lasso {
                         letters: run.clone(),
                         back,
-                    });
+                    };
+                    if lasso.is_shortest() {
+                        found.push(lasso);
+                    }
                 }
             }
         }

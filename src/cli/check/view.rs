@@ -22,14 +22,16 @@ impl<'a> FileView<'a> {
         sources
             .files()
             .map(|(id, file)| {
+                // What another tool's file imports declares nothing of its own; a mistake in it is one of the file that imports.
+                let imported =
+                    loaded.foreign(id).is_none() && Format::of_path(&file.name).is_some();
                 let declarations = match loaded.foreign(id) {
                     Some(foreign) => vec![Declaration {
                         kind: Kind::Contract,
                         name: foreign.name.clone(),
                         extent: foreign.reading.span,
                     }],
-                    // What another tool's file imports declares nothing of its own.
-                    None if Format::of_path(&file.name).is_some() => Vec::new(),
+                    None if imported => Vec::new(),
                     None => outline::declarations(sources, id),
                 };
                 let findings: Vec<&Diagnostic> = loaded
@@ -37,11 +39,12 @@ impl<'a> FileView<'a> {
                     .iter()
                     .filter(|f| f.span.is_some_and(|s| s.file == id))
                     .collect();
-                let broken = findings.iter().any(|f| {
+                let wrong = |f: &&Diagnostic| {
                     let inside = |d: &Declaration| f.span.is_some_and(|s| d.holds(s));
                     has_errors(std::slice::from_ref(*f))
                         && (f.code.id < codes::NAME_UNKNOWN.id || !declarations.iter().any(inside))
-                });
+                };
+                let broken = !imported && findings.iter().any(wrong);
                 Self {
                     id,
                     name: &file.name,

@@ -17,6 +17,8 @@ use std::sync::Arc;
 
 /// A file may import so many others, theirs counted.
 const MAX_FILES: usize = 64;
+/// And name so many files in vain; later ones are not looked for.
+const MAX_MISSED: usize = 64;
 /// Files of the language end so.
 const ENDING: &str = ".spectra";
 
@@ -42,6 +44,7 @@ pub(super) struct Source {
 pub(super) struct Sources {
     pub files: Vec<Source>,
     pub findings: Vec<Diagnostic>,
+    missed: usize,
 }
 
 /// Parses a file and all that it imports.
@@ -49,6 +52,7 @@ pub(super) fn gather(file: FileId, text: &str, loader: &mut Loader<'_>) -> Sourc
     let mut sources = Sources {
         files: Vec::new(),
         findings: Vec::new(),
+        missed: 0,
     };
     sources.add(file, text.into());
     let mut at = 0;
@@ -99,6 +103,9 @@ impl Sources {
         span: Span,
         loader: &mut Loader<'_>,
     ) -> Option<Target> {
+        if self.missed >= MAX_MISSED {
+            return None;
+        }
         if !path.ends_with(ENDING) {
             self.refuse(
                 span,
@@ -136,6 +143,7 @@ impl Sources {
     }
 
     fn refuse(&mut self, span: Span, message: String, help: impl Into<String>) {
+        self.missed += 1;
         self.findings
             .push(Diagnostic::error(codes::IMPORT_MISSING, span, message).with_help(help));
     }

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `import` | `import`, `scope` |
 //! | `type`, arrays, `.all .any .sum .prod .min .max` | `types`, `array` |
+//! | comparisons, also of enumerations | `comparison` |
 //! | `define`, `predicate` | `evaluate`, `array`, `predicate` |
 //! | `forall`, `exists`, `in {..}` | `quantifier`, `membership` |
 //! | `PREV ONCE HISTORICALLY SINCE TRIGGERED` | `past` |
@@ -23,6 +24,7 @@
 
 mod array;
 mod automaton;
+mod comparison;
 mod counter;
 pub(super) mod dwyer;
 mod evaluate;
@@ -62,7 +64,9 @@ pub(super) fn read(
     text: &str,
     loader: &mut Loader<'_>,
 ) -> (Specification, Vec<Diagnostic>) {
-    let Sources { files, findings } = import::gather(file, text, loader);
+    let Sources {
+        files, findings, ..
+    } = import::gather(file, text, loader);
     let taken = files[0].declarations.iter();
     let taken = taken.filter_map(import::state).map(|n| n.text.clone());
     let length = files.iter().map(|s| s.text.len()).sum();
@@ -125,7 +129,7 @@ impl Reader {
             scope.types.insert(name.text.clone(), declared);
             return;
         };
-        let line = |span| parser::one_line(statement::text_of(text, span));
+        let line = |span| parser::one_line(statement::text_of(text, span)).replace(' ', "");
         let (known, first) = (known.span, *first);
         if line(known) == line(of.span) {
             self.note(

@@ -45,7 +45,7 @@ pub(super) struct Reader {
     pub findings: Vec<Diagnostic>,
     pub specification: Specification,
     /// The file that is read; others are imported.
-    root: FileId,
+    pub root: FileId,
     /// Names, by files.
     pub scopes: BTreeMap<FileId, Scope>,
     /// Of the published patterns.
@@ -210,7 +210,7 @@ impl Reader {
     pub fn unknown(&mut self, what: &str, name: &str, span: Span) {
         if let Some(declared) = self.left_behind(name, span) {
             let message = format!(
-                "`{name}` is declared in another file, and imports bring in no variables, monitors and counters"
+                "`{name}` stays in its file: imports bring in no variables, monitors and counters"
             );
             if self
                 .told
@@ -220,7 +220,7 @@ impl Reader {
                     Diagnostic::error(codes::NAME_UNKNOWN, span, message)
                         .with_label(declared, "declared here")
                         .with_help(
-                            "declare it in this file, or give it to the definition as a parameter",
+                            "declare it in the file that imports, and give it to predicates and patterns as an argument",
                         ),
                 );
             }

@@ -45,7 +45,7 @@ impl Symbol {
 pub(super) struct Scope {
     pub types: BTreeMap<String, (Rc<TypeName>, Span)>,
     pub symbols: BTreeMap<String, (Symbol, Span)>,
-    /// Variables, monitors and counters of a file that is imported: they stay there.
+    /// The file's variables, monitors and counters: where it is imported, they stay there.
     pub behind: BTreeMap<String, Span>,
     /// What the file imports, in order.
     pub imports: Vec<Target>,
@@ -93,9 +93,10 @@ impl Reader {
 
     /// The variable, monitor or counter of that name that an import leaves in its file.
     pub fn left_behind(&self, name: &str, at: Span) -> Option<Span> {
-        self.imported(at)
-            .find_map(|scope| scope.behind.get(name))
-            .copied()
+        let own = self.scopes.get(&at.file).filter(|_| at.file != self.root);
+        let scopes = own.into_iter().chain(self.imported(at));
+        let mut found = scopes.filter_map(|scope| scope.behind.get(name));
+        found.next().copied()
     }
 
     /// The names that a file sees.

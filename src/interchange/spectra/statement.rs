@@ -198,11 +198,9 @@ impl Reader {
             expr = self.first_transition(expr);
         }
         let kind = match when {
-            When::Initially if next => Kind::Safety,
-            When::Initially => Kind::Initial,
-            When::Transition => Kind::Safety,
-            When::Always if next => Kind::Safety,
-            When::Always => Kind::Invariant,
+            When::Initially if !next => Kind::Initial,
+            When::Always if !next => Kind::Invariant,
+            When::Initially | When::Transition | When::Always => Kind::Safety,
             When::Repeatedly => Kind::Justice,
         };
         let obligations = if side == Owner::System {

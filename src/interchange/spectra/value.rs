@@ -20,6 +20,11 @@ impl Kind {
         matches!(self, Self::Labels(_))
     }
 
+    /// Whether it is a value of an enumeration at all.
+    pub fn is_of_enumeration(&self) -> bool {
+        matches!(self, Self::Labels(_) | Self::Label(_))
+    }
+
     /// In a message.
     pub fn describe(&self) -> String {
         match self {
