@@ -1,7 +1,5 @@
-//! Spectra's language: the benchmark files, each construct against a naive semantics, bad files, and the way back.
+//! Spectra's language: the benchmark files, each construct against a naive semantics, and bad files.
 
-#[path = "spectra/back.rs"]
-mod back;
 #[path = "spectra/bad.rs"]
 mod bad;
 #[path = "spectra/bench.rs"]
@@ -16,6 +14,4 @@ mod imports;
 mod lassos;
 #[path = "spectra/patterns.rs"]
 mod patterns;
-#[path = "interchange/random.rs"]
-mod random;
 mod support;

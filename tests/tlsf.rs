@@ -11,8 +11,6 @@ mod lassos;
 #[path = "tlsf/messages.rs"]
 mod messages;
 mod support;
-#[path = "tlsf/written.rs"]
-mod written;
 
 use linewright::contract::load;
 use linewright::diagnostics::{has_errors, render};

@@ -136,7 +136,7 @@ struct Lists {
     justice: Vec<Item>,
 }
 
-/// Initial conditions and transitions that lead to a further step.
+/// Initial conditions and transitions that can be gone on with for ever.
 struct GoingOn {
     initial: Function,
     step: Function,
@@ -285,14 +285,20 @@ impl Proof<'_> {
     fn going_on(&self, lists: &Lists) -> Result<GoingOn, Limit> {
         let all = |items: &[Item]| self.kernel.all(items.iter().map(|(f, _)| f));
         let both = self.kernel.and(&self.now, &self.next)?;
-        let step = self.kernel.and(&all(&lists.safety)?, &both)?;
-        let always = self.kernel.exists(&step, &self.bits(Time::Next))?;
         let initial = self.kernel.and(&all(&lists.initial)?, &self.now)?;
-        Ok(GoingOn {
-            initial: self.kernel.and(&initial, &always)?,
-            step: self.kernel.and(&step, &self.kernel.prime(&always)?)?,
-            always,
-        })
+        let mut step = self.kernel.and(&all(&lists.safety)?, &both)?;
+        loop {
+            let always = self.kernel.exists(&step, &self.bits(Time::Next))?;
+            let further = self.kernel.and(&step, &self.kernel.prime(&always)?)?;
+            if further == step {
+                return Ok(GoingOn {
+                    initial: self.kernel.and(&initial, &always)?,
+                    step,
+                    always,
+                });
+            }
+            step = further;
+        }
     }
 
     fn bits(&self, time: Time) -> BitSet {
