@@ -10,15 +10,14 @@ mod random;
 mod support;
 
 use equivalence::{Layout, prove};
-use linewright::contract::load;
 use linewright::diagnostics::has_errors;
-use linewright::game::{Limits, Options, Outcome, solve_with};
 use linewright::gr1::{Formula, Specification, Timing};
 use linewright::interchange::{Format, Target, contract, lower, read, write};
 use linewright::source::FileId;
 use proptest::prelude::*;
 use rayon::prelude::*;
 use std::path::PathBuf;
+use support::games::{reload, specifications, verdict};
 
 const TARGETS: [Target; 4] = [Target::Spc, Target::Slugsin, Target::Spectra, Target::Tlsf];
 
@@ -56,34 +55,6 @@ fn reread(target: Target, text: &str) -> Specification {
         reading.findings
     );
     reading.specification.expect("there is no error")
-}
-
-/// The contract that a printed text declares.
-fn reload(text: &str) -> Specification {
-    let files = [("test.lw".to_owned(), text.to_owned())];
-    let (library, findings) = load(&files, &|_, _| Err("no imports".to_owned()));
-    assert!(!has_errors(&findings), "{text}\n{findings:#?}");
-    let [contract] = library.contracts.as_slice() else {
-        panic!("one contract in {text}");
-    };
-    (*contract.specification).clone()
-}
-
-fn verdict(specification: &Specification) -> bool {
-    let options = Options {
-        limits: Limits {
-            deadline: None,
-            memory_mib: Some(1024),
-            ..Limits::default()
-        },
-        without_core: true,
-        ..Options::default()
-    };
-    match solve_with(specification, &options).outcome {
-        Outcome::Realizable(_) => true,
-        Outcome::Unrealizable(_) => false,
-        Outcome::GaveUp(limit) => panic!("gave up: {limit}"),
-    }
 }
 
 /// Writes, reads and proves.
@@ -163,24 +134,12 @@ fn formulas(specification: &mut Specification, list: usize) -> &mut Vec<Formula>
 /// Every public specification that can be read.
 fn benchmarks() -> Option<Vec<(PathBuf, Specification)>> {
     let mut found = Vec::new();
-    let mut open = vec![support::specs()?];
-    while let Some(folder) = open.pop() {
-        for entry in std::fs::read_dir(folder).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                open.push(path);
-                continue;
-            }
-            let Some(format) = Format::of_path(&path.to_string_lossy()) else {
-                continue;
-            };
-            let text = std::fs::read_to_string(&path).expect("a text");
-            if let Some(specification) = read(format, "test", FileId(0), &text).specification {
-                found.push((path, specification));
-            }
+    for (format, path) in specifications(&support::specs()?) {
+        let text = std::fs::read_to_string(&path).expect("a text");
+        if let Some(specification) = read(format, "test", FileId(0), &text).specification {
+            found.push((path, specification));
         }
     }
-    found.sort_by(|a, b| a.0.cmp(&b.0));
     assert!(found.len() > 140, "only {} files", found.len());
     Some(found)
 }

@@ -12,13 +12,12 @@ mod lassos;
 mod messages;
 mod support;
 
-use linewright::contract::load;
-use linewright::diagnostics::{has_errors, render};
-use linewright::game::{Limits, Options, Outcome, solve_with};
+use linewright::diagnostics::render;
 use linewright::gr1::Specification;
 use linewright::interchange::{Format, Reading, contract, read};
 use linewright::source::{FileId, SourceMap};
 use std::path::PathBuf;
+use support::games::{reload, verdict};
 
 /// The public files, where they lie beside the repository.
 fn bench() -> Option<PathBuf> {
@@ -42,34 +41,6 @@ fn sound(text: &str) -> Specification {
     reading
         .specification
         .unwrap_or_else(|| panic!("{text}\n{findings}"))
-}
-
-fn verdict(specification: &Specification) -> bool {
-    let options = Options {
-        limits: Limits {
-            deadline: None,
-            memory_mib: Some(1024),
-            ..Limits::default()
-        },
-        without_core: true,
-        ..Options::default()
-    };
-    match solve_with(specification, &options).outcome {
-        Outcome::Realizable(_) => true,
-        Outcome::Unrealizable(_) => false,
-        Outcome::GaveUp(limit) => panic!("gave up: {limit}"),
-    }
-}
-
-/// The contract that a printed text declares.
-fn reload(text: &str) -> Specification {
-    let files = [("test.lw".to_owned(), text.to_owned())];
-    let (library, findings) = load(&files, &|_, _| Err("no imports".to_owned()));
-    assert!(!has_errors(&findings), "{text}\n{findings:#?}");
-    let [contract] = library.contracts.as_slice() else {
-        panic!("one contract in {text}");
-    };
-    (*contract.specification).clone()
 }
 
 /// A file with a few signals and sections.

@@ -9,6 +9,19 @@ use super::terms::{Kind, Term};
 use crate::gr1::{Domain, Owner, Time};
 use std::ops::Range;
 
+/// Words of slugs that are no names.
+pub(super) const WORDS: [&str; 9] = [
+    "X",
+    "F",
+    "G",
+    "U",
+    "W",
+    "FALSE",
+    "TRUE",
+    "next",
+    "LEASTSIGNIFICANTBITOVERWRITES",
+];
+
 /// `x` or `x: lo...hi`.
 pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize>) {
     let text = &names.text[line.clone()];
@@ -21,18 +34,7 @@ pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize
     let plain = name
         .chars()
         .all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
-    let reserved = [
-        "X",
-        "F",
-        "G",
-        "U",
-        "W",
-        "FALSE",
-        "TRUE",
-        "next",
-        "LEASTSIGNIFICANTBITOVERWRITES",
-    ];
-    if !starts || !plain || reserved.contains(&name) {
+    if !starts || !plain || WORDS.contains(&name) {
         names.syntax(
             place,
             format!("`{}` cannot be a variable's name", quoted(name)),

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 pub mod assumed;
+pub mod games;
 pub mod programs;
 pub mod wine;
 

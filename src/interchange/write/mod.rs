@@ -91,6 +91,14 @@ impl<'s> Writing<'s> {
     }
 }
 
+/// Whether a name has only letters, digits and `others`, begins with none but a letter or `_`, and is none of the format's words.
+fn is_plain(name: &str, others: &str, words: &[&str]) -> bool {
+    let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || others.contains(c);
+    name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && name.chars().all(fits)
+        && !words.contains(&name)
+}
+
 /// What became of a variable's name, its labels and its smallest value, for a comment. `from_zero` tells that numbers are counted from 0.
 fn about(variable: &Variable, name: &str, from_zero: bool) -> Option<String> {
     let mut parts = Vec::new();

@@ -7,10 +7,11 @@
 
 use super::super::lower;
 use super::super::rename::renamed;
+use super::super::structured::WORDS;
 use super::bits::{has_holes, width};
 use super::gates::{Gate, Shape};
 use super::one_line;
-use super::{Writing, legend};
+use super::{Writing, is_plain, legend};
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{Domain, Owner, Side, Specification, Time, VarId};
 use std::collections::BTreeMap;
@@ -31,22 +32,7 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
 
 /// Names that slugs' own tools take too.
 fn is_name(name: &str) -> bool {
-    const WORDS: [&str; 9] = [
-        "X",
-        "F",
-        "G",
-        "U",
-        "W",
-        "FALSE",
-        "TRUE",
-        "next",
-        "LEASTSIGNIFICANTBITOVERWRITES",
-    ];
-    name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && name
-            .chars()
-            .all(|c| c.is_ascii_alphanumeric() || "_.".contains(c))
-        && !WORDS.contains(&name)
+    is_plain(name, ".", &WORDS)
 }
 
 struct Writer<'s> {

@@ -9,7 +9,7 @@ use super::super::rename::renamed;
 use super::gates::Shape;
 use super::one_line;
 use super::text::{Piece, Rank, Words};
-use super::{Writing, legend};
+use super::{Writing, is_plain, legend};
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{Domain, Formula, Owner, Side, Specification, Time};
 use std::fmt::Write as _;
@@ -44,11 +44,7 @@ fn is_name(name: &str) -> bool {
         "True", "False", "ENV", "SYS", "ENVINIT", "ENVTRANS", "ENVGOAL", "SYSINIT", "SYSTRANS",
         "SYSGOAL",
     ];
-    name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && name
-            .chars()
-            .all(|c| c.is_ascii_alphanumeric() || "_.".contains(c))
-        && !WORDS.contains(&name)
+    is_plain(name, ".", &WORDS)
 }
 
 struct Writer<'s> {

@@ -8,10 +8,10 @@
 use super::super::lower;
 use super::super::rename::renamed;
 use super::super::spectra::is_keyword;
-use super::Writing;
 use super::gates::{Shape, TooMany, is_truth};
 use super::one_line;
 use super::text::{Piece, Rank, Words, at_least};
+use super::{Writing, is_plain};
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp, VarId,
@@ -49,9 +49,7 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
 }
 
 fn is_name(name: &str) -> bool {
-    name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-        && !is_keyword(name)
+    is_plain(name, "", &[]) && !is_keyword(name)
 }
 
 struct Writer<'s> {

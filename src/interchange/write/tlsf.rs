@@ -10,7 +10,7 @@ use super::bits::{has_holes, width};
 use super::gates::{Gate, Shape};
 use super::one_line;
 use super::text::{Piece, Rank, Words, at_least};
-use super::{Writing, about};
+use super::{Writing, about, is_plain};
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
@@ -38,9 +38,7 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
 }
 
 fn is_name(name: &str) -> bool {
-    name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && { name.chars() }.all(|c| c.is_ascii_alphanumeric() || "_'@".contains(c))
-        && !is_reserved(name)
+    is_plain(name, "'@", &[]) && !is_reserved(name)
 }
 
 struct Writer<'s> {
