@@ -215,6 +215,32 @@ fn random_files_have_the_verdict_of_their_formula() {
     assert!(counts.iter().flatten().all(|c| *c > 50), "{counts:?}");
 }
 
+/// What is assumed of the first step excuses from no PRESET, and from everything else from that step on.
+#[test]
+fn assumptions_about_the_first_step_beside_preset() {
+    let mut dice = Dice(6);
+    let mut counts = [0; 2];
+    while counts.iter().sum::<i32>() < 600 {
+        let random = Random {
+            require: Vec::new(),
+            given: vec![dice.step(1, false)],
+            assume: [Vec::new(), Vec::new()],
+            ..Random::new(&mut dice)
+        };
+        let text = random.text();
+        let reading = crate::read_text(&text);
+        let Some(specification) = reading.specification.filter(|_| !random.preset.is_empty())
+        else {
+            continue;
+        };
+        let wanted = random.realizable();
+        assert_eq!(verdict(&specification), wanted, "{text}");
+        counts[usize::from(wanted)] += 1;
+    }
+    println!("unrealizable and realizable: {counts:?}");
+    assert!(counts.iter().all(|c| *c > 50), "{counts:?}");
+}
+
 /// A Moore file for a Mealy machine, and the other way round, has the verdict of its own semantics, plain and strict.
 #[test]
 fn the_target_changes_no_verdict() {

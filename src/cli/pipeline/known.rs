@@ -128,7 +128,7 @@ impl Known {
             let empty = |e: &EnvironmentFindings| e.cannot_start || e.unsatisfiable;
             let means_nothing = self.environment.as_ref().is_some_and(empty);
             // The lines that mend these are of our own language.
-            let told = job.goal >= Goal::Small && !means_nothing;
+            let told = job.goal >= Goal::Small && !job.foreign && !means_nothing;
             if let Some(found) = self.shape.as_ref().filter(|_| told) {
                 findings.extend(shape::findings(specification, found));
             }

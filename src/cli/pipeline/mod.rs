@@ -142,6 +142,8 @@ pub struct Job {
     pub goal: Goal,
     /// Whether the controller has to be a machine, whatever its size, although functions were wished for.
     pub explicit: bool,
+    /// Whether another tool's file says it: then nothing is said about formulas that could be left out.
+    foreign: bool,
     /// For a specification of another tool: what to find out beside, to say what that tool answers.
     pub inquiries: Vec<Inquiry>,
 }
@@ -229,7 +231,7 @@ impl Jobs {
             job.goal = job.goal.max(goal);
             return index;
         }
-        self.add_foreign(specification, span, goal, Vec::new())
+        self.push(specification, span, goal)
     }
 
     /// Adds a specification of another tool.
@@ -240,12 +242,20 @@ impl Jobs {
         goal: Goal,
         inquiries: Vec<Inquiry>,
     ) -> usize {
+        let index = self.push(specification, span, goal);
+        self.list[index].foreign = true;
+        self.list[index].inquiries = inquiries;
+        index
+    }
+
+    fn push(&mut self, specification: &Arc<Specification>, span: Span, goal: Goal) -> usize {
         self.list.push(Job {
             specification: Arc::clone(specification),
             span,
             goal,
             explicit: false,
-            inquiries,
+            foreign: false,
+            inquiries: Vec::new(),
         });
         self.list.len() - 1
     }

@@ -108,6 +108,7 @@ impl Task {
                     span: self.job.span,
                     goal: Goal::Answer,
                     explicit: false,
+                    foreign: false,
                     inquiries: Vec::new(),
                 },
                 examine: false,

@@ -139,7 +139,8 @@ impl Meaning<'_, '_, '_> {
 
         let lasting = |f: &&Found| !matches!(f.piece, Piece::Initial(_));
         let assumed = !require.is_empty() || { assume.iter() }
-            .any(|f| lasting_preset || lasting(&f) || self.reads_output(f));
+            // PRESET is kept in the very step in which an assumption about the first one is broken.
+            .any(|f| !preset.is_empty() || lasting_preset || lasting(&f) || self.reads_output(f));
         only_in_vain(&mut guarantee);
         if assumed && !strict {
             only_in_vain(&mut assert);

@@ -49,7 +49,7 @@ impl Classifier<'_> {
         let (word, help) = match self.formulas.op(at) {
             Op::Until(..) | Op::Weak(..) | Op::Release(..) => (
                 "this `U`, `W` or `R`",
-                "let an output stand for it, which may ask for more: `G (q -> a U b)`, and `q` in its place",
+                "let an output stand for it, and `q` in its place: promised, `G (q -> (a U b))`, which may ask for more; as a condition, `G ((a U b) -> q)`",
             ),
             Op::Finally(g) if matches!(self.formulas.op(*g), Op::Globally(_)) => (
                 "`F G`",
@@ -71,7 +71,7 @@ impl Classifier<'_> {
         };
         Refusal {
             at,
-            why: format!("{word} stands within {within}, which is outside GR(1)"),
+            why: format!("{word} stands within {within} so that it has no form in GR(1) here"),
             help: help.to_owned(),
         }
     }
@@ -82,7 +82,7 @@ impl Classifier<'_> {
         Some(Refusal {
             at,
             why: "this `U` stands within another `U`: nested untils are outside what is turned into GR(1)".to_owned(),
-            help: "let an output stand for the inner one, which may ask for more: `a U q` and `G (q -> b U c)` for `a U (b U c)`".to_owned(),
+            help: "let an output stand for the inner one, which may ask for more: `a U q` and `G (q -> (b U c))` for `a U (b U c)`".to_owned(),
         })
     }
 
