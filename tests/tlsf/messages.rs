@@ -27,8 +27,13 @@ fn what_is_outside_is_refused_at_its_smallest_part() {
         ("F G g", "F G g", "G (h -> X h); G (h -> g); G F h"),
         (
             "G (r -> X g); F (G g && h)",
-            "F (G g && h)",
+            "G g",
             "G (r -> X g); F (q && h); G (q -> G g)",
+        ),
+        (
+            "G F r; F G g || F G h",
+            "F G g",
+            "G F r; G (q -> X q); G (q -> g); G F q",
         ),
         (
             "G F r -> G F g; G F s -> G F h",

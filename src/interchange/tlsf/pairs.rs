@@ -1,7 +1,7 @@
 //! Promises of the form "if again and again, then again and again": Streett pairs.
 
 use super::classify::Piece;
-use super::ltl::F;
+use super::ltl::{F, Op};
 use super::meaning::{Found, Meaning, formula};
 use super::refusal::Refusal;
 use crate::gr1::{Expr, Formula};
@@ -21,11 +21,7 @@ impl Meaning<'_, '_, '_> {
         let mut refusals = Vec::new();
         for found in assert.iter().chain(guarantee) {
             match &found.piece {
-                Piece::Persistent(_) => refusals.push(Refusal {
-                    at: found.at,
-                    why: "`F G` (from some step on for ever) is promised, which is outside GR(1)".to_owned(),
-                    help: "let an output say when it begins: `G (settled -> X settled)`, `G (settled -> a)` and `G F settled`".to_owned(),
-                }),
+                Piece::Persistent(_) => refusals.push(for_ever(self.for_ever_part(found.at))),
                 Piece::Pair(when, _) => match first {
                     None => first = Some((found, when)),
                     Some((_, known)) if same(known, when) => {}
@@ -54,9 +50,34 @@ impl Meaning<'_, '_, '_> {
         };
         when.iter().map(|(_, e)| formula(found, e)).collect()
     }
+
+    /// What is to hold for ever in `F (a & G b)`.
+    fn for_ever_part(&self, at: F) -> F {
+        let formulas = &*self.classifier.formulas;
+        let lasting = |f: &F| matches!(formulas.op(*f), Op::Globally(_));
+        match formulas.op(at) {
+            Op::Finally(a) => match formulas.op(*a) {
+                Op::And(list) => list.iter().copied().find(lasting).unwrap_or(at),
+                _ => at,
+            },
+            _ => at,
+        }
+    }
+}
+
+fn for_ever(at: F) -> Refusal {
+    Refusal {
+        at,
+        why: "`F G` (from some step on for ever) is promised, which is outside GR(1)".to_owned(),
+        help: "let an output say when it begins: `G (settled -> X settled)`, `G (settled -> a)` and `G F settled`".to_owned(),
+    }
 }
 
 fn pair(found: &Found, why: &str) -> Refusal {
+    // `F G a | F G b` is "if not a and not b again and again, then never".
+    if let Piece::Pair(when, Expr::Const(0)) = &found.piece {
+        return for_ever(when.first().map_or(found.at, |w| w.0));
+    }
     let at = match &found.piece {
         Piece::Pair(when, _) => when.first().map_or(found.at, |w| w.0),
         _ => found.at,
