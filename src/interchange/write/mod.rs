@@ -14,6 +14,7 @@ mod tlsf;
 pub(super) use gates::is_truth;
 
 use super::names::one_line;
+use super::rename::renamed;
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{Domain, Expr, Formula, Specification, Variable};
 use gates::{Gate, Gates, TooMany};
@@ -89,6 +90,12 @@ impl<'s> Writing<'s> {
             Err(self.findings)
         }
     }
+}
+
+/// Names of all variables that the format takes.
+fn names_of(specification: &Specification, takes: impl Fn(&str) -> bool) -> Vec<String> {
+    let wanted = specification.variables.iter().map(|v| v.name.as_str());
+    renamed(wanted, "v_", takes)
 }
 
 /// Whether a name has only letters, digits and `others`, begins with none but a letter or `_`, and is none of the format's words.

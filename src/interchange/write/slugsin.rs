@@ -6,12 +6,11 @@
 //! gates. What the format has not: answering first, and invariants; see [`lower`].
 
 use super::super::lower;
-use super::super::rename::renamed;
 use super::super::structured::WORDS;
 use super::bits::{has_holes, width};
 use super::gates::{Gate, Shape};
 use super::one_line;
-use super::{Writing, is_plain, legend};
+use super::{Writing, is_plain, legend, names_of};
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{Domain, Owner, Side, Specification, Time, VarId};
 use std::collections::BTreeMap;
@@ -19,11 +18,7 @@ use std::fmt::Write as _;
 
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
     let lowered = lower::answering_second(&lower::without_invariants(specification));
-    let names = renamed(
-        lowered.variables.iter().map(|v| v.name.as_str()),
-        "v_",
-        is_name,
-    );
+    let names = names_of(&lowered, is_name);
     let base = Writing::new(&lowered, &names);
     let mut writer = Writer { base };
     let text = writer.file();

@@ -5,11 +5,10 @@
 //! invariants, primed goals, initial conditions of the machine that speak of inputs; see [`lower`].
 
 use super::super::lower;
-use super::super::rename::renamed;
 use super::gates::Shape;
 use super::one_line;
 use super::text::{Piece, Rank, Words};
-use super::{Writing, is_plain, legend};
+use super::{Writing, is_plain, legend, names_of};
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{Domain, Formula, Owner, Side, Specification, Time};
 use std::fmt::Write as _;
@@ -28,11 +27,7 @@ const MAX_SIZE: u64 = 1 << 18;
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
     let lowered = lower::answering_second(&lower::without_invariants(specification));
     let lowered = lower::starting_alone(&lower::goals_of_states(&lowered));
-    let names = renamed(
-        lowered.variables.iter().map(|v| v.name.as_str()),
-        "v_",
-        is_name,
-    );
+    let names = names_of(&lowered, is_name);
     let base = Writing::new(&lowered, &names);
     let mut writer = Writer { base };
     let text = writer.file();

@@ -4,13 +4,12 @@
 //! stands behind `X`: an invariant is asked of step 0 under INITIALLY or PRESET, and of every next step under REQUIRE or ASSERT. A number
 //! is a bus that holds the distance from its smallest value; what its bits can hold beyond its domain is kept out like an invariant.
 
-use super::super::rename::renamed;
 use super::super::tlsf::is_reserved;
 use super::bits::{has_holes, width};
 use super::gates::{Gate, Shape};
 use super::one_line;
 use super::text::{Piece, Rank, Words, at_least};
-use super::{Writing, about, is_plain};
+use super::{Writing, about, is_plain, names_of};
 use crate::diagnostics::Diagnostic;
 use crate::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
@@ -29,8 +28,7 @@ const WORDS: Words = Words {
 const MAX_SIZE: u64 = 1 << 14;
 
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
-    let names = { specification.variables.iter() }.map(|v| v.name.as_str());
-    let names = renamed(names, "v_", is_name);
+    let names = names_of(specification, is_name);
     let base = Writing::new(specification, &names);
     let mut writer = Writer { base };
     let text = writer.file();

@@ -146,7 +146,7 @@ impl<'f, 'r> Expander<'f, 'r> {
             Kind::Element(name, index) => {
                 let found = match Bound::find(scope, name) {
                     Some(value) => value,
-                    None => self.named(name, tree, scope, site)?,
+                    None => self.named(name, tree, site)?,
                 };
                 let Value::Bus(bits) = found else {
                     return self.fail(

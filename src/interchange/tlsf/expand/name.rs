@@ -17,9 +17,8 @@ impl<'f> Expander<'f, '_> {
         site: u32,
     ) -> Result<Value> {
         match Bound::find(scope, name) {
-            Some(Value::Formula(f)) => Ok(Value::Formula(f)),
             Some(value) => Ok(value),
-            None => match self.named(name, tree, scope, site)? {
+            None => match self.named(name, tree, site)? {
                 // A signal is read where it stands.
                 Value::Formula(f) if matches!(self.formulas.op(f), Op::Atom(_)) => {
                     let op = self.formulas.op(f).clone();
@@ -31,13 +30,7 @@ impl<'f> Expander<'f, '_> {
         }
     }
 
-    pub(super) fn named(
-        &mut self,
-        name: &'f str,
-        tree: &'f Tree,
-        _: Scope<'_>,
-        site: u32,
-    ) -> Result<Value> {
+    pub(super) fn named(&mut self, name: &'f str, tree: &'f Tree, site: u32) -> Result<Value> {
         if let Some(value) = self.known.get(name) {
             return Ok(value.clone());
         }
