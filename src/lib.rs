@@ -22,6 +22,7 @@ pub mod gr1;
 pub mod interchange;
 pub mod line;
 pub mod mealy;
+pub mod order;
 pub mod play;
 pub mod report;
 pub mod source;

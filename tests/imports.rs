@@ -5,13 +5,14 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A module may use those before it.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 17] = [
     "source",
     "diagnostics",
     "taxonomy",
     "syntax",
     "gr1",
     "interchange",
+    "order",
     "contract",
     "symbolic",
     "game",
