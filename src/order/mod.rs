@@ -20,6 +20,13 @@
 //!
 //! Nothing here knows of syntax, contracts or machines.
 
+pub mod dfa;
+pub mod fsm;
+pub mod regex;
+pub mod rule;
+pub mod serial;
+pub mod supervisor;
+
 use crate::source::Span;
 
 /// So many skills a set has at most: a call is a mask of 64 bits.

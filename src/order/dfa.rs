@@ -1,0 +1,363 @@
+//! Finite automata over the letters `0..letters`, deterministic and without a state for what is refused.
+//!
+//! They are small (a rule has a handful of states), so everything is plain: breadth-first exploration of whatever can be stepped,
+//! partition refinement for the smallest automaton (Moore, "Gedanken-experiments on sequential machines", 1956), the product for
+//! comparing two.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What stands in place of a state where a letter is refused.
+pub const REFUSED: u32 = u32::MAX;
+
+/// Something would have more states than is sensible.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("there would be more than {limit} {what}")]
+pub struct TooLarge {
+    /// What there would be too much of: `states`.
+    pub what: &'static str,
+    /// How many there may be.
+    pub limit: usize,
+}
+
+/// A deterministic automaton. States are numbered in the order in which they are found from the start, letters ascending.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Dfa {
+    letters: usize,
+    /// Row-major.
+    next: Vec<u32>,
+    /// Whether a word may end here.
+    complete: Vec<bool>,
+}
+
+/// What was explored.
+#[derive(Debug, Clone)]
+pub struct Explored<S> {
+    /// The automaton.
+    pub dfa: Dfa,
+    /// The numbers of the starts, in ascending order.
+    pub starts: Vec<u32>,
+    /// What each of its states is.
+    pub states: Vec<S>,
+}
+
+impl Dfa {
+    /// Everything that can be reached from `start`, which becomes state 0. `step` gives the state after a letter, `None` where it is
+    /// refused; `complete` says whether a word may end.
+    ///
+    /// # Errors
+    /// When there are more than `limit` states.
+    pub fn explore<S: Clone + Ord>(
+        letters: usize,
+        start: S,
+        limit: usize,
+        step: impl FnMut(&S, usize) -> Option<S>,
+        complete: impl Fn(&S) -> bool,
+    ) -> Result<Self, TooLarge> {
+        Self::explore_all(letters, &[start], limit, step, complete).map(|found| found.dfa)
+    }
+
+    /// The same from several starts, the first of which becomes state 0.
+    ///
+    /// # Errors
+    /// When there are more than `limit` states.
+    pub fn explore_all<S: Clone + Ord>(
+        letters: usize,
+        starts: &[S],
+        limit: usize,
+        mut step: impl FnMut(&S, usize) -> Option<S>,
+        complete: impl Fn(&S) -> bool,
+    ) -> Result<Explored<S>, TooLarge> {
+        let mut numbers: BTreeMap<S, u32> = BTreeMap::new();
+        let mut states: Vec<S> = Vec::new();
+        let mut number = |state: S, states: &mut Vec<S>| match numbers.get(&state) {
+            Some(number) => Ok(*number),
+            None if states.len() == limit => Err(TooLarge {
+                what: "states",
+                limit,
+            }),
+            None => {
+                let number = states.len() as u32;
+                states.push(state.clone());
+                numbers.insert(state, number);
+                Ok(number)
+            }
+        };
+        let mut begin = Vec::new();
+        for start in starts {
+            begin.push(number(start.clone(), &mut states)?);
+        }
+        begin.sort_unstable();
+        begin.dedup();
+        let mut next = Vec::new();
+        let mut at = 0;
+        while at < states.len() {
+            for letter in 0..letters {
+                next.push(match step(&states[at], letter) {
+                    Some(to) => number(to, &mut states)?,
+                    None => REFUSED,
+                });
+            }
+            at += 1;
+        }
+        let dfa = Self {
+            letters,
+            next,
+            complete: states.iter().map(complete).collect(),
+        };
+        Ok(Explored {
+            dfa,
+            starts: begin,
+            states,
+        })
+    }
+
+    /// How many letters there are.
+    pub fn letters(&self) -> usize {
+        self.letters
+    }
+
+    /// How many states there are; at least 1.
+    pub fn states(&self) -> usize {
+        self.complete.len()
+    }
+
+    /// The state after a letter, or [`REFUSED`].
+    pub fn next(&self, state: u32, letter: usize) -> u32 {
+        self.next[state as usize * self.letters + letter]
+    }
+
+    /// Whether a word may end in this state.
+    pub fn is_complete(&self, state: u32) -> bool {
+        self.complete[state as usize]
+    }
+
+    /// The state after a word, or `None` where a letter of it is refused.
+    pub fn run(&self, word: &[usize]) -> Option<u32> {
+        word.iter().try_fold(0, |state, letter| {
+            let to = self.next(state, *letter);
+            (to != REFUSED).then_some(to)
+        })
+    }
+
+    /// Whether a letter leaves every state as it is.
+    pub fn is_idle(&self, letter: usize) -> bool {
+        (0..self.states() as u32).all(|state| self.next(state, letter) == state)
+    }
+
+    /// The same with other states in which a word may end.
+    ///
+    /// # Panics
+    /// When there is not one value a state.
+    #[must_use]
+    pub fn with_complete(mut self, complete: Vec<bool>) -> Self {
+        assert_eq!(complete.len(), self.complete.len(), "one value a state");
+        self.complete = complete;
+        self
+    }
+
+    /// The same with every beginning of a word as a word.
+    #[must_use]
+    pub fn prefix_closed(mut self) -> Self {
+        self.complete.fill(true);
+        self
+    }
+
+    /// Refuses what no longer leads to a complete word. Only the start stays whatever comes of it.
+    #[must_use]
+    pub fn trimmed(self) -> Self {
+        let states = self.states();
+        let mut alive = self.complete.clone();
+        let mut before: Vec<Vec<usize>> = vec![Vec::new(); states];
+        for state in 0..states {
+            for letter in 0..self.letters {
+                let to = self.next(state as u32, letter);
+                if to != REFUSED {
+                    before[to as usize].push(state);
+                }
+            }
+        }
+        let mut waiting: Vec<usize> = (0..states).filter(|s| alive[*s]).collect();
+        while let Some(state) = waiting.pop() {
+            for &from in &before[state] {
+                if !alive[from] {
+                    alive[from] = true;
+                    waiting.push(from);
+                }
+            }
+        }
+        let step = |state: &u32, letter: usize| {
+            let to = self.next(*state, letter);
+            (to != REFUSED && alive[to as usize]).then_some(to)
+        };
+        Self::explore(self.letters, 0, states, step, |s| self.is_complete(*s))
+            .expect("no more states than before; please report this")
+    }
+
+    /// The smallest automaton with the same words and the same refusals.
+    #[must_use]
+    pub fn minimal(&self) -> Self {
+        let states = self.states();
+        let mut class: Vec<u32> = self.complete.iter().map(|c| u32::from(*c)).collect();
+        let mut count = 0;
+        loop {
+            let mut numbers: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+            let refined: Vec<u32> = (0..states)
+                .map(|state| {
+                    let mut key = vec![class[state]];
+                    key.extend((0..self.letters).map(|letter| {
+                        let to = self.next(state as u32, letter);
+                        if to == REFUSED {
+                            REFUSED
+                        } else {
+                            class[to as usize]
+                        }
+                    }));
+                    let number = numbers.len() as u32;
+                    *numbers.entry(key).or_insert(number)
+                })
+                .collect();
+            class = refined;
+            if numbers.len() == count {
+                break;
+            }
+            count = numbers.len();
+        }
+        let mut member = vec![0; count];
+        for state in (0..states).rev() {
+            member[class[state] as usize] = state as u32;
+        }
+        let step = |c: &u32, letter: usize| {
+            let to = self.next(member[*c as usize], letter);
+            (to != REFUSED).then(|| class[to as usize])
+        };
+        let complete = |c: &u32| self.is_complete(member[*c as usize]);
+        Self::explore(self.letters, class[0], states, step, complete)
+            .expect("no more states than before; please report this")
+    }
+
+    /// The shortest word that is in one of the languages and not in the other, the least among those of its length. `None` where the
+    /// languages are the same. Takes time in the product of the numbers of states.
+    ///
+    /// # Panics
+    /// When the letters are not the same.
+    pub fn difference(&self, other: &Self) -> Option<Vec<usize>> {
+        assert_eq!(
+            self.letters, other.letters,
+            "automata over the same letters"
+        );
+        let complete = |dfa: &Self, state: u32| state != REFUSED && dfa.is_complete(state);
+        let after = |dfa: &Self, state: u32, letter| {
+            if state == REFUSED {
+                REFUSED
+            } else {
+                dfa.next(state, letter)
+            }
+        };
+        let successors = |&(a, b): &(u32, u32)| {
+            let letters = 0..self.letters;
+            let pairs = letters.map(|l| (l, (after(self, a, l), after(other, b, l))));
+            pairs
+                .filter(|(_, pair)| *pair != (REFUSED, REFUSED))
+                .collect()
+        };
+        shortest((0, 0), successors, |&(a, b)| {
+            complete(self, a) != complete(other, b)
+        })
+    }
+}
+
+/// The labels of a shortest way from `start` to a state that is `wanted`; the least one where labels are given in ascending order.
+pub fn shortest<S: Clone + Ord, L: Copy>(
+    start: S,
+    successors: impl Fn(&S) -> Vec<(L, S)>,
+    wanted: impl Fn(&S) -> bool,
+) -> Option<Vec<L>> {
+    let mut order = vec![(start.clone(), None)];
+    let mut seen = BTreeSet::from([start]);
+    let mut at = 0;
+    while at < order.len() {
+        let state = order[at].0.clone();
+        if wanted(&state) {
+            let mut word = Vec::new();
+            let mut here = at;
+            while let Some((from, label)) = order[here].1 {
+                word.push(label);
+                here = from;
+            }
+            word.reverse();
+            return Some(word);
+        }
+        for (label, to) in successors(&state) {
+            if seen.insert(to.clone()) {
+                order.push((to, Some((at, label))));
+            }
+        }
+        at += 1;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Words over two letters whose number of ones is a multiple of `n`; a zero is refused after `most` of them in a row.
+    fn counting(n: u32, most: u32) -> Dfa {
+        let step = |&(ones, zeros): &(u32, u32), letter: usize| match letter {
+            0 if zeros == most => None,
+            0 => Some((ones, zeros + 1)),
+            _ => Some(((ones + 1) % n, 0)),
+        };
+        Dfa::explore(2, (0, 0), 1000, step, |s| s.0 == 0).expect("it is small")
+    }
+
+    #[test]
+    fn the_smallest_automaton_has_the_same_words() {
+        let doubled = Dfa::explore(
+            2,
+            (0, false),
+            100,
+            |&(n, odd), letter| Some(((n + letter) % 3, !odd)),
+            |s| s.0 == 0,
+        )
+        .expect("it is small");
+        assert_eq!(doubled.states(), 6);
+        let minimal = doubled.minimal();
+        assert_eq!(minimal.states(), 3);
+        assert_eq!(doubled.difference(&minimal), None);
+    }
+
+    #[test]
+    fn a_difference_is_shortest() {
+        assert_eq!(counting(2, 3).difference(&counting(2, 4)), Some(vec![0; 4]));
+        assert_eq!(counting(2, 3).difference(&counting(4, 3)), Some(vec![1, 1]));
+        assert_eq!(counting(2, 3).difference(&counting(2, 3)), None);
+    }
+
+    #[test]
+    fn what_leads_nowhere_is_trimmed() {
+        // A word may end after a one only, and after two zeros there are no ones.
+        let step = |&(zeros, one): &(u32, bool), letter: usize| match letter {
+            _ if one => None,
+            0 => Some(((zeros + 1).min(2), false)),
+            _ => (zeros < 2).then_some((zeros, true)),
+        };
+        let dfa = Dfa::explore(2, (0, false), 100, step, |s| s.1).expect("it is small");
+        assert!(dfa.run(&[0, 0]).is_some());
+        let trimmed = dfa.trimmed();
+        assert!(trimmed.run(&[0, 0]).is_none());
+        assert!(trimmed.run(&[0, 1]).is_some_and(|s| trimmed.is_complete(s)));
+    }
+
+    #[test]
+    fn a_limit_is_kept() {
+        let counter = Dfa::explore(1, 0_u32, 10, |n, _| Some(n + 1), |_| true);
+        assert_eq!(
+            counter.map(|d| d.states()),
+            Err(TooLarge {
+                what: "states",
+                limit: 10
+            })
+        );
+    }
+}

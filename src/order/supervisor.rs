@@ -1,0 +1,358 @@
+//! What may be called when: the rules of a level, read call by call.
+//!
+//! A [`Supervisor`] answers each call with the state after it or with why it is refused, in the sense of Ramadge and Wonham, "Supervisory
+//! control of a class of discrete event processes" (1987): it allows and forbids, and calls nothing itself. It works out states as they
+//! are asked for; [`super::automaton`] works out all of them.
+
+use super::dfa::{Dfa, REFUSED, TooLarge};
+use super::rule::{self, Alphabet, Automaton, MOST_STATES};
+use super::serial::{Known, Serial};
+use super::{Level, Serialisation, Skills};
+
+/// One skill or several called at once, as a mask over [`Skills::skills`]. Never 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Call(pub u64);
+
+impl Call {
+    /// One skill.
+    pub fn one(skill: usize) -> Self {
+        Self(1 << skill)
+    }
+
+    /// Its skills in ascending order.
+    pub fn skills(self) -> impl Iterator<Item = usize> {
+        (0..u64::BITS as usize).filter(move |s| self.0 >> s & 1 == 1)
+    }
+
+    /// As a person writes it: `Left & Down`.
+    pub fn text(self, skills: &Skills) -> String {
+        let names = self.skills().map(|s| skills.skills[s].name.as_str());
+        names.collect::<Vec<_>>().join(" & ")
+    }
+}
+
+/// Which calls are allowed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// The rules of this level and those before it.
+    pub level: Level,
+    /// When several skills at once are allowed.
+    pub serialisation: Serialisation,
+    /// Rules that list the transitions that a published model deletes are replaced by these deletions.
+    pub paper: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            level: Level::Valid,
+            serialisation: Serialisation::Every,
+            paper: false,
+        }
+    }
+}
+
+/// What is known after some calls.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct State {
+    /// The situation of each component.
+    pub situation: Vec<usize>,
+    /// What is known of the automata.
+    pub known: Vec<Known>,
+}
+
+/// Why a call is refused.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Refusal {
+    /// Two skills of one component at once.
+    SameComponent {
+        /// The component.
+        component: usize,
+        /// Two of its skills.
+        skills: [usize; 2],
+    },
+    /// A skill whose component is where it leads already, at the level reasonable.
+    Recall {
+        /// The skill.
+        skill: usize,
+    },
+    /// A rule.
+    Rule {
+        /// By its place in [`Skills::rules`].
+        rule: usize,
+        /// The order of calling them one after the other that it refuses, up to the skill that it refuses; events of several skills are
+        /// left out.
+        order: Vec<usize>,
+    },
+    /// A deleted transition.
+    Deleted {
+        /// The rule that lists it.
+        rule: usize,
+    },
+}
+
+/// The automata that calls are put to.
+#[derive(Debug, Clone)]
+enum Automata {
+    /// One a rule: (place of the rule, its automaton).
+    Each(Vec<(usize, Serial)>),
+    /// All rules together, since one order has to suit all of them: the rules, their states in each state of the product, and the product.
+    Together {
+        rules: Vec<usize>,
+        parts: Vec<Dfa>,
+        states: Vec<Vec<u32>>,
+        product: Box<Serial>,
+    },
+}
+
+/// Allows and refuses calls.
+#[derive(Debug, Clone)]
+pub struct Supervisor<'a> {
+    skills: &'a Skills,
+    options: Options,
+    alphabet: Alphabet,
+    automata: Automata,
+    /// The rules whose deletions hold.
+    deleting: Vec<usize>,
+}
+
+impl<'a> Supervisor<'a> {
+    /// The rules of a level.
+    ///
+    /// # Errors
+    /// When a rule's automaton is too large, or the product where one is needed.
+    pub fn new(skills: &'a Skills, options: Options) -> Result<Self, TooLarge> {
+        let alphabet = Alphabet::of(skills);
+        let kept = skills.rules.iter().enumerate();
+        let kept = kept.filter(|(_, rule)| rule.level <= options.level);
+        let (deleting, kept): (Vec<_>, Vec<_>) =
+            kept.partition(|(_, rule)| options.paper && !rule.deletions.is_empty());
+        let mut each = Vec::new();
+        for (place, rule) in kept {
+            each.push((place, rule::automaton(rule, skills, &alphabet)?));
+        }
+        let automata = match options.serialisation {
+            Serialisation::Every => {
+                let serial = |(place, a)| (place, Serial::new(a, Serialisation::Every));
+                Automata::Each(each.into_iter().map(serial).collect())
+            }
+            Serialisation::Some => together(each, alphabet.len())?,
+        };
+        Ok(Self {
+            skills,
+            options,
+            alphabet,
+            automata,
+            deleting: deleting.into_iter().map(|(place, _)| place).collect(),
+        })
+    }
+
+    /// The skills.
+    pub fn skills(&self) -> &'a Skills {
+        self.skills
+    }
+
+    /// The rules that are kept, by their places.
+    pub fn rules(&self) -> Vec<usize> {
+        let mut rules = match &self.automata {
+            Automata::Each(each) => each.iter().map(|(place, _)| *place).collect(),
+            Automata::Together { rules, .. } => rules.clone(),
+        };
+        rules.extend(&self.deleting);
+        rules.sort_unstable();
+        rules
+    }
+
+    /// Before the first call.
+    pub fn start(&self) -> State {
+        let known = match &self.automata {
+            Automata::Each(each) => vec![0; each.len()],
+            Automata::Together { .. } => vec![0],
+        };
+        State {
+            situation: self.skills.components.iter().map(|c| c.initial).collect(),
+            known,
+        }
+    }
+
+    /// Where the components stand after a call, whether or not it is allowed.
+    pub fn moved(&self, state: &State, call: Call) -> Vec<usize> {
+        let mut situation = state.situation.clone();
+        for skill in call.skills() {
+            let skill = &self.skills.skills[skill];
+            if let Some(effect) = skill.effect {
+                situation[skill.component] = effect;
+            }
+        }
+        situation
+    }
+
+    /// The state after a call, or why it is refused.
+    ///
+    /// # Errors
+    /// When one rule speaks of too many of its skills.
+    pub fn call(&mut self, state: &State, call: Call) -> Result<Result<State, Refusal>, TooLarge> {
+        if let Some(refusal) = self.refused_by_components(state, call) {
+            return Ok(Err(refusal));
+        }
+        let letters = self.alphabet.letters(call.0);
+        let mut known = Vec::with_capacity(state.known.len());
+        match &mut self.automata {
+            Automata::Each(each) => {
+                for ((rule, serial), before) in each.iter_mut().zip(&state.known) {
+                    match serial.call(*before, &letters)? {
+                        Some(after) => known.push(after),
+                        None => {
+                            let order = serial.refusing(*before, &letters)?.unwrap_or_default();
+                            let order = without_events(order, self.skills);
+                            return Ok(Err(Refusal::Rule { rule: *rule, order }));
+                        }
+                    }
+                }
+            }
+            Automata::Together {
+                rules,
+                parts,
+                states,
+                product,
+            } => match product.call(state.known[0], &letters)? {
+                Some(after) => known.push(after),
+                None => {
+                    let from = product.states(state.known[0])[0];
+                    let (rule, order) = first_refusal(parts, &states[from as usize], &letters);
+                    let order = without_events(order, self.skills);
+                    return Ok(Err(Refusal::Rule {
+                        rule: rules[rule],
+                        order,
+                    }));
+                }
+            },
+        }
+        let situation = self.moved(state, call);
+        for &rule in &self.deleting {
+            let deletions = &self.skills.rules[rule].deletions;
+            let stands = |at: &[(usize, usize)], in_it: &[usize]| {
+                at.iter().all(|(component, s)| in_it[*component] == *s)
+            };
+            let deleted = deletions
+                .iter()
+                .any(|d| stands(&d.from, &state.situation) && stands(&d.to, &situation));
+            if deleted {
+                return Ok(Err(Refusal::Deleted { rule }));
+            }
+        }
+        Ok(Ok(State { situation, known }))
+    }
+
+    fn refused_by_components(&self, state: &State, call: Call) -> Option<Refusal> {
+        let mut called: Vec<Option<usize>> = vec![None; self.skills.components.len()];
+        for skill in call.skills() {
+            let component = self.skills.skills[skill].component;
+            if let Some(other) = called[component].replace(skill) {
+                return Some(Refusal::SameComponent {
+                    component,
+                    skills: [other, skill],
+                });
+            }
+        }
+        if self.options.level < Level::Reasonable {
+            return None;
+        }
+        let recalled = call.skills().find(|s| {
+            let skill = &self.skills.skills[*s];
+            skill.effect == Some(state.situation[skill.component])
+        });
+        recalled.map(|skill| Refusal::Recall { skill })
+    }
+
+    /// Whether a program may end here: no sequence is in the middle of a word.
+    pub fn is_complete(&self, state: &State) -> bool {
+        match &self.automata {
+            Automata::Each(each) => {
+                let mut automata = each.iter().zip(&state.known);
+                automata.all(|((_, serial), known)| serial.is_complete(*known))
+            }
+            Automata::Together { product, .. } => product.is_complete(state.known[0]),
+        }
+    }
+
+    /// The rules that a program must not leave here, by their places: sequences in the middle of a word.
+    pub fn unfinished(&self, state: &State) -> Vec<usize> {
+        match &self.automata {
+            Automata::Each(each) => {
+                let open = each.iter().zip(&state.known);
+                let open = open.filter(|((_, serial), known)| !serial.is_complete(**known));
+                open.map(|((rule, _), _)| *rule).collect()
+            }
+            Automata::Together { rules, .. } if !self.is_complete(state) => {
+                let sequences = rules.iter().copied();
+                let is_sequence =
+                    |r: &usize| matches!(self.skills.rules[*r].kind, super::Kind::Sequence(_));
+                sequences.filter(is_sequence).collect()
+            }
+            Automata::Together { .. } => Vec::new(),
+        }
+    }
+}
+
+fn without_events(mut order: Vec<usize>, skills: &Skills) -> Vec<usize> {
+    order.retain(|letter| *letter < skills.skills.len());
+    order
+}
+
+/// The rule that refuses first when these letters come in the given order, and the letters up to there.
+fn first_refusal(parts: &[Dfa], from: &[u32], letters: &[usize]) -> (usize, Vec<usize>) {
+    let mut states = from.to_vec();
+    for (at, letter) in letters.iter().enumerate() {
+        for (rule, state) in states.iter_mut().enumerate() {
+            *state = parts[rule].next(*state, *letter);
+            if *state == REFUSED {
+                return (rule, letters[..=at].to_vec());
+            }
+        }
+    }
+    (0, letters.to_vec())
+}
+
+/// The product of all rules, for what one order has to suit.
+fn together(each: Vec<(usize, Automaton)>, letters: usize) -> Result<Automata, TooLarge> {
+    let (rules, automata): (Vec<usize>, Vec<Automaton>) = each.into_iter().unzip();
+    let mut starts: Vec<Vec<u32>> = vec![Vec::new()];
+    for automaton in &automata {
+        let longer = starts.iter().flat_map(|s| {
+            let more = automaton.starts.iter();
+            more.map(move |m| s.iter().copied().chain([*m]).collect())
+        });
+        starts = longer.collect();
+        if starts.len() > MOST_STATES {
+            return Err(TooLarge {
+                what: "states",
+                limit: MOST_STATES,
+            });
+        }
+    }
+    let parts: Vec<Dfa> = automata.into_iter().map(|a| a.dfa).collect();
+    let step = |state: &Vec<u32>, letter| {
+        let next = state
+            .iter()
+            .zip(&parts)
+            .map(|(s, dfa)| dfa.next(*s, letter));
+        let next: Vec<u32> = next.collect();
+        (!next.contains(&REFUSED)).then_some(next)
+    };
+    let complete = |state: &Vec<u32>| {
+        let mut states = state.iter().zip(&parts);
+        states.all(|(s, dfa)| dfa.is_complete(*s))
+    };
+    let explored = Dfa::explore_all(letters, &starts, MOST_STATES, step, complete)?;
+    let product = Automaton {
+        dfa: explored.dfa,
+        starts: explored.starts,
+    };
+    Ok(Automata::Together {
+        rules,
+        parts,
+        states: explored.states,
+        product: Box::new(Serial::new(product, Serialisation::Some)),
+    })
+}
