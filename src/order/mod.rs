@@ -21,7 +21,9 @@
 //! Nothing here knows of syntax, contracts or machines.
 
 pub mod dfa;
+pub mod eliminate;
 pub mod fsm;
+pub mod program;
 pub mod regex;
 pub mod rule;
 pub mod serial;

@@ -1,0 +1,204 @@
+//! From an automaton to a short regular expression.
+//!
+//! States are eliminated one after the other (Brzozowski and McCluskey, "Signal flow graph techniques for sequential circuit state
+//! diagrams", 1963). The order decides how long the expression gets. Where there are few states, all orders are tried; else the state
+//! through which the least text would be copied goes first (Delgado and Morais, "Approximation to the smallest regular expression for a
+//! given regular language", 2004). What comes out is turned into an automaton again and compared.
+
+use super::Regex;
+use super::dfa::{Dfa, REFUSED, TooLarge};
+use super::regex::automaton;
+use super::rule::MOST_STATES;
+
+/// With so many states at most, all orders are tried.
+const ALL_ORDERS: usize = 7;
+
+/// An expression longer than this is no use to anyone.
+pub const MOST_SIZE: usize = 1 << 16;
+
+/// The expression between any two states; the last two are a start before the start, and an end behind all complete states.
+#[derive(Clone)]
+struct Graph {
+    states: usize,
+    between: Vec<Regex>,
+}
+
+impl Graph {
+    fn new(dfa: &Dfa) -> Self {
+        let inner = dfa.states();
+        let states = inner + 2;
+        let (start, end) = (inner, inner + 1);
+        let mut classes: Vec<Vec<Regex>> = vec![Vec::new(); states * states];
+        for from in 0..inner {
+            for letter in 0..dfa.letters() {
+                let to = dfa.next(from as u32, letter);
+                if to != REFUSED {
+                    classes[from * states + to as usize].push(Regex::Skill(letter));
+                }
+            }
+            if dfa.is_complete(from as u32) {
+                classes[from * states + end].push(Regex::Empty);
+            }
+        }
+        classes[start * states].push(Regex::Empty);
+        let letters = dfa.letters();
+        Self {
+            states,
+            between: classes.into_iter().map(|c| class(c, letters)).collect(),
+        }
+    }
+
+    fn at(&self, from: usize, to: usize) -> &Regex {
+        &self.between[from * self.states + to]
+    }
+
+    fn neighbours(&self, state: usize, left: &[usize]) -> (Vec<usize>, Vec<usize>) {
+        let is = |from: usize, to: usize| from != to && *self.at(from, to) != Regex::Nothing;
+        let ends = [self.states - 2, self.states - 1];
+        let others = || left.iter().chain(&ends).copied();
+        let before = others().filter(|s| is(*s, state)).collect();
+        let after = others().filter(|s| is(state, *s)).collect();
+        (before, after)
+    }
+
+    /// Leads every way through a state around it.
+    fn eliminate(&mut self, state: usize, left: &[usize]) {
+        let (before, after) = self.neighbours(state, left);
+        let around = self.at(state, state).clone().star();
+        for from in before {
+            for to in &after {
+                let through = Regex::concat([
+                    self.at(from, state).clone(),
+                    around.clone(),
+                    self.at(state, *to).clone(),
+                ]);
+                let direct = self.at(from, *to).clone();
+                self.between[from * self.states + to] = Regex::either([direct, through]);
+            }
+        }
+        for other in 0..self.states {
+            self.between[other * self.states + state] = Regex::Nothing;
+            self.between[state * self.states + other] = Regex::Nothing;
+        }
+    }
+
+    /// How much text eliminating a state copies.
+    fn weight(&self, state: usize, left: &[usize]) -> usize {
+        let (before, after) = self.neighbours(state, left);
+        let size = |from, to| self.at(from, to).size();
+        let incoming: usize = before.iter().map(|s| size(*s, state)).sum();
+        let outgoing: usize = after.iter().map(|s| size(state, *s)).sum();
+        let around = match self.at(state, state) {
+            Regex::Nothing => 0,
+            other => other.size(),
+        };
+        incoming * after.len() + outgoing * before.len() + around * before.len() * after.len()
+    }
+
+    fn result(&self) -> &Regex {
+        self.at(self.states - 2, self.states - 1)
+    }
+}
+
+/// One of several letters; said by what it is not where that is shorter.
+fn class(parts: Vec<Regex>, letters: usize) -> Regex {
+    let is = |letter: &usize| parts.contains(&Regex::Skill(*letter));
+    let missing: Vec<usize> = (0..letters).filter(|l| !is(l)).collect();
+    if parts.len() > 2 && missing.len() + 1 < parts.len() && !parts.contains(&Regex::Empty) {
+        return Regex::AnyBut(missing);
+    }
+    Regex::either(parts)
+}
+
+/// A short expression with the words of an automaton.
+///
+/// # Errors
+/// When it would be longer than [`MOST_SIZE`], or is too large to be compared.
+///
+/// # Panics
+/// When the expression does not have the words of the automaton, which would be a fault of this module.
+pub fn regex(dfa: &Dfa) -> Result<Regex, TooLarge> {
+    let dfa = dfa.clone().trimmed().minimal();
+    let graph = Graph::new(&dfa);
+    let left: Vec<usize> = (0..dfa.states()).collect();
+    let found = if left.len() <= ALL_ORDERS {
+        let mut best = None;
+        shortest(&graph, &left, &mut best);
+        best.expect("some order; please report this")
+    } else {
+        lightest_first(graph, left)?
+    };
+    let again = automaton(&found, dfa.letters(), MOST_STATES)?;
+    assert!(
+        again.difference(&dfa).is_none(),
+        "the regular expression has other words than the automaton; please report this"
+    );
+    Ok(found)
+}
+
+fn shortest(graph: &Graph, left: &[usize], best: &mut Option<Regex>) {
+    if left.is_empty() {
+        let found = graph.result();
+        if best.as_ref().is_none_or(|b| found.size() < b.size()) {
+            *best = Some(found.clone());
+        }
+        return;
+    }
+    for (i, state) in left.iter().enumerate() {
+        let mut rest = left.to_vec();
+        rest.remove(i);
+        let mut graph = graph.clone();
+        graph.eliminate(*state, &rest);
+        // What is longer already between the ends only grows.
+        let size = graph.result().size();
+        if best.as_ref().is_none_or(|b| size <= b.size()) {
+            shortest(&graph, &rest, best);
+        }
+    }
+}
+
+fn lightest_first(mut graph: Graph, mut left: Vec<usize>) -> Result<Regex, TooLarge> {
+    while !left.is_empty() {
+        let weights = left.iter().enumerate();
+        let lightest = weights.min_by_key(|(_, state)| graph.weight(**state, &left));
+        let (place, _) = lightest.expect("some are left; please report this");
+        let state = left.remove(place);
+        graph.eliminate(state, &left);
+        if graph.between.iter().map(Regex::size).sum::<usize>() > MOST_SIZE + graph.between.len() {
+            return Err(TooLarge {
+                what: "skills and operators in the regular expression",
+                limit: MOST_SIZE,
+            });
+        }
+    }
+    Ok(graph.result().clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::order::fsm::Fsm;
+    use crate::order::fsm::tests::pick_and_place;
+    use crate::order::supervisor::Options;
+
+    fn text_of(rules: &[usize]) -> String {
+        let mut skills = pick_and_place();
+        skills.rules = rules.iter().map(|r| skills.rules[*r].clone()).collect();
+        let fsm = Fsm::of(&skills, Options::default(), 1).expect("it is small");
+        let regex = regex(&fsm.one_by_one()).expect("it is short");
+        regex.text(&skills)
+    }
+
+    #[test]
+    fn the_papers_rules_are_short_expressions() {
+        insta::assert_snapshot!(
+            [&[][..], &[0], &[1], &[0, 1]].map(text_of).join("\n"),
+            @r"
+        .*
+        (not Down)* (Down ((Up (not Down)*)? Down | Release | Grip)* (Up (not Down)*)?)?
+        (not (Down | Release) | Down (not Up)* Up)* (Down (not Up)*)?
+        (not (Down | Release) | Down (Down | Release | Grip)* Up)* (Down (Down | Release | Grip)*)?
+        "
+        );
+    }
+}

@@ -1,0 +1,219 @@
+//! A program of calls, checked before it is loaded: the first call that is refused, why, and how it could go on.
+
+use super::dfa::TooLarge;
+use super::fsm::{MOST_ENTRIES, calls};
+use super::supervisor::{Call, Refusal, State, Supervisor};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What came of a program.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Checked {
+    /// How many of its calls are allowed, one after the other; all of them where there is no violation.
+    pub allowed: usize,
+    /// The first call that is not.
+    pub violation: Option<Violation>,
+    /// The state after the last allowed call.
+    pub state: State,
+    /// Rules that are in the middle of a sequence there, by their places.
+    pub unfinished: Vec<usize>,
+    /// The shortest calls with which it would be complete; `None` where it is, or never can be.
+    pub completion: Option<Vec<Call>>,
+}
+
+/// A call that is refused.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Violation {
+    /// Its place in the program, from 0.
+    pub step: usize,
+    /// The call.
+    pub call: Call,
+    /// Why.
+    pub refusal: Refusal,
+    /// The shortest calls after which it is allowed; `None` where there are none.
+    pub detour: Option<Vec<Call>>,
+    /// What may be called in its place, single skills and as many at once as the call has.
+    pub instead: Vec<Call>,
+}
+
+/// Reads a program call by call, up to the first violation.
+///
+/// # Errors
+/// When one rule speaks of too many of the skills of one call.
+pub fn check(supervisor: &mut Supervisor<'_>, program: &[Call]) -> Result<Checked, TooLarge> {
+    let mut state = supervisor.start();
+    for (step, call) in program.iter().enumerate() {
+        match supervisor.call(&state, *call)? {
+            Ok(after) => state = after,
+            Err(refusal) => {
+                let violation = Violation {
+                    step,
+                    call: *call,
+                    refusal,
+                    detour: detour(supervisor, &state, *call),
+                    instead: allowed(supervisor, &state, call.skills().count())?,
+                };
+                return Ok(Checked {
+                    allowed: step,
+                    violation: Some(violation),
+                    unfinished: Vec::new(),
+                    completion: None,
+                    state,
+                });
+            }
+        }
+    }
+    let completion = if supervisor.is_complete(&state) {
+        None
+    } else {
+        completion(supervisor, &state)
+    };
+    Ok(Checked {
+        allowed: program.len(),
+        violation: None,
+        unfinished: supervisor.unfinished(&state),
+        completion,
+        state,
+    })
+}
+
+/// What may be called in a state: single skills, and up to `most` at once.
+///
+/// # Errors
+/// When one rule speaks of too many of the skills of one call.
+pub fn allowed(
+    supervisor: &mut Supervisor<'_>,
+    state: &State,
+    most: usize,
+) -> Result<Vec<Call>, TooLarge> {
+    let mut allowed = Vec::new();
+    for call in calls(supervisor.skills(), most) {
+        if supervisor.call(state, call)?.is_ok() {
+            allowed.push(call);
+        }
+    }
+    Ok(allowed)
+}
+
+/// The shortest calls, of single skills, after which a call is allowed. `None` where there are none, or too many states were looked at.
+pub fn detour(supervisor: &mut Supervisor<'_>, from: &State, call: Call) -> Option<Vec<Call>> {
+    search(supervisor, from, |supervisor, state| {
+        matches!(supervisor.call(state, call), Ok(Ok(_)))
+    })
+}
+
+/// The shortest calls, of single skills, after which a program may end.
+pub fn completion(supervisor: &mut Supervisor<'_>, from: &State) -> Option<Vec<Call>> {
+    search(supervisor, from, |supervisor, state| {
+        supervisor.is_complete(state)
+    })
+}
+
+fn search(
+    supervisor: &mut Supervisor<'_>,
+    from: &State,
+    mut wanted: impl FnMut(&mut Supervisor<'_>, &State) -> bool,
+) -> Option<Vec<Call>> {
+    let singles = calls(supervisor.skills(), 1);
+    let limit = MOST_ENTRIES / singles.len().max(1);
+    let mut seen = BTreeSet::from([from.clone()]);
+    let mut found: Vec<(State, Option<(usize, Call)>)> = vec![(from.clone(), None)];
+    let mut at = 0;
+    while at < found.len() && found.len() < limit {
+        let state = found[at].0.clone();
+        if wanted(supervisor, &state) {
+            let mut way = Vec::new();
+            let mut here = at;
+            while let Some((before, call)) = found[here].1 {
+                way.push(call);
+                here = before;
+            }
+            way.reverse();
+            return Some(way);
+        }
+        for call in &singles {
+            if let Ok(Ok(after)) = supervisor.call(&state, *call) {
+                if seen.insert(after.clone()) {
+                    found.push((after, Some((at, *call))));
+                }
+            }
+        }
+        at += 1;
+    }
+    None
+}
+
+/// The shortest sequence of calls that one of two sets of rules allows and the other refuses.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Difference {
+    /// The calls; the last one tells them apart.
+    pub calls: Vec<Call>,
+    /// Whether the first of the two allows it.
+    pub first_allows: bool,
+    /// Why the other refuses the last call; `None` where it is only no whole program.
+    pub refusal: Option<Refusal>,
+}
+
+/// Tells two sets of rules over the same skills apart. With `whole`, also programs that the one lets end and the other does not.
+///
+/// # Errors
+/// When there are too many pairs of states, or one rule speaks of too many skills of one call.
+pub fn difference(
+    first: &mut Supervisor<'_>,
+    second: &mut Supervisor<'_>,
+    calls: &[Call],
+    whole: bool,
+) -> Result<Option<Difference>, TooLarge> {
+    let limit = MOST_ENTRIES / calls.len().max(1);
+    let start = (first.start(), second.start());
+    let mut numbers = BTreeMap::from([(start.clone(), 0_usize)]);
+    let mut found: Vec<((State, State), Option<(usize, Call)>)> = vec![(start, None)];
+    let way = |found: &[((State, State), Option<(usize, Call)>)], mut at: usize| {
+        let mut way = Vec::new();
+        while let Some((before, call)) = found[at].1 {
+            way.push(call);
+            at = before;
+        }
+        way.reverse();
+        way
+    };
+    let mut at = 0;
+    while at < found.len() {
+        let (a, b) = found[at].0.clone();
+        let ends = first.is_complete(&a);
+        if whole && ends != second.is_complete(&b) {
+            return Ok(Some(Difference {
+                calls: way(&found, at),
+                first_allows: ends,
+                refusal: None,
+            }));
+        }
+        for call in calls {
+            let pair = match (first.call(&a, *call)?, second.call(&b, *call)?) {
+                (Ok(a), Ok(b)) => (a, b),
+                (Err(_), Err(_)) => continue,
+                (allowed, refused) => {
+                    let mut calls = way(&found, at);
+                    calls.push(*call);
+                    return Ok(Some(Difference {
+                        calls,
+                        first_allows: allowed.is_ok(),
+                        refusal: allowed.err().or(refused.err()),
+                    }));
+                }
+            };
+            if numbers.contains_key(&pair) {
+                continue;
+            }
+            if found.len() == limit {
+                return Err(TooLarge {
+                    what: "pairs of states",
+                    limit,
+                });
+            }
+            numbers.insert(pair.clone(), found.len());
+            found.push((pair, Some((at, *call))));
+        }
+        at += 1;
+    }
+    Ok(None)
+}
