@@ -123,6 +123,10 @@ codes! {
     PORTS = "LW311", "the ports of contracts do not fit together";
     INCOMPATIBLE = "LW312", "no environment fits the contracts";
     MACHINE_IN_ITSELF = "LW313", "a machine contains itself";
+    ORDER_NOTHING = "LW314", "rules of a skill order allow nothing";
+    ORDER_CONTRADICTION = "LW315", "rules of a skill order contradict each other";
+    ORDER_REDUNDANT = "LW316", "a rule of a skill order excludes nothing";
+    ORDER_BROKEN = "LW317", "a program breaks a rule of a skill order";
 
     LINE_UNKNOWN = "LW401", "a station, part type or route end is not declared";
     LINE_ROUTE = "LW402", "a part has no way onward";

@@ -1,7 +1,7 @@
 //! The automaton of a set of rules: all situations, what is known of the rules in them, and what may be called.
 
 use super::Skills;
-use super::dfa::{Dfa, REFUSED, TooLarge};
+use super::dfa::{Dfa, REFUSED, TooLarge, shortest};
 use super::supervisor::{Call, Options, State, Supervisor};
 use std::collections::BTreeMap;
 
@@ -133,6 +133,17 @@ impl Fsm {
             self.dfa.is_complete(*s)
         })
         .expect("no more states than before; please report this")
+    }
+
+    /// The shortest calls that lead to a state.
+    pub fn way_to(&self, state: usize) -> Vec<Call> {
+        let successors = |from: &u32| {
+            let columns = self.calls.iter().enumerate();
+            let to = columns.map(|(column, call)| (*call, self.dfa.next(*from, column)));
+            to.filter(|(_, to)| *to != REFUSED).collect()
+        };
+        let way = shortest(0, successors, |s| *s as usize == state);
+        way.expect("every state was reached; please report this")
     }
 
     /// The transitions: one between two states, however many calls lead from the one to the other, as the paper counts them. By `from`,

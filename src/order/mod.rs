@@ -22,11 +22,13 @@
 
 pub mod dfa;
 pub mod eliminate;
+pub mod findings;
 pub mod fsm;
 pub mod program;
 pub mod regex;
 pub mod rule;
 pub mod serial;
+pub mod strongest;
 pub mod supervisor;
 
 use crate::source::Span;
@@ -49,6 +51,24 @@ pub struct Skills {
     pub rules: Vec<Rule>,
     /// Where its name stands.
     pub span: Span,
+}
+
+impl Skills {
+    /// The same with only these rules, by their places.
+    #[must_use]
+    pub fn with_rules(&self, rules: &[usize]) -> Self {
+        Self {
+            rules: rules.iter().map(|r| self.rules[*r].clone()).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// A situation in words: `left, up, open`.
+    pub fn situation(&self, situation: &[usize]) -> String {
+        let components = self.components.iter().zip(situation);
+        let names = components.filter_map(|(c, s)| c.situations.get(*s).map(String::as_str));
+        names.collect::<Vec<_>>().join(", ")
+    }
 }
 
 /// What skills move: an axis, a gripper.
