@@ -17,6 +17,7 @@ pub mod algebra;
 pub mod cli;
 pub mod contract;
 pub mod diagnostics;
+pub mod drawing;
 pub mod game;
 pub mod gr1;
 pub mod interchange;

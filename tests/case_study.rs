@@ -4,7 +4,7 @@ mod fixtures;
 
 use linewright::game::{Limit, Limits, Outcome, examine_environment, solve};
 use linewright::gr1::Specification;
-use linewright::mealy::{Machine, dot, extract::extract, gr1c, json, svg, verify::verify};
+use linewright::mealy::{Machine, extract::extract, gr1c, json, picture, verify::verify};
 use std::time::Instant;
 
 #[test]
@@ -65,14 +65,14 @@ fn every_format_is_written_and_always_the_same() {
         assert_eq!(json["states"], first.states.len());
         let rows = json["transitions"].as_array().expect("a list").len();
         assert_eq!(rows + first.initial.len(), first.transition_count());
-        assert_eq!(dot::to_dot(&first), dot::to_dot(&second));
-        let svg = svg::to_svg(&first);
-        assert_eq!(svg, svg::to_svg(&second));
+        assert_eq!(picture::to_dot(&first), picture::to_dot(&second));
+        let svg = picture::to_svg(&first);
+        assert_eq!(svg, picture::to_svg(&second));
         assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
         if let Ok(folder) = std::env::var("LINEWRIGHT_SVG") {
             let name = format!("{folder}/{}", specification.name);
             std::fs::write(format!("{name}.svg"), &svg).expect("writable");
-            std::fs::write(format!("{name}.dot"), dot::to_dot(&first)).expect("writable");
+            std::fs::write(format!("{name}.dot"), picture::to_dot(&first)).expect("writable");
             std::fs::write(format!("{name}.json"), json.to_string()).expect("writable");
         }
     }

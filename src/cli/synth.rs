@@ -223,8 +223,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 let Some(machine) = wanted else { continue };
                 let name = format!("{}.counterstrategy", contract.name);
                 let text = match emit {
-                    Emit::Dot => mealy::dot::to_dot(machine),
-                    Emit::Svg => mealy::svg::to_svg(machine),
+                    Emit::Dot => mealy::picture::to_dot(machine),
+                    Emit::Svg => mealy::picture::to_svg(machine),
                     _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
                 };
                 let files = vec![(file_name(&name, emit.ending()), text)];
@@ -390,8 +390,8 @@ fn write(
             "{:#}\n",
             mealy::gr1c::to_json(machine, specification).map_err(too_large)?
         ),
-        Emit::Dot => mealy::dot::to_dot(machine),
-        Emit::Svg => mealy::svg::to_svg(machine),
+        Emit::Dot => mealy::picture::to_dot(machine),
+        Emit::Svg => mealy::picture::to_svg(machine),
         _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
     })
 }

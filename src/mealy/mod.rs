@@ -9,13 +9,12 @@ pub mod certify;
 mod controller;
 pub mod counter;
 mod diagram;
-pub mod dot;
 pub mod extract;
 pub mod functions;
 pub mod gr1c;
 pub mod json;
 pub mod minimise;
-pub mod svg;
+pub mod picture;
 mod text;
 pub mod verify;
 

@@ -1,4 +1,4 @@
-//! A machine as a Graphviz graph.
+//! A machine as a graph, for Graphviz and as a picture.
 //!
 //! An edge is labelled `guard / assignments`. To keep labels short, an output is written on an edge only where the state it
 //! enters does not already say it: what all edges into a state agree on is written into the state, once.
@@ -6,29 +6,9 @@
 
 use super::text::guard_parts;
 use super::{Guard, Machine, Port, Transition};
+use crate::drawing::{Edge, Graph, dot, svg};
 use crate::gr1::{Domain, shown};
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
-
-/// A graph, ready to be written down in any way.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Graph {
-    /// For each state: the lines of its label.
-    pub states: Vec<Vec<String>>,
-    /// The edges; `from` is `None` for the step before the first state.
-    pub edges: Vec<GraphEdge>,
-}
-
-/// One edge of a [`Graph`].
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct GraphEdge {
-    /// Where from; `None`: from before step 0.
-    pub from: Option<usize>,
-    /// Where to.
-    pub to: usize,
-    /// The lines of its label.
-    pub label: Vec<String>,
-}
 
 /// Guards with more cubes than this are cut short in a label; the JSON has them all.
 const MOST_LINES: usize = 3;
@@ -77,7 +57,7 @@ pub fn graph(machine: &Machine) -> Graph {
             if groups > MOST_GROUPS {
                 label.push(format!("... {} more", groups - MOST_GROUPS));
             }
-            edges.push(GraphEdge { from, to, label });
+            edges.push(Edge { from, to, label });
         }
     }
     Graph { states, edges }
@@ -85,34 +65,12 @@ pub fn graph(machine: &Machine) -> Graph {
 
 /// The text of the graph.
 pub fn to_dot(machine: &Machine) -> String {
-    let graph = graph(machine);
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        text,
-        "digraph {} {{",
-        quoted(std::slice::from_ref(&machine.name))
-    );
-    text.push_str(
-        "  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\", fontsize=11];\n",
-    );
-    text.push_str(
-        "  edge [fontname=\"sans-serif\", fontsize=9];\n  start [shape=point, label=\"\"];\n",
-    );
-    for (number, label) in graph.states.iter().enumerate() {
-        let _ = writeln!(text, "  s{number} [label={}];", quoted(label));
-    }
-    for edge in &graph.edges {
-        let from = edge.from.map_or("start".to_owned(), |s| format!("s{s}"));
-        let _ = writeln!(
-            text,
-            "  {from} -> s{} [label={}];",
-            edge.to,
-            quoted(&edge.label)
-        );
-    }
-    text.push_str("}\n");
-    text
+    dot::of(&machine.name, &graph(machine))
+}
+
+/// The picture.
+pub fn to_svg(machine: &Machine) -> String {
+    svg::of(&machine.name, &graph(machine))
 }
 
 /// For each state, the outputs that all transitions into it agree on.
@@ -190,13 +148,4 @@ fn wrap(parts: &[String], separator: &str) -> Vec<String> {
         line.truncate(line.trim_end().len());
     }
     lines
-}
-
-/// A quoted label of several lines.
-fn quoted(lines: &[String]) -> String {
-    let lines = lines.iter();
-    let escaped: Vec<String> = lines
-        .map(|l| l.replace('\\', "\\\\").replace('"', "\\\""))
-        .collect();
-    format!("\"{}\"", escaped.join("\\n"))
 }

@@ -1,10 +1,9 @@
-//! A machine as a picture: the graph of [`dot`](super::dot), laid out by layout-rs, drawn by a backend of our own.
+//! A graph as a picture: laid out by layout-rs, drawn by a backend of our own.
 //!
 //! Our own backend because the package's writes its styles in the order of a hash map, draws edge labels without a ground of
 //! their own, and knows no other font than Times.
 
-use super::Machine;
-use super::dot::{Graph, graph};
+use super::{Graph, Region};
 use layout::core::base::Orientation;
 use layout::core::color::Color;
 use layout::core::format::{ClipHandle, RenderBackend};
@@ -17,11 +16,42 @@ use std::fmt::Write as _;
 const STATE_FONT: usize = 13;
 const EDGE_FONT: usize = 11;
 
+/// Between two regions, and around what is in one.
+const GAP: f64 = 12.;
+
 /// The picture.
-pub fn to_svg(machine: &Machine) -> String {
+pub fn of(name: &str, graph: &Graph) -> String {
     let mut canvas = Canvas::default();
-    place(&graph(machine)).do_it(false, false, false, &mut canvas);
-    canvas.finish(&machine.name)
+    place(graph).do_it(false, false, false, &mut canvas);
+    canvas.finish(name)
+}
+
+/// The picture of regions that stand side by side, each in a frame with its title.
+pub fn of_regions(name: &str, regions: &[Region]) -> String {
+    let mut whole = Canvas::default();
+    let mut right = 0.;
+    for region in regions {
+        let mut canvas = Canvas::default();
+        place(&region.graph).do_it(false, false, false, &mut canvas);
+        let title = text_size(std::slice::from_ref(&region.title), STATE_FONT);
+        let width = (canvas.width - canvas.left).max(title.x) + 2. * GAP;
+        let height = canvas.height + title.y + GAP;
+        let (x, y) = (right + GAP - canvas.left, title.y);
+        let _ = write!(
+            whole.shapes,
+            "<rect x=\"{right:.1}\" y=\"0\" width=\"{width:.1}\" height=\"{height:.1}\" rx=\"8\" fill=\"none\" stroke=\"dimgray\" \
+             stroke-dasharray=\"4 3\"/>\n<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{STATE_FONT}\" font-weight=\"bold\">{}</text>\n\
+             <g transform=\"translate({x:.1} {y:.1})\">\n{}{}</g>\n",
+            right + width / 2.,
+            title.y - 8.,
+            escape(&region.title),
+            canvas.arrows,
+            canvas.shapes
+        );
+        whole.cover(Point::new(right, 0.), Point::new(right + width, height));
+        right += width + GAP;
+    }
+    whole.finish(name)
 }
 
 /// The graph in the layout package's terms.

@@ -1,0 +1,62 @@
+//! A graph as Graphviz text.
+
+use super::{Graph, Region};
+use std::fmt::Write as _;
+
+/// The text of a graph.
+pub fn of(name: &str, graph: &Graph) -> String {
+    let mut text = head(name, "LR");
+    text.push_str("  start [shape=point, label=\"\"];\n");
+    body(&mut text, graph, "", "  ");
+    text.push_str("}\n");
+    text
+}
+
+/// The text of regions, each a cluster with its title.
+pub fn of_regions(name: &str, regions: &[Region]) -> String {
+    let mut text = head(name, "TB");
+    for (number, region) in regions.iter().enumerate() {
+        let title = quoted(std::slice::from_ref(&region.title));
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "  subgraph cluster_{number} {{\n    label={title}; style=dashed;\n    r{number}_start [shape=point, label=\"\"];"
+        );
+        body(&mut text, &region.graph, &format!("r{number}_"), "    ");
+        text.push_str("  }\n");
+    }
+    text.push_str("}\n");
+    text
+}
+
+fn head(name: &str, direction: &str) -> String {
+    let name = quoted(&[name.to_owned()]);
+    format!(
+        "digraph {name} {{\n  rankdir={direction};\n  node [shape=box, style=rounded, fontname=\"sans-serif\", fontsize=11];\n  \
+         edge [fontname=\"sans-serif\", fontsize=9];\n"
+    )
+}
+
+fn body(text: &mut String, graph: &Graph, prefix: &str, indent: &str) {
+    for (number, label) in graph.states.iter().enumerate() {
+        let _ = writeln!(text, "{indent}{prefix}s{number} [label={}];", quoted(label));
+    }
+    for edge in &graph.edges {
+        let from = edge.from.map_or("start".to_owned(), |s| format!("s{s}"));
+        let _ = writeln!(
+            text,
+            "{indent}{prefix}{from} -> {prefix}s{} [label={}];",
+            edge.to,
+            quoted(&edge.label)
+        );
+    }
+}
+
+/// A quoted label of several lines.
+fn quoted(lines: &[String]) -> String {
+    let lines = lines.iter();
+    let escaped: Vec<String> = lines
+        .map(|l| l.replace('\\', "\\\\").replace('"', "\\\""))
+        .collect();
+    format!("\"{}\"", escaped.join("\\n"))
+}
