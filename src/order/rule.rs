@@ -59,6 +59,14 @@ impl Alphabet {
         skills.chain(events.map(|(i, _)| self.skills + i)).collect()
     }
 
+    /// A letter as a person writes it: `Left`, or `Left & Down` for an event of several skills.
+    pub fn text(&self, letter: usize, skills: &Skills) -> String {
+        match letter.checked_sub(self.skills) {
+            None => skills.skills[letter].name.clone(),
+            Some(event) => super::supervisor::Call(self.at_once[event]).text(skills),
+        }
+    }
+
     fn letter(&self, event: &Event) -> usize {
         match event.0.as_slice() {
             [skill] => *skill,

@@ -1,0 +1,77 @@
+//! Skills in another order, so that two sets can be compared call by call.
+
+use super::{Event, Kind, Regex, Skills};
+
+impl Skills {
+    /// The same with skill `i` at `places[i]`.
+    ///
+    /// # Panics
+    /// When the places are not those of all skills, each once.
+    #[must_use]
+    pub fn renumbered(&self, places: &[usize]) -> Self {
+        let mut skills = self.clone();
+        let mut order: Vec<usize> = (0..places.len()).collect();
+        order.sort_by_key(|i| places[*i]);
+        skills.skills = order.iter().map(|i| self.skills[*i].clone()).collect();
+        for (i, place) in places.iter().enumerate() {
+            assert_eq!(
+                skills.skills[*place], self.skills[i],
+                "each place is taken once"
+            );
+        }
+        for rule in &mut skills.rules {
+            match &mut rule.kind {
+                Kind::Never(events) => renumber(events, places),
+                Kind::After { from, until, never } => {
+                    [from, until, never].map(|e| renumber(e, places));
+                }
+                Kind::Before { first, then } => {
+                    [first, then].map(|e| renumber(e, places));
+                }
+                Kind::OnlyAfter { what, after } => {
+                    [what, after].map(|e| renumber(e, places));
+                }
+                Kind::AtMost {
+                    of, from, until, ..
+                } => {
+                    [of, from, until].map(|e| renumber(e, places));
+                }
+                Kind::InARow(words) => {
+                    for place in words.iter_mut().flatten() {
+                        renumber(place, places);
+                    }
+                }
+                Kind::Sequence(regex) => regex.renumber(places),
+            }
+        }
+        skills
+    }
+}
+
+fn renumber(events: &mut [Event], places: &[usize]) {
+    for event in events {
+        for skill in &mut event.0 {
+            *skill = places[*skill];
+        }
+        event.0.sort_unstable();
+    }
+}
+
+impl Regex {
+    fn renumber(&mut self, places: &[usize]) {
+        match self {
+            Self::Nothing | Self::Empty => {}
+            Self::Skill(skill) => *skill = places[*skill],
+            Self::AnyBut(skills) | Self::AnyOrder(skills) => {
+                for skill in skills.iter_mut() {
+                    *skill = places[*skill];
+                }
+                skills.sort_unstable();
+            }
+            Self::Concat(parts) | Self::Either(parts) => {
+                parts.iter_mut().for_each(|p| p.renumber(places));
+            }
+            Self::Repeat { of, .. } => of.renumber(places),
+        }
+    }
+}
