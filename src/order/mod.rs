@@ -20,6 +20,10 @@
 //!
 //! Nothing here knows of syntax, contracts or machines.
 
+pub mod layout;
+pub mod monitor;
+pub mod table;
+
 use crate::source::Span;
 
 /// So many skills a set has at most: a call is a mask of 64 bits.
