@@ -3,6 +3,8 @@
 
 #[path = "structured_text/compiler.rs"]
 mod compiler;
+#[path = "structured_text/document.rs"]
+mod document;
 #[path = "structured_text/expressions.rs"]
 mod expressions;
 #[path = "structured_text/hostile.rs"]

@@ -24,6 +24,8 @@ pub mod dfa;
 pub mod eliminate;
 pub mod findings;
 pub mod fsm;
+pub mod layout;
+pub mod monitor;
 pub mod picture;
 pub mod program;
 pub mod regex;
@@ -32,6 +34,7 @@ pub mod rule;
 pub mod serial;
 pub mod strongest;
 pub mod supervisor;
+pub mod table;
 
 use crate::source::Span;
 

@@ -162,6 +162,10 @@ fn of_rule(skills: &Skills, alphabet: &Alphabet, automaton: &rule::Automaton) ->
 
 /// The calls of a transition, as lists of names.
 pub fn names(skills: &Skills, calls: &[Call]) -> Vec<Vec<String>> {
-    let of = |call: &Call| call.skills().map(|s| skills.skills[s].name.clone()).collect();
+    let of = |call: &Call| {
+        call.skills()
+            .map(|s| skills.skills[s].name.clone())
+            .collect()
+    };
     calls.iter().map(of).collect()
 }

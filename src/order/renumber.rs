@@ -23,18 +23,22 @@ impl Skills {
             match &mut rule.kind {
                 Kind::Never(events) => renumber(events, places),
                 Kind::After { from, until, never } => {
-                    [from, until, never].map(|e| renumber(e, places));
+                    [from, until, never]
+                        .into_iter()
+                        .for_each(|e| renumber(e, places));
                 }
                 Kind::Before { first, then } => {
-                    [first, then].map(|e| renumber(e, places));
+                    [first, then].into_iter().for_each(|e| renumber(e, places));
                 }
                 Kind::OnlyAfter { what, after } => {
-                    [what, after].map(|e| renumber(e, places));
+                    [what, after].into_iter().for_each(|e| renumber(e, places));
                 }
                 Kind::AtMost {
                     of, from, until, ..
                 } => {
-                    [of, from, until].map(|e| renumber(e, places));
+                    [of, from, until]
+                        .into_iter()
+                        .for_each(|e| renumber(e, places));
                 }
                 Kind::InARow(words) => {
                     for place in words.iter_mut().flatten() {

@@ -14,6 +14,7 @@ pub mod fmi;
 pub mod interpret;
 pub mod load;
 mod messages;
+pub mod monitor;
 pub mod package;
 pub mod probe;
 pub mod profile;

@@ -2,6 +2,7 @@
 
 use super::interpreter::{Code, INTEGERS, Program, Type, Variable};
 use super::syntax::{Block, Declaration, Section, Spec, Unit};
+use std::cell::RefCell;
 use std::collections::HashMap;
 
 /// What is known while a block is compiled.
@@ -9,6 +10,7 @@ pub struct Compiler {
     pub variables: HashMap<String, Variable>,
     pub enumerations: Vec<(String, Vec<String>)>,
     aliases: HashMap<String, Spec>,
+    texts: RefCell<Vec<String>>,
     pub line: usize,
 }
 
@@ -18,6 +20,7 @@ impl Compiler {
             variables: HashMap::new(),
             enumerations: Vec::new(),
             aliases: HashMap::new(),
+            texts: RefCell::new(vec![String::new()]),
             line: 0,
         };
         // One name means one thing in the whole text, whatever its case.
@@ -63,6 +66,7 @@ impl Compiler {
             order: names.collect(),
             variables: self.variables,
             enumerations: self.enumerations,
+            texts: self.texts.into_inner(),
             beginning,
             temporary,
             body,
@@ -154,8 +158,20 @@ impl Compiler {
                 let place = integer(name).ok_or("a subrange of what is no whole number")?;
                 Ok((Type::Integer(place), Some((*low as i64, *high as i64))))
             }
+            Spec::Text(length @ 1..=254) => Ok((Type::Text(*length as usize), None)),
             _ => Err("a type that is not supported here".to_owned()),
         }
+    }
+
+    /// The value of a string.
+    pub fn text(&self, text: &str) -> i64 {
+        let mut texts = self.texts.borrow_mut();
+        let place = texts.iter().position(|t| t == text);
+        let place = place.unwrap_or_else(|| {
+            texts.push(text.to_owned());
+            texts.len() - 1
+        });
+        place as i64
     }
 
     pub fn wrong<T>(&self, text: &str) -> Result<T, String> {

@@ -52,6 +52,8 @@ impl Compiler {
                 }
                 Ok(code)
             }
+            // A string that is cut is a mistake here.
+            (Type::Text(length), Type::Text(most), _) if length <= most => Ok(code),
             _ if of == wanted => Ok(code),
             _ => self.wrong(&format!("{of:?} where {wanted:?} is wanted")),
         }
@@ -79,6 +81,10 @@ impl Compiler {
                 Ok(value) => Ok((Type::Literal, Code::Constant(value))),
                 Err(_) => self.wrong("a number that no type holds"),
             },
+            Expr::Text(text) => {
+                let value = self.text(text);
+                Ok((Type::Text(text.len()), Code::Constant(value)))
+            }
             Expr::Typed(name, value) => self.typed(name, value),
             Expr::Name(name) if name == "TRUE" || name == "FALSE" => {
                 Ok((Type::Bool, Code::Constant(i64::from(name == "TRUE"))))

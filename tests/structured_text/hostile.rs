@@ -1,8 +1,8 @@
 //! Names that Structured Text does not take: what is written is legal, every name is there once, and nothing else changes.
 
+use crate::document::text_of;
 use crate::library::{as_functions, machines};
 use crate::play::{compiled, play as played};
-use crate::plcopen::text_of;
 use linewright::gr1::{Domain, Owner, Specification};
 use linewright::mealy::{Controller, Port};
 use linewright::station::structured_text::{Block, block, block_of_tables};

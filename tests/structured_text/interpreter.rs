@@ -25,6 +25,8 @@ pub enum Type {
     Integer(usize),
     /// By its place among the declared ones.
     Enumeration(usize),
+    /// A string of at most so many characters. Its value is its place in [`Program::texts`].
+    Text(usize),
     /// A number without a type of its own.
     Literal,
 }
@@ -92,6 +94,8 @@ pub struct Program {
     pub order: Vec<String>,
     /// The labels of every enumeration.
     pub enumerations: Vec<(String, Vec<String>)>,
+    /// All strings that the text has; the empty one first.
+    pub texts: Vec<String>,
     pub beginning: Vec<i64>,
     pub temporary: Vec<(usize, usize)>,
     pub body: Vec<Run>,

@@ -10,6 +10,8 @@ pub enum Token {
     Word(String),
     /// A whole number without its sign.
     Number(i128),
+    /// A character string, without its quotes.
+    Text(String),
     /// Anything else.
     Sign(&'static str),
     /// Behind the last one.
@@ -52,6 +54,11 @@ pub fn tokens(text: &str) -> Result<Vec<Placed>, String> {
             let token = Token::Number(value);
             found.push(Placed { token, line });
             length
+        } else if first == '\'' {
+            let (text, length) = string(rest).map_err(|e| format!("line {line}: {e}"))?;
+            let token = Token::Text(text);
+            found.push(Placed { token, line });
+            length
         } else {
             let sign = SIGNS.into_iter().find(|s| rest.starts_with(s));
             let sign = sign.ok_or_else(|| format!("line {line}: `{first}` means nothing"))?;
@@ -92,6 +99,25 @@ fn skipped(text: &str) -> Result<Option<usize>, String> {
         return Ok(Some(end + 1));
     }
     Ok(None)
+}
+
+/// A character string and its length with its quotes: `'it$'s'`. It holds printable characters of ASCII, so that a character is a byte
+/// in every system; of the marks with `$` only the two that stand for themselves are known here.
+fn string(text: &str) -> Result<(String, usize), String> {
+    let mut found = String::new();
+    let mut rest = text[1..].char_indices();
+    while let Some((at, c)) = rest.next() {
+        match c {
+            '\'' => return Ok((found, at + 2)),
+            '$' => match rest.next() {
+                Some((_, mark @ ('$' | '\''))) => found.push(mark),
+                other => return Err(format!("`$` before {other:?} in a string")),
+            },
+            ' '..='~' => found.push(c),
+            _ => return Err(format!("{c:?} in a string")),
+        }
+    }
+    Err("a string has no end".to_owned())
 }
 
 /// A number and its length: `17`, `1_000`, `16#FF`, `2#1010`.

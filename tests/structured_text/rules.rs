@@ -72,6 +72,29 @@ fn operators_bind_as_the_standard_says() {
 }
 
 #[test]
+fn strings_are_assigned_and_fit() {
+    let text = |body: &str| {
+        let program = block("w : STRING[5];", body)?;
+        let mut instance = program.instance();
+        instance.call().map_err(|f| f.0)?;
+        Ok::<_, String>(program.texts[instance.get(&program.variables["W"]) as usize].clone())
+    };
+    assert_eq!(text("w := 'it$'s$$';"), Ok("it's$".to_owned()));
+    assert_eq!(text("x := 1;"), Ok(String::new()));
+    for wrong in [
+        "w := 'longer';",
+        "w := 5;",
+        "x := 'a';",
+        "w := 'a",
+        "w := '$n';",
+        "w := 'ä';",
+        "b := w < w;",
+    ] {
+        assert!(text(wrong).is_err(), "{wrong}");
+    }
+}
+
+#[test]
 fn division_rounds_towards_zero_and_the_rest_follows_the_dividend() {
     for (a, b, quotient, rest) in [
         (7, 2, 3, 1),
@@ -245,7 +268,7 @@ fn comments_and_directives_mean_nothing() {
     );
     assert!(refused("(* (* *) *)").contains("comment"));
     assert!(refused("(* x").contains("no end"));
-    assert!(refused("x := 'a';").contains("means nothing"));
+    assert!(refused("x := \"a\";").contains("means nothing"));
 }
 
 #[test]

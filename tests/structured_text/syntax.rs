@@ -21,6 +21,8 @@ pub struct Unit {
 pub enum Spec {
     /// An elementary type, or one that is declared.
     Named(String),
+    /// `STRING[80]`, and how long it may be
+    Text(i128),
     /// `INT(0..4)`
     Subrange(String, i128, i128),
     /// Labels.
@@ -92,6 +94,7 @@ pub struct Label {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Expr {
     Number(i128),
+    Text(String),
     /// `INT#5`, `E_Command#turn`: the type and what stands behind it.
     Typed(String, Box<Expr>),
     Name(String),
@@ -331,6 +334,12 @@ impl Parser {
             return Err(self.unexpected("a type"));
         };
         self.at += 1;
+        if name == "STRING" {
+            self.expect("[")?;
+            let length = self.integer()?;
+            self.expect("]")?;
+            return Ok(Spec::Text(length));
+        }
         if self.sign("(") {
             let (low, high) = self.bounds()?;
             self.expect(")")?;
@@ -548,6 +557,10 @@ impl Parser {
             Token::Number(value) => {
                 self.at += 1;
                 Ok(Expr::Number(value))
+            }
+            Token::Text(text) => {
+                self.at += 1;
+                Ok(Expr::Text(text))
             }
             Token::Word(word) => {
                 self.at += 1;

@@ -7,7 +7,8 @@
 use super::assumed::Assumptions;
 use super::decisions::{self, Naming};
 use super::expression::literal;
-use super::text::{comment, identifier};
+use super::text::comment;
+use super::words::{is_header, word};
 use super::{Names, table};
 use crate::gr1::{Domain, Specification, Timing};
 use crate::mealy::functions::Functions;
@@ -26,76 +27,6 @@ pub struct Files {
     /// The source.
     pub source: String,
 }
-
-/// Words that cannot name a field, with those that a C++ compiler reserves.
-const RESERVED: [&str; 66] = [
-    "and",
-    "asm",
-    "auto",
-    "bool",
-    "break",
-    "case",
-    "catch",
-    "char",
-    "class",
-    "const",
-    "continue",
-    "default",
-    "delete",
-    "do",
-    "double",
-    "else",
-    "enum",
-    "export",
-    "extern",
-    "false",
-    "float",
-    "for",
-    "friend",
-    "goto",
-    "if",
-    "inline",
-    "int",
-    "long",
-    "mutable",
-    "namespace",
-    "new",
-    "not",
-    "operator",
-    "or",
-    "private",
-    "protected",
-    "public",
-    "register",
-    "restrict",
-    "return",
-    "short",
-    "signed",
-    "sizeof",
-    "static",
-    "struct",
-    "switch",
-    "template",
-    "this",
-    "throw",
-    "true",
-    "try",
-    "typedef",
-    "typeid",
-    "typename",
-    "union",
-    "unsigned",
-    "using",
-    "virtual",
-    "void",
-    "volatile",
-    "wchar_t",
-    "while",
-    "xor",
-    "nullptr",
-    "constexpr",
-    "alignas",
-];
 
 /// A controller of this specification with explicit states.
 pub fn of_machine(machine: &Machine, specification: &Specification) -> Files {
@@ -152,57 +83,6 @@ fn integer(domain: &Domain) -> &'static str {
         "int32_t"
     } else {
         "int64_t"
-    }
-}
-
-/// Whether the headers that are included may have given the name away, or a compiler with extensions has.
-fn is_macro(word: &str) -> bool {
-    const OTHERS: [&str; 8] = [
-        "NULL",
-        "alignas",
-        "alignof",
-        "linux",
-        "static_assert",
-        "thread_local",
-        "typeof",
-        "unix",
-    ];
-    const LIMITS: [&str; 8] = [
-        "INT",
-        "UINT",
-        "PTRDIFF",
-        "SIG_ATOMIC",
-        "SIZE",
-        "WCHAR",
-        "WINT",
-        "LINEWRIGHT",
-    ];
-    let ends = |endings: &[&str]| endings.iter().any(|e| word.ends_with(e));
-    OTHERS.contains(&word)
-        || ends(&["_t"])
-        || LIMITS.iter().any(|l| word.starts_with(l))
-            && ends(&["_MAX", "_MIN", "_WIDTH", "_C", "_H"])
-}
-
-/// Whether a header of that name stands in the compiler's folders, which the controller's own must not hide.
-fn is_header(name: &str) -> bool {
-    const HEADERS: [&str; 24] = [
-        "assert", "complex", "ctype", "errno", "fenv", "float", "inttypes", "iso646", "limits",
-        "locale", "math", "setjmp", "signal", "stdarg", "stdbool", "stddef", "stdint", "stdio",
-        "stdlib", "string", "tgmath", "time", "wchar", "wctype",
-    ];
-    HEADERS.contains(&name.to_ascii_lowercase().as_str())
-}
-
-/// A name that C takes.
-fn word(name: &str) -> String {
-    let word = identifier(name);
-    if !word.starts_with(|c: char| c.is_ascii_alphabetic()) {
-        format!("v_{word}")
-    } else if RESERVED.contains(&word.as_str()) || is_macro(&word) {
-        format!("{word}_")
-    } else {
-        word
     }
 }
 

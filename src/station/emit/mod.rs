@@ -13,6 +13,7 @@ pub mod expression;
 mod splits;
 pub(super) mod text;
 mod walks;
+pub(super) mod words;
 
 use crate::contract::machine::{Machine, PlantSource, RealExpr};
 use crate::gr1::{Domain, Timing, VarId};
@@ -429,10 +430,10 @@ fn table(out: &mut String, of: &str, name: &str, rows: &[String], empty: &str) {
 
 /// Hands out names, each once.
 #[derive(Default)]
-struct Names(BTreeSet<String>);
+pub(super) struct Names(BTreeSet<String>);
 
 impl Names {
-    fn unique(&mut self, wish: &str) -> String {
+    pub(super) fn unique(&mut self, wish: &str) -> String {
         let mut name = wish.to_owned();
         let mut number = 2;
         while !self.0.insert(name.clone()) {

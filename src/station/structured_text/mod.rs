@@ -14,9 +14,9 @@ mod expression;
 mod functions;
 mod interface;
 mod machine;
-mod names;
+pub(super) mod names;
 mod plcopen;
-mod tables;
+pub(super) mod tables;
 mod text;
 
 use crate::gr1::Specification;
@@ -99,6 +99,8 @@ pub enum Type {
     Integer(Width),
     /// An enumeration, by its name.
     Enumeration(String),
+    /// `STRING` of at most so many characters
+    Text(usize),
     /// An array with these first and last indices.
     Array(i64, i64, Box<Type>),
 }
@@ -116,7 +118,7 @@ pub enum Width {
 
 impl Width {
     /// The narrowest that holds all values between two.
-    fn of(low: i64, high: i64) -> Self {
+    pub(super) fn of(low: i64, high: i64) -> Self {
         if i16::try_from(low).is_ok() && i16::try_from(high).is_ok() {
             Self::Int
         } else if i32::try_from(low).is_ok() && i32::try_from(high).is_ok() {
@@ -137,7 +139,7 @@ impl Width {
 
     /// An expression of this width as one of another. No conversion is left to the compiler: the second edition has none, and
     /// systems differ in the warnings they give.
-    fn convert(self, to: Self, text: &str) -> String {
+    pub(super) fn convert(self, to: Self, text: &str) -> String {
         if self == to {
             text.to_owned()
         } else {
@@ -198,7 +200,8 @@ struct Parts {
 }
 
 impl Variable {
-    fn new(name: &str, kind: Type, description: &str) -> Self {
+    /// A variable that has its type's own value before the first call.
+    pub fn new(name: &str, kind: Type, description: &str) -> Self {
         Self {
             name: name.to_owned(),
             kind,
@@ -207,7 +210,9 @@ impl Variable {
         }
     }
 
-    fn beginning(self, value: &str) -> Self {
+    /// The same with this value before the first call.
+    #[must_use]
+    pub fn beginning(self, value: &str) -> Self {
         Self {
             initial: Initial::Value(value.to_owned()),
             ..self

@@ -42,18 +42,26 @@ fn is_reserved(word: &str) -> bool {
     listed(STANDARD) || listed(VENDORS) || converts
 }
 
+/// A German letter in ASCII.
+fn umlaut(c: char) -> Option<&'static str> {
+    Some(match c {
+        'ä' => "ae",
+        'ö' => "oe",
+        'ü' => "ue",
+        'Ä' => "Ae",
+        'Ö' => "Oe",
+        'Ü' => "Ue",
+        'ß' => "ss",
+        _ => return None,
+    })
+}
+
 /// What of a name can be part of an identifier; never empty.
-pub(super) fn part(name: &str) -> String {
+pub(in crate::station) fn part(name: &str) -> String {
     let mut out = String::new();
     for c in name.chars() {
         let written: &str = match c {
-            'ä' => "ae",
-            'ö' => "oe",
-            'ü' => "ue",
-            'Ä' => "Ae",
-            'Ö' => "Oe",
-            'Ü' => "Ue",
-            'ß' => "ss",
+            c if let Some(letters) = umlaut(c) => letters,
             c if c.is_ascii_alphanumeric() => {
                 out.push(c);
                 continue;
@@ -73,7 +81,7 @@ pub(super) fn part(name: &str) -> String {
 }
 
 /// What an identifier can begin with.
-pub(super) fn stem(name: &str) -> String {
+pub(in crate::station) fn stem(name: &str) -> String {
     let word = part(name);
     if word.starts_with(|c: char| c.is_ascii_digit()) {
         format!("v_{word}")
@@ -83,7 +91,7 @@ pub(super) fn stem(name: &str) -> String {
 }
 
 /// A name as an identifier.
-pub(super) fn identifier(name: &str) -> String {
+pub(in crate::station) fn identifier(name: &str) -> String {
     let word = stem(name);
     if is_reserved(&word) {
         format!("v_{word}")
@@ -94,7 +102,7 @@ pub(super) fn identifier(name: &str) -> String {
 
 /// Hands out identifiers, each once, whatever its case.
 #[derive(Debug, Default)]
-pub(super) struct Names(BTreeSet<String>);
+pub(in crate::station) struct Names(BTreeSet<String>);
 
 impl Names {
     /// The identifier that was wished for, or the first one with a number behind it that is free.
@@ -111,7 +119,7 @@ impl Names {
 
 /// Text that can stand in a comment: it neither ends it nor opens another, holds nothing that a system could take for a
 /// directive, no character that XML forbids, and none that changes the direction of reading.
-pub(super) fn comment(text: &str) -> String {
+pub(in crate::station) fn comment(text: &str) -> String {
     let hidden = |c: char| {
         let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');
         turns || c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}')
@@ -126,6 +134,20 @@ pub(super) fn comment(text: &str) -> String {
     let text: String = text.chars().map(visible).collect();
     // `(*)` holds both, overlapping.
     text.replace("*)", "* )").replace("(*", "( *")
+}
+
+/// A character string of at most so many characters: in ASCII, since a `STRING` holds bytes in whatever code the system has.
+pub(in crate::station) fn string(text: &str, most: usize) -> String {
+    let mut ascii = String::new();
+    for c in text.chars() {
+        match umlaut(c) {
+            Some(letters) => ascii.push_str(letters),
+            None if matches!(c, ' '..='~') => ascii.push(c),
+            None => ascii.push('?'),
+        }
+    }
+    ascii.truncate(most);
+    format!("'{}'", ascii.replace('$', "$$").replace('\'', "$'"))
 }
 
 #[cfg(test)]
@@ -157,6 +179,12 @@ mod tests {
         let mut names = Names::default();
         let given = ["a", "A", "a_2", "A"].map(|n| names.unique(n));
         assert_eq!(given, ["a", "A_2", "a_2_2", "A_3"]);
+    }
+
+    #[test]
+    fn strings_are_plain_ascii() {
+        assert_eq!(string("it's $5: größer", 80), "'it$'s $$5: groesser'");
+        assert_eq!(string("\u{202e}a\tb", 2), "'?a'");
     }
 
     #[test]

@@ -55,6 +55,7 @@ impl Document {
             Type::Bool => self.empty("BOOL", &[]),
             Type::Integer(width) => self.empty(width.keyword(), &[]),
             Type::Enumeration(name) => self.empty("derived", &[("name", name)]),
+            Type::Text(most) => self.empty("string", &[("length", &most.to_string())]),
             Type::Array(first, last, of) => self.element("array", &[], |d| {
                 let (first, last) = (first.to_string(), last.to_string());
                 d.empty("dimension", &[("lower", &first), ("upper", &last)]);

@@ -26,6 +26,16 @@ impl Table {
 pub(super) fn table(
     interface: &mut Interface<'_>,
     wish: &str,
+    values: Vec<i64>,
+    first: i64,
+    about: &str,
+) -> Variable {
+    named_table(&interface.fresh(wish), values, first, about)
+}
+
+/// The same, with a name.
+pub(in crate::station) fn named_table(
+    name: &str,
     mut values: Vec<i64>,
     first: i64,
     about: &str,
@@ -38,15 +48,14 @@ pub(super) fn table(
     });
     let of = Type::Integer(Width::of(bounds.0, bounds.1));
     let last = first + values.len() as i64 - 1;
-    let name = interface.fresh(wish);
     Variable {
         initial: Initial::Values(values.into_iter().map(literal).collect()),
-        ..Variable::new(&name, Type::Array(first, last, Box::new(of)), about)
+        ..Variable::new(name, Type::Array(first, last, Box::new(of)), about)
     }
 }
 
 /// The width of a table's elements.
-pub(super) fn element(table: &Variable) -> Width {
+pub(in crate::station) fn element(table: &Variable) -> Width {
     match &table.kind {
         Type::Array(_, _, of) => match **of {
             Type::Integer(width) => width,

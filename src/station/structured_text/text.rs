@@ -56,6 +56,7 @@ impl Type {
             Self::Bool => "BOOL".to_owned(),
             Self::Integer(width) => width.keyword().to_owned(),
             Self::Enumeration(name) => name.clone(),
+            Self::Text(most) => format!("STRING[{most}]"),
             Self::Array(first, last, of) => format!("ARRAY[{first}..{last}] OF {}", of.to_text()),
         }
     }

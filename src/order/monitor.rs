@@ -1,0 +1,189 @@
+//! A monitor: it is told what is called, call by call, and says whether that is allowed.
+//!
+//! It is an interlock: a call that is refused changes nothing, as if it had not been made. No call allocates.
+
+use super::layout::Layout;
+use super::table::Table;
+
+/// Why a call is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Why {
+    /// This rule forbids it, by its place in [`Table::rules`]; the first of them where there are several.
+    Rule(usize),
+    /// The skill leads its component to where it is already, and recalls are forbidden.
+    Recall,
+    /// These skills are never called at once.
+    Together,
+    /// There is no such skill.
+    Unknown,
+}
+
+/// What a monitor says of a call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[must_use]
+pub enum Verdict {
+    /// It may be made.
+    Allowed,
+    /// It must not be made.
+    Refused(Why),
+}
+
+/// The first call of several that is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Refusal {
+    /// How many calls stand before it.
+    pub at: usize,
+    /// Why it is refused.
+    pub why: Why,
+}
+
+/// A monitor of a table, somewhere between two calls.
+#[derive(Debug, Clone)]
+pub struct Monitor<'a> {
+    table: &'a Table,
+    layout: Layout,
+    /// Where the row of the state begins.
+    state: u32,
+}
+
+impl Verdict {
+    /// Whether the call may be made.
+    pub fn is_allowed(self) -> bool {
+        self == Self::Allowed
+    }
+}
+
+impl Why {
+    /// What is said about it: the rule with its name, or what is wrong with the call.
+    pub fn text(self, table: &Table) -> String {
+        match self {
+            Self::Rule(rule) => table.rules[rule].to_string(),
+            Self::Recall => {
+                "a recall: the component is already where the skill leads it".to_owned()
+            }
+            Self::Together => "these skills are never called at once".to_owned(),
+            Self::Unknown => "there is no such skill".to_owned(),
+        }
+    }
+}
+
+impl<'a> Monitor<'a> {
+    /// A monitor before the first call.
+    pub fn new(table: &'a Table) -> Self {
+        let layout = Layout::new(table);
+        Self {
+            table,
+            state: layout.start,
+            layout,
+        }
+    }
+
+    /// The table.
+    pub fn table(&self) -> &'a Table {
+        self.table
+    }
+
+    /// The state, as the table counts them.
+    pub fn state(&self) -> u32 {
+        self.state / self.layout.stride as u32
+    }
+
+    /// Back to before the first call.
+    pub fn reset(&mut self) {
+        self.state = self.layout.start;
+    }
+
+    /// A skill is called, by its place among the table's.
+    pub fn call(&mut self, skill: u8) -> Verdict {
+        self.take(self.single(skill))
+    }
+
+    /// All skills of a mask are called at once; none of an empty one.
+    pub fn call_at_once(&mut self, skills: u64) -> Verdict {
+        self.take(self.at_once(skills))
+    }
+
+    /// Whether all skills of a mask may be called at once; nothing changes.
+    pub fn allows(&self, skills: u64) -> Verdict {
+        self.verdict(self.at_once(skills))
+    }
+
+    /// The skills that may be called next, each alone, as a mask.
+    pub fn allowed(&self) -> u64 {
+        let row = &self.layout.single[self.state as usize..][..self.table.skills.len()];
+        let allowed = row.iter().enumerate();
+        allowed
+            .filter(|(_, entry)| **entry < self.layout.refused)
+            .fold(0, |mask, (skill, _)| mask | 1 << skill)
+    }
+
+    /// Single skills are called one after the other, up to the first that is refused.
+    pub fn run(&mut self, calls: &[u8]) -> Option<Refusal> {
+        let Layout {
+            stride,
+            single,
+            refused,
+            ..
+        } = &self.layout;
+        let mut state = self.state;
+        for (at, &skill) in calls.iter().enumerate() {
+            let skill = usize::from(skill);
+            let entry = if skill < *stride {
+                single[state as usize + skill]
+            } else {
+                u32::MAX
+            };
+            if entry >= *refused {
+                self.state = state;
+                let why = self.layout.why(entry);
+                return Some(Refusal { at, why });
+            }
+            state = entry;
+        }
+        self.state = state;
+        None
+    }
+
+    fn verdict(&self, entry: u32) -> Verdict {
+        if entry < self.layout.refused {
+            Verdict::Allowed
+        } else {
+            Verdict::Refused(self.layout.why(entry))
+        }
+    }
+
+    fn take(&mut self, entry: u32) -> Verdict {
+        let verdict = self.verdict(entry);
+        if verdict.is_allowed() {
+            self.state = entry;
+        }
+        verdict
+    }
+
+    /// What a single skill leads to.
+    fn single(&self, skill: u8) -> u32 {
+        let skill = usize::from(skill);
+        if skill < self.layout.stride {
+            self.layout.single[self.state as usize + skill]
+        } else {
+            self.layout.code(Why::Unknown)
+        }
+    }
+
+    /// What all skills of a mask lead to.
+    fn at_once(&self, skills: u64) -> u32 {
+        let known = self.table.skills.len() as u32;
+        match skills.count_ones() {
+            0 => self.state,
+            1 => self.single(skills.trailing_zeros() as u8),
+            _ if known < 64 && skills >> known != 0 => self.layout.code(Why::Unknown),
+            _ => match self.layout.sets.binary_search(&skills) {
+                Ok(set) => {
+                    let row = self.state as usize / self.layout.stride;
+                    self.layout.at_once[row * self.layout.sets.len() + set]
+                }
+                Err(_) => self.layout.code(Why::Together),
+            },
+        }
+    }
+}

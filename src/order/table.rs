@@ -1,0 +1,54 @@
+//! The joint automaton of some rules as a plain table: what monitors are made of, in this process, in C and in Structured Text.
+
+/// An entry of [`Table::next`]: the call is refused.
+pub const REFUSED: u32 = u32::MAX;
+
+/// An entry of [`Table::why`]: the call is a recall, and recalls are forbidden.
+pub const RECALL: u16 = u16::MAX;
+
+/// An entry of [`Table::why`]: these skills are never called at once.
+pub const TOGETHER: u16 = u16::MAX - 1;
+
+/// What every call leads to, from every state.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Table {
+    /// The name of the skill set: `PickAndPlaceUnit`.
+    pub name: String,
+    /// The skills' names.
+    pub skills: Vec<String>,
+    /// The rules, as messages cite them.
+    pub rules: Vec<Cited>,
+    /// What may be called at once, a column each: masks over the skills. First the single skills in their order, then sets of two,
+    /// of three and so on, each size in ascending order.
+    pub calls: Vec<u64>,
+    /// Row by row, `next[state * calls.len() + column]`: the state after the call, or [`REFUSED`].
+    pub next: Vec<u32>,
+    /// For every refused entry of [`Table::next`], at the same place, the first rule that refuses: an index into
+    /// [`Table::rules`], [`RECALL`] or [`TOGETHER`].
+    pub why: Vec<u16>,
+    /// How many states there are.
+    pub states: usize,
+    /// The state before the first call.
+    pub start: u32,
+}
+
+/// A rule in a message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cited {
+    /// Its name.
+    pub name: String,
+    /// The requirement it comes from, `R-12`.
+    pub requirement: Option<String>,
+    /// What it says, in one line.
+    pub text: String,
+}
+
+impl std::fmt::Display for Cited {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.name)?;
+        if let Some(requirement) = &self.requirement {
+            write!(f, " ({requirement})")?;
+        }
+        write!(f, ": {}", self.text)
+    }
+}
