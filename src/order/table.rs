@@ -1,5 +1,9 @@
 //! The joint automaton of some rules as a plain table: what monitors are made of, in this process, in C and in Structured Text.
 
+use super::dfa::{self, TooLarge};
+use super::fsm::Fsm;
+use super::supervisor::{Refusal, Supervisor};
+
 /// An entry of [`Table::next`]: the call is refused.
 pub const REFUSED: u32 = u32::MAX;
 
@@ -41,6 +45,52 @@ pub struct Cited {
     pub requirement: Option<String>,
     /// What it says, in one line.
     pub text: String,
+}
+
+impl Table {
+    /// The table of an automaton that a supervisor was explored for.
+    ///
+    /// # Errors
+    /// When one rule speaks of too many of the skills of one call.
+    pub fn of(supervisor: &mut Supervisor<'_>, fsm: &Fsm) -> Result<Self, TooLarge> {
+        let skills = supervisor.skills();
+        let mut table = Self {
+            name: skills.name.clone(),
+            skills: skills.skills.iter().map(|s| s.name.clone()).collect(),
+            rules: { skills.rules.iter() }
+                .map(|rule| Cited {
+                    name: rule.name.clone(),
+                    requirement: rule.requirement.clone(),
+                    text: rule.text.clone(),
+                })
+                .collect(),
+            calls: fsm.calls.iter().map(|c| c.0).collect(),
+            next: Vec::new(),
+            why: Vec::new(),
+            states: fsm.states.len(),
+            start: 0,
+        };
+        for (number, state) in fsm.states.iter().enumerate() {
+            for (column, call) in fsm.calls.iter().enumerate() {
+                let to = fsm.dfa.next(number as u32, column);
+                table
+                    .next
+                    .push(if to == dfa::REFUSED { REFUSED } else { to });
+                let why = if to == dfa::REFUSED {
+                    supervisor.call(state, *call)?.err()
+                } else {
+                    None
+                };
+                table.why.push(match why {
+                    Some(Refusal::Rule { rule, .. } | Refusal::Deleted { rule }) => rule as u16,
+                    Some(Refusal::Recall { .. }) => RECALL,
+                    Some(Refusal::SameComponent { .. }) => TOGETHER,
+                    None => 0,
+                });
+            }
+        }
+        Ok(table)
+    }
 }
 
 impl std::fmt::Display for Cited {
