@@ -1,11 +1,12 @@
 //! Which declaration a place in a file belongs to, from the text alone.
 //!
 //! A contract that does not parse is not in the library, yet `check` has to list it, and its findings under it. So this
-//! looks for nothing but `contract NAME`, `machine NAME`, `line NAME`, and for the brace that closes each. The three are
-//! reserved words: one that begins a line begins a declaration, also where a brace before it is missing.
+//! looks for nothing but `contract NAME`, `machine NAME`, `line NAME`, `skills NAME {`, and for the brace that closes each. The first three
+//! are reserved words: one that begins a line begins a declaration, also where a brace before it is missing. `skills` may be a name, too; what
+//! follows tells.
 
 use crate::source::{FileId, SourceMap, Span};
-use crate::syntax::is_component;
+use crate::syntax::{is_component, is_skill_set, is_skills_head};
 
 /// What is declared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -16,6 +17,8 @@ pub enum Kind {
     Machine,
     /// `line`
     Line,
+    /// `skills`
+    Skills,
 }
 
 /// One declaration and the text that belongs to it.
@@ -60,6 +63,10 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
                     start,
                 ));
             }
+            "skills" if begins_skills(text, start + token.len(), depth) => {
+                depth = 0;
+                keyword = Some((Kind::Skills, start));
+            }
             "{" | "(" | "[" => depth += 1,
             "}" | ")" | "]" => {
                 depth = depth.saturating_sub(1);
@@ -87,6 +94,12 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
         }
     }
     found
+}
+
+/// Whether a set of skills begins behind this word.
+fn begins_skills(text: &str, end: usize, depth: usize) -> bool {
+    let (start, rest) = (end - "skills".len(), &text[end..]);
+    depth == 0 && is_skills_head(rest) || begins_line(text, start) && is_skill_set(rest)
 }
 
 /// Whether nothing but `moore` stands before this place in its line.
@@ -168,6 +181,19 @@ mod tests {
         assert!(found[0].2.ends_with("moore "));
         assert_eq!(found[1].2, "contract B {}");
         assert_eq!(found[2].2, "line C { x");
+    }
+
+    #[test]
+    fn skills_are_declared_by_what_follows() {
+        let set = "skills S { component c { Go } }";
+        let text = format!(
+            "const a = skills\ndefine skills(x) = x\nmachine M {{ skills S {{ order = go }} done skills\n{set}\nline L {{}}"
+        );
+        let found = outline(&text);
+        let short: Vec<(Kind, &str)> = found.iter().map(|d| (d.0, d.1.as_str())).collect();
+        let wanted = [(Kind::Machine, "M"), (Kind::Skills, "S"), (Kind::Line, "L")];
+        assert_eq!(short, wanted);
+        assert_eq!(found[1].2, set);
     }
 
     #[test]

@@ -101,7 +101,7 @@ impl Label<'_> {
 
 /// The words of a formula in one line, without comments: one that ends with its line would take what follows for its own. Formulas
 /// hold no texts in quotes.
-fn one_line(text: &str) -> String {
+pub(super) fn one_line(text: &str) -> String {
     let mut words = String::new();
     let mut rest = text;
     while let Some(start) = rest.find("//").into_iter().chain(rest.find("/*")).min() {

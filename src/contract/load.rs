@@ -3,11 +3,13 @@
 use super::instantiate::{Arguments, instantiate, taxonomy_codes};
 use super::scope::Scope;
 use super::uses::{self, Doubt};
-use super::{Library, Loader, lines, machines};
+use super::{Library, Loader, lines, machines, skills};
 use crate::diagnostics::{Diagnostic, Severity, codes};
+use crate::order::Skills;
 use crate::source::{FileId, SourceMap, Span};
 use crate::syntax::{self, ast};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 struct File {
     id: FileId,
@@ -48,15 +50,19 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
         ..
     } = reader;
     let mut library = Library::default();
+    let sets: Vec<Vec<Option<Arc<Skills>>>> = { files.iter() }
+        .map(|file| sets(&file.tree, &sources, &mut findings))
+        .collect();
     for index in 0..files.len() {
         let mut scope = Scope::default();
         let mut own = Vec::new();
         for file in closure(&files, index) {
-            scope.add(&files[file].tree, &mut own);
+            scope.add(&files[file].tree, &sets[file], &mut own);
         }
         scope.settle(&mut own);
         findings.append(&mut own);
         resolve(&files[index], &scope, &sources, &mut library, &mut findings);
+        keep_sets(&files[index].tree, &sets[index], &mut library);
     }
     for index in 0..files.len() {
         let mut found = unused(&files, index, &sources, &findings);
@@ -261,6 +267,7 @@ fn start(item: &ast::Item) -> usize {
         ast::Item::Contract(c) => c.header.name.span,
         ast::Item::Machine(m) => m.header.name.span,
         ast::Item::Line(l) => l.name.span,
+        ast::Item::Skills(s) => s.name.span,
     };
     span.start as usize
 }
@@ -314,6 +321,32 @@ fn resolve(
                     .push((l.name.text.clone(), l.name.span)),
             },
             _ => {}
+        }
+    }
+}
+
+/// What becomes of a file's sets of skills, in their order.
+fn sets(
+    tree: &ast::File,
+    sources: &SourceMap,
+    findings: &mut Vec<Diagnostic>,
+) -> Vec<Option<Arc<Skills>>> {
+    let declared = tree.items.iter().filter_map(|item| match item {
+        ast::Item::Skills(set) => Some(skills::skills(set, sources, findings)),
+        _ => None,
+    });
+    declared.collect()
+}
+
+fn keep_sets(tree: &ast::File, sets: &[Option<Arc<Skills>>], library: &mut Library) {
+    let declared = tree.items.iter().filter_map(|item| match item {
+        ast::Item::Skills(set) => Some(&set.name),
+        _ => None,
+    });
+    for (name, set) in declared.zip(sets) {
+        match set {
+            Some(set) => library.skills.push(Arc::clone(set)),
+            None => library.refused_skills.push((name.text.clone(), name.span)),
         }
     }
 }

@@ -25,6 +25,7 @@
 
 use super::TaxonomyCode;
 use crate::gr1::{BinaryOp, Domain, Expr, Side, Specification, UnaryOp, Variable, described};
+use crate::order::{Level, Skills};
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -64,6 +65,8 @@ pub struct Machine {
     pub refines: Vec<Promised>,
     /// What it guarantees as a whole, over wires.
     pub guarantees: Rules,
+    /// The skills that it calls, and the orders that it keeps doing so: its own, then those of inner machines.
+    pub orders: Vec<Orders>,
     /// The machines that it was made of.
     pub layers: Layers,
     /// Where its name stands.
@@ -101,6 +104,21 @@ pub struct Promised {
     /// For every variable, in order, what it is in the machine, over wires; `None` for the variables of monitors.
     pub bindings: Vec<Option<Expr>>,
     /// Where its name stands.
+    pub span: Span,
+}
+
+/// A set of skills that a machine calls.
+#[derive(Debug, Clone)]
+pub struct Orders {
+    /// The skills and their orders; machines that call the same ones share them.
+    pub skills: Arc<Skills>,
+    /// How much is forbidden to the machine.
+    pub level: Level,
+    /// Over wires, one for each skill in their order: it is being called in this step.
+    pub when: Vec<Expr>,
+    /// The inner machine whose skills these are, `left.arm`; empty for the machine's own.
+    pub of: String,
+    /// Where the set is named in the machine.
     pub span: Span,
 }
 

@@ -14,6 +14,7 @@ mod patterns;
 mod routes;
 mod scope;
 mod shape;
+mod skills;
 mod units;
 mod uses;
 mod value;
@@ -21,6 +22,7 @@ mod value;
 pub use load::load;
 
 use crate::gr1::Specification;
+use crate::order::Skills;
 use crate::source::{FileId, SourceMap, Span};
 use std::sync::Arc;
 
@@ -35,12 +37,16 @@ pub struct Library {
     pub machines: Vec<machine::Machine>,
     /// Lines, likewise.
     pub lines: Vec<line::Line>,
+    /// Sets of skills, likewise.
+    pub skills: Vec<Arc<Skills>>,
     /// Contracts that were declared, but cannot be used: the name, and where it stands. The findings say why.
     pub refused: Vec<(String, Span)>,
     /// Machines that cannot be used.
     pub refused_machines: Vec<(String, Span)>,
     /// Lines that cannot be used.
     pub refused_lines: Vec<(String, Span)>,
+    /// Sets of skills that cannot be used.
+    pub refused_skills: Vec<(String, Span)>,
     /// Files whose text does not follow the grammar.
     pub unsound: Vec<FileId>,
 }

@@ -6,15 +6,19 @@ use super::units::Unit;
 use super::value::{Term, Type, Value};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{Domain, Time, shown};
+use crate::order::Skills;
 use crate::source::Span;
 use crate::syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Declarations by name.
 #[derive(Default, Clone)]
 pub(super) struct Scope<'a> {
     pub contracts: BTreeMap<&'a str, &'a ast::Contract>,
     pub machines: BTreeMap<&'a str, &'a ast::Machine>,
+    /// Sets of skills; `None` for those that cannot be used.
+    pub skills: BTreeMap<&'a str, Option<Arc<Skills>>>,
     types: Vec<&'a ast::TypeDecl>,
     constants: Vec<&'a ast::ConstDecl>,
     defines: BTreeMap<String, &'a ast::Define>,
@@ -29,9 +33,19 @@ pub(super) struct Scope<'a> {
 }
 
 impl<'a> Scope<'a> {
-    /// Adds the declarations of one file. Names that are there already are findings.
-    pub fn add(&mut self, file: &'a ast::File, findings: &mut Vec<Diagnostic>) {
+    /// Adds the declarations of one file, with what became of its sets of skills. Names that are there already are findings.
+    pub fn add(
+        &mut self,
+        file: &'a ast::File,
+        skills: &[Option<Arc<Skills>>],
+        findings: &mut Vec<Diagnostic>,
+    ) {
+        let mut skills = skills.iter();
         for item in &file.items {
+            let set = match item {
+                ast::Item::Skills(_) => skills.next().cloned().flatten(),
+                _ => None,
+            };
             let name = match item {
                 ast::Item::Import(_) => continue,
                 ast::Item::Type(d) => &d.name,
@@ -40,6 +54,7 @@ impl<'a> Scope<'a> {
                 ast::Item::Contract(d) => &d.header.name,
                 ast::Item::Machine(d) => &d.header.name,
                 ast::Item::Line(d) => &d.name,
+                ast::Item::Skills(d) => &d.name,
             };
             if let Some(first) = self.places.get(name.text.as_str()) {
                 findings.push(double(name, *first));
@@ -58,6 +73,9 @@ impl<'a> Scope<'a> {
                 ast::Item::Define(d) => {
                     findings.extend(double_formals(d));
                     self.defines.insert(d.name.text.clone(), d);
+                }
+                ast::Item::Skills(d) => {
+                    self.skills.insert(&d.name.text, set);
                 }
                 ast::Item::Import(_) | ast::Item::Line(_) => {}
             }

@@ -90,6 +90,7 @@ codes! {
     TOO_LARGE = "LW112", "a formula becomes too large";
     NAMES_ALIKE = "LW113", "two names look like one thing";
     COMPARISON_DECIDED = "LW114", "a comparison is always true, or never";
+    SKILL = "LW115", "a skill does not fit its component or its order";
 
     NOT_GR1 = "LW201", "a formula is outside GR(1)";
     NOT_CONTROLLED = "LW202", "a formula constrains what its side does not control";

@@ -1,5 +1,12 @@
 //! Syntax trees: what was written, with its places, and nothing that has to be looked up.
 
+mod skills;
+
+pub use skills::{
+    Deletion, Event, Order, OrderRule, Regex, RegexKind, Situation, Skill, SkillCalls,
+    SkillComponent, SkillItem, SkillSet, Times,
+};
+
 use crate::source::Span;
 
 /// A word and where it stands.
@@ -37,6 +44,8 @@ pub enum Item {
     Machine(Machine),
     /// `line ...`
     Line(Line),
+    /// `skills ...`
+    Skills(SkillSet),
 }
 
 /// `import "a.lw"` or `import std.handling.turn`.
@@ -560,6 +569,8 @@ pub enum MachineItem {
         /// The value.
         value: Expr,
     },
+    /// `skills Set at level { ... }`
+    Skills(SkillCalls),
     /// `refines Contract(...) { ... }`: a component that is called like its contract.
     Refines(Component),
     /// `guarantee ...`

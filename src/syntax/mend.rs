@@ -87,6 +87,8 @@ struct Bracket {
     offset: usize,
     /// Prefix words before it; they count again once it is closed.
     prefixes: usize,
+    /// Whether it opens a set of skills, in which no expression stands.
+    skills: bool,
 }
 
 struct Scanner<'t> {
@@ -99,6 +101,8 @@ struct Scanner<'t> {
     code_end: usize,
     /// Whether only blanks and comments stand before this on its line.
     line_start: bool,
+    /// Where the next set of skills has its brace.
+    skills: Option<usize>,
     copy: Option<Vec<u8>>,
     scan: Scan,
 }
@@ -113,6 +117,7 @@ pub(super) fn scan(file: FileId, text: &str) -> Scan {
         before: Before::Open,
         code_end: 0,
         line_start: true,
+        skills: None,
         copy: None,
         scan: Scan {
             mended: None,
@@ -136,6 +141,40 @@ pub fn is_component(rest: &str) -> bool {
         .find(|c: char| !c.is_alphanumeric() && c != '_')
         .unwrap_or(name.len());
     end > 0 && name[end..].trim_start().starts_with(':')
+}
+
+/// How long the name and the blanks are between the word `skills`, which this follows, and the brace of a set of skills. Nothing but a set
+/// has a name between the two: no expression holds two names side by side.
+fn skills_head(rest: &str) -> Option<usize> {
+    let name = rest.trim_start();
+    let end = name.find(|c: char| !c.is_alphanumeric() && c != '_')?;
+    let word = &name[..end];
+    let brace = name[end..].trim_start();
+    let own = !word.is_empty() && !INFIX.contains(&word) && !ITEMS.contains(&word);
+    (own && brace.starts_with('{')).then(|| rest.len() - brace.len())
+}
+
+/// Whether this follows the word `skills` where a set of skills is declared: `PickUnit {`, and a component or an order within.
+pub fn is_skill_set(rest: &str) -> bool {
+    let Some(brace) = skills_head(rest) else {
+        return false;
+    };
+    let mut within = rest[brace + 1..].trim_start();
+    while within.starts_with("//") {
+        let end = within.find(['\n', '\r']).unwrap_or(within.len());
+        within = within[end..].trim_start();
+    }
+    // In a machine a skill may have such a name: `order = ...`.
+    let after = ["component", "order"].iter().find_map(|word| {
+        let after = within.strip_prefix(word)?;
+        (!after.starts_with(|c: char| c.is_alphanumeric() || c == '_')).then_some(after)
+    });
+    after.is_some_and(|after| !after.trim_start().starts_with('='))
+}
+
+/// Whether this follows the word `skills` where a set of skills begins outside of all braces.
+pub fn is_skills_head(rest: &str) -> bool {
+    skills_head(rest).is_some()
 }
 
 impl Scanner<'_> {
@@ -201,11 +240,24 @@ impl Scanner<'_> {
     }
 
     fn word(&mut self, word: &str, offset: usize) {
-        if matches!(word, "contract" | "moore" | "machine" | "line" | "import")
-            && self.line_start
-            && !(word == "machine" && is_component(&self.text[offset + word.len()..]))
-        {
+        let rest = &self.text[offset + word.len()..];
+        let begins_item = match word {
+            "contract" | "moore" | "line" | "import" => true,
+            "machine" => !is_component(rest),
+            "skills" => is_skill_set(rest),
+            _ => false,
+        };
+        if begins_item && self.line_start {
             self.missing_brace(word, offset);
+        }
+        if word == "skills" && self.stack.is_empty() {
+            self.skills = skills_head(rest).map(|length| offset + word.len() + length);
+        }
+        if matches!(word, "component" | "order")
+            && matches!(self.stack.as_slice(), [Bracket { skills: true, .. }])
+        {
+            // What an order ends with may look as if it went on: `(Left Right)*`.
+            self.expression_ends();
         }
         let goes_on = INFIX.contains(&word)
             || self.before == Before::Open
@@ -231,6 +283,7 @@ impl Scanner<'_> {
             kind,
             offset,
             prefixes: self.prefixes,
+            skills: kind == b'{' && self.skills == Some(offset),
         });
         self.before = Before::Open;
         self.reach(offset);

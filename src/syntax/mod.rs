@@ -10,5 +10,5 @@ mod mend;
 mod parser;
 mod spans;
 
-pub use mend::is_component;
+pub use mend::{is_component, is_skill_set, is_skills_head};
 pub use parser::parse;

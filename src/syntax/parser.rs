@@ -4,6 +4,8 @@
 //! to the next item, and [`explain`] parses that piece once more with the rule that its first word asks for. The
 //! error of that second parse says what was expected where.
 
+mod skills;
+
 use super::ast::File;
 use super::build::Builder;
 use super::mend;
@@ -114,6 +116,7 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         (Rule::bad_item, "contract" | "moore") => Some(Rule::only_contract),
         (Rule::bad_item, "machine") => Some(Rule::only_machine),
         (Rule::bad_item, "line") => Some(Rule::only_line),
+        (Rule::bad_item, "skills") => Some(Rule::only_skills),
         (Rule::bad_contract_item, "input" | "output" | "internal") => Some(Rule::only_variables),
         (Rule::bad_contract_item, "counter") => Some(Rule::only_counter),
         (Rule::bad_contract_item, "assume" | "guarantee") => Some(Rule::only_formula),
@@ -121,8 +124,10 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
             Rule::bad_machine_item,
             "step" | "idle" | "power" | "limit" | "failures" | "property" | "parameter" | "signal"
             | "abstract" | "coordinator" | "action" | "machine" | "operation" | "done" | "write"
-            | "refines" | "guarantee",
+            | "refines" | "skills" | "guarantee",
         ) => Some(Rule::only_machine_item),
+        (Rule::bad_skills_item, "component" | "order") => Some(Rule::only_skills_item),
+        (Rule::bad_skill_call, _) if !first.is_empty() => Some(Rule::only_skill_call),
         (
             Rule::bad_line_item,
             "part" | "product" | "source" | "store" | "sink" | "buffer" | "conveyor" | "station"
@@ -138,6 +143,9 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         && let Err(error) = Grammar::parse(rule, text)
     {
         return finding_of(file, start, text, &error);
+    }
+    if let Some(finding) = skills::explain(file, start, text, context) {
+        return finding;
     }
     let operator = word_at(text);
     if operator == "=" {
@@ -254,6 +262,7 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
                 "done",
                 "write",
                 "refines",
+                "skills",
                 "guarantee",
                 "step",
                 "power",
@@ -283,11 +292,13 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
                 "const",
             ],
         ),
+        Rule::bad_skills_item => ("a set of skills", &["component", "order"]),
+        Rule::bad_skill_call => ("what a machine says of its skills", &["Skill = ..."]),
         Rule::bad_station_item => ("a station", &["perform", "setup", "defect", "failures"]),
         _ => (
             "a file",
             &[
-                "import", "type", "const", "define", "contract", "machine", "line",
+                "import", "type", "const", "define", "contract", "machine", "line", "skills",
             ],
         ),
     }
@@ -343,9 +354,11 @@ fn finding_of(
     } else {
         (at, word_at(&text[at..]))
     };
-    let expected = match &error.variant {
-        ErrorVariant::ParsingError { positives, .. } => expectations(positives),
-        ErrorVariant::CustomError { message } => message.clone(),
+    let (expected, hint) = match &error.variant {
+        ErrorVariant::ParsingError { positives, .. } => {
+            (expectations(positives), skills::hint(&word, positives))
+        }
+        ErrorVariant::CustomError { message } => (message.clone(), None),
     };
     let end = at + word.len();
     let message = if word.is_empty() {
@@ -359,6 +372,9 @@ fn finding_of(
         start + end.max(at + usize::from(at < text.len())),
     );
     let finding = Diagnostic::error(codes::SYNTAX, span, message);
+    if let Some(hint) = hint {
+        return finding.with_help(hint);
+    }
     if (RESERVED.contains(&word.as_str()) || ITEMS.contains(&word.as_str()))
         && !expected.contains("an expression")
         && expected.contains("a name")
@@ -467,6 +483,10 @@ fn expectations(rules: &[Rule]) -> String {
     for rule in rules {
         // A keyword's rule is called `k_` and the word.
         let name = format!("{rule:?}");
+        // What follows an order only ends it.
+        if matches!(rule, Rule::k_component | Rule::k_order) && rules.contains(&Rule::EOI) {
+            continue;
+        }
         if let Some(keyword) = name.strip_prefix("k_") {
             let word = format!("`{keyword}`");
             if !words.contains(&word) {
@@ -559,7 +579,10 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::in_line => "`, at most N in the line`",
             Rule::at_most => "`at most`",
             Rule::the_line => "`the line`",
-            _ => continue,
+            other => match skills::phrase(*other) {
+                Some(phrase) => phrase,
+                None => continue,
+            },
         };
         if !words.iter().any(|w| w == word) {
             words.push(word.to_owned());

@@ -1,5 +1,7 @@
 //! Trees without their places, for comparing what two texts mean.
 
+mod skills;
+
 use super::ast::{
     Argument, Component, ConstDecl, Contract, ContractItem, Counted, Counter, Define, Domain,
     DomainKind, Expr, ExprKind, File, Header, Item, Line, LineItem, Machine, MachineItem, Name,
@@ -21,6 +23,7 @@ impl File {
                 Item::Contract(c) => contract(c),
                 Item::Machine(m) => machine(m),
                 Item::Line(l) => line(l),
+                Item::Skills(s) => skills::skills(s),
             }
         }
         self
@@ -143,6 +146,7 @@ fn machine(m: &mut Machine) {
             | MachineItem::Signal(t)
             | MachineItem::Abstract(t) => typed(t),
             MachineItem::Component(c) | MachineItem::Refines(c) => component(c),
+            MachineItem::Skills(s) => skills::skill_calls(s),
             MachineItem::Guarantee {
                 name: label,
                 expr: e,

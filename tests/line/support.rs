@@ -374,6 +374,7 @@ fn machine(name: &str, properties: &[&str]) -> Machine {
         step_limit: 1000,
         failures: None,
         refines: Vec::new(),
+        orders: Vec::new(),
         guarantees: linewright::contract::machine::Rules::default(),
         layers: linewright::contract::machine::Layers::default(),
         span: span(),

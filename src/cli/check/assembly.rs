@@ -73,6 +73,10 @@ impl Assembly<'_> {
                         let entry = self.line(file, declaration, &mut findings);
                         document.lines.push(entry);
                     }
+                    // They are part of the machines that call them, and have no verdict of their own.
+                    Kind::Skills => {
+                        loose.append(&mut findings);
+                    }
                 }
                 all.extend(findings);
             }

@@ -12,7 +12,7 @@
 
 use super::nested::{Level, Nested, Seen};
 use crate::contract::machine::{
-    Component, Inner, Layers, Machine, Promised, RealExpr, Role, Rules,
+    Component, Inner, Layers, Machine, Orders, Promised, RealExpr, Role, Rules,
 };
 use crate::gr1::{Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable};
 use std::collections::BTreeSet;
@@ -306,6 +306,9 @@ fn mentioned(machine: &Machine, how: How) -> BTreeSet<usize> {
     for promised in &machine.refines {
         promised.bindings.iter().flatten().for_each(&mut see);
     }
+    for orders in &machine.orders {
+        orders.when.iter().for_each(&mut see);
+    }
     if how == How::Flat {
         for (_, value) in &machine.writes {
             value.for_each(&mut |x| {
@@ -371,8 +374,36 @@ fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>
             })
             .collect(),
         guarantees: rules(&old.guarantees, old.wire_count(), places),
+        orders: orders(&old.orders, places),
         ..old.clone()
     }
+}
+
+/// The skills that the machine calls, and those that the machines within it call, as far as they were taken apart.
+fn orders(own: &[Orders], places: &Places<'_>) -> Vec<Orders> {
+    let over = |orders: &Orders| Orders {
+        when: orders.when.iter().map(|e| places.over(e)).collect(),
+        ..orders.clone()
+    };
+    let mut all: Vec<Orders> = own.iter().map(over).collect();
+    for (index, piece) in places.pieces.iter().enumerate() {
+        let Piece::Parts { inner, expanded } = piece else {
+            continue;
+        };
+        all.extend(expanded.machine.orders.iter().map(|orders| {
+            Orders {
+                when: { orders.when.iter() }
+                    .map(|e| places.inside(index, e))
+                    .collect(),
+                of: match orders.of.as_str() {
+                    "" => inner.name.clone(),
+                    deeper => format!("{}.{deeper}", inner.name),
+                },
+                ..orders.clone()
+            }
+        }));
+    }
+    all
 }
 
 /// A component in its new place. `holder` is the inner machine's own place.

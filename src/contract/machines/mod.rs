@@ -4,6 +4,7 @@ mod component;
 mod expand;
 mod jobs;
 mod nested;
+mod orders;
 mod plant;
 mod promises;
 mod properties;
@@ -129,6 +130,7 @@ fn build<'a>(
         failures: None,
         refines: Vec::new(),
         guarantees: Rules::default(),
+        orders: Vec::new(),
         layers: Layers::default(),
         span: machine.header.name.span,
     };
@@ -164,6 +166,7 @@ fn build<'a>(
     model.operations = operations;
     settings(e, parts, &mut model, &mut wires, properties);
     model.refines = promises::refined(e, &mut wires, parts, scope, sources);
+    model.orders = orders::orders(&mut wires, parts, scope);
     model.guarantees = promises::guarantees(&mut wires, parts, sources);
     e.tainted |= wires.tainted;
     e.findings.append(&mut wires.findings);
@@ -255,7 +258,9 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
                 }
                 continue;
             }
-            MachineItem::Write { .. } | MachineItem::Refines(_) => continue,
+            MachineItem::Write { .. } | MachineItem::Refines(_) | MachineItem::Skills(_) => {
+                continue;
+            }
         };
         if let Some(first) = names.insert(&name.text, name.span) {
             e.findings.push(double(name, first));

@@ -158,6 +158,10 @@ impl<'a> Mentions<'a> {
                     self.exprs(&c.power);
                     self.exprs(c.bindings.iter().map(|b| &b.value));
                 }
+                MachineItem::Skills(s) => {
+                    self.name(&s.set.text);
+                    self.exprs(s.calls.iter().map(|c| &c.value));
+                }
                 MachineItem::Operation { sequence, .. } => self.performed(sequence),
                 MachineItem::Write { name, index, value } => {
                     self.name(&name.text);
@@ -227,7 +231,8 @@ impl<'a> Mentions<'a> {
     pub fn file(&mut self, file: &'a ast::File) {
         for item in &file.items {
             match item {
-                Item::Import(_) => {}
+                // A set of skills speaks of nothing outside of it.
+                Item::Import(_) | Item::Skills(_) => {}
                 Item::Type(t) => self.domain(&t.domain),
                 Item::Const(c) => self.constant(c),
                 Item::Define(d) => self.define(d),

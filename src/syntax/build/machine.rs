@@ -28,6 +28,7 @@ impl Builder {
         match rule {
             Rule::m_component => return MachineItem::Component(self.component(item)),
             Rule::m_refines => return MachineItem::Refines(self.refines(item)),
+            Rule::m_skills => return MachineItem::Skills(self.skill_calls(item)),
             Rule::m_property => return MachineItem::Property(self.typed(item)),
             Rule::m_parameter => return MachineItem::Parameter(self.typed(item)),
             Rule::m_signal => return MachineItem::Signal(self.typed(item)),

@@ -8,6 +8,7 @@ mod expression;
 mod line;
 mod machine;
 mod pattern;
+mod skills;
 
 use super::ast::{
     Argument, ConstDecl, Define, File, Formal, Header, Import, Item, Name, Parameter, TypeDecl,
@@ -50,6 +51,9 @@ impl<'a> Children<'a> {
                         | Rule::close_brace
                         | Rule::colon
                         | Rule::equals
+                        | Rule::comma
+                        | Rule::ampersand
+                        | Rule::bar
                 ) && !is_keyword(p.as_rule())
             })
             .collect();
@@ -115,6 +119,10 @@ impl Builder {
                 Rule::line => {
                     let item = self.line(pair);
                     self.tree.items.push(Item::Line(item));
+                }
+                Rule::skills => {
+                    let item = self.skills(pair);
+                    self.tree.items.push(Item::Skills(item));
                 }
                 Rule::bad_item => self.bad(&pair),
                 _ => {}
@@ -301,14 +309,18 @@ impl Builder {
 fn is_keyword(rule: Rule) -> bool {
     matches!(
         rule,
-        Rule::k_abstract
+        Rule::k_a
+            | Rule::k_abstract
             | Rule::k_after
+            | Rule::k_and
             | Rule::k_array
+            | Rule::k_at
             | Rule::k_becomes
             | Rule::k_before
             | Rule::k_between
             | Rule::k_buffer
             | Rule::k_capacity
+            | Rule::k_component
             | Rule::k_const
             | Rule::k_contract
             | Rule::k_conveyor
@@ -316,11 +328,13 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_counts
             | Rule::k_defect
             | Rule::k_define
+            | Rule::k_deletes
             | Rule::k_done
             | Rule::k_else
             | Rule::k_every
             | Rule::k_failures
             | Rule::k_from
+            | Rule::k_guarantee
             | Rule::k_hour
             | Rule::k_idle
             | Rule::k_if
@@ -330,11 +344,15 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_limit
             | Rule::k_line
             | Rule::k_machine
+            | Rule::k_most
             | Rule::k_mtbf
             | Rule::k_mttr
+            | Rule::k_never
+            | Rule::k_not
             | Rule::k_of
             | Rule::k_on
             | Rule::k_one
+            | Rule::k_only
             | Rule::k_operation
             | Rule::k_order
             | Rule::k_parameter
@@ -344,18 +362,20 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_power
             | Rule::k_probability
             | Rule::k_product
+            | Rule::k_property
             | Rule::k_record
             | Rule::k_refines
-            | Rule::k_guarantee
-            | Rule::k_property
             | Rule::k_reorder
-            | Rule::k_resets
             | Rule::k_requirement
+            | Rule::k_resets
             | Rule::k_route
+            | Rule::k_row
+            | Rule::k_sequence
             | Rule::k_setup
             | Rule::k_shift
             | Rule::k_signal
             | Rule::k_sink
+            | Rule::k_skills
             | Rule::k_source
             | Rule::k_station
             | Rule::k_step
@@ -364,6 +384,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_then
             | Rule::k_time
             | Rule::k_to
+            | Rule::k_twice
             | Rule::k_type
             | Rule::k_until
             | Rule::k_when

@@ -60,6 +60,7 @@ impl Printer<'_> {
                 }
                 self.value(before, value);
             }
+            MachineItem::Skills(s) => self.skill_calls(place, s),
             MachineItem::Refines(c) => {
                 self.put("refines ");
                 self.name(&c.contract);

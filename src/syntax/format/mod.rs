@@ -12,6 +12,7 @@ mod line;
 mod machine;
 mod parts;
 mod printer;
+mod skills;
 
 use super::ast::{Expr, File, Item};
 use super::parser::parse;
@@ -27,7 +28,10 @@ pub fn format(file: &File, text: &str) -> String {
     let mut before = None;
     for item in &file.items {
         let kind = std::mem::discriminant(item);
-        let block = matches!(item, Item::Contract(_) | Item::Machine(_) | Item::Line(_));
+        let block = matches!(
+            item,
+            Item::Contract(_) | Item::Machine(_) | Item::Line(_) | Item::Skills(_)
+        );
         let place = printer.begin(block || before.is_some_and(|b| b != kind));
         before = Some(kind);
         match item {
@@ -43,6 +47,7 @@ pub fn format(file: &File, text: &str) -> String {
             Item::Contract(c) => printer.contract(place, c),
             Item::Machine(m) => printer.machine(place, m),
             Item::Line(l) => printer.plant_line(place, l),
+            Item::Skills(s) => printer.skills(place, s),
         }
         printer.end();
     }
