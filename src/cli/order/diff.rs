@@ -9,7 +9,7 @@ use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::fsm::calls;
 use crate::order::picture::names;
-use crate::order::program::{Difference, difference};
+use crate::order::program::{Apart, Difference, difference};
 use crate::order::supervisor::{Call, Refusal, Supervisor};
 use clap::Args;
 use serde::Serialize;
@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Also tell apart programs that the one lets end and the other does not
     #[arg(long)]
     pub whole: bool,
+    /// Only find what A allows and B refuses
+    #[arg(long)]
+    pub one_way: bool,
     /// Also call several skills at once, up to so many
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
@@ -82,7 +85,11 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let found = Supervisor::new(&first.skills, arguments.choice.options()).and_then(|mut a| {
         let mut b = Supervisor::new(&renamed, other.options())?;
         let calls = common_calls(&first, &renamed, usize::from(arguments.at_once));
-        difference(&mut a, &mut b, &calls, arguments.whole)
+        let apart = Apart {
+            whole: arguments.whole,
+            one_way: arguments.one_way,
+        };
+        difference(&mut a, &mut b, &calls, apart)
     });
     let found = match found {
         Ok(found) => found,
@@ -119,6 +126,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             why.as_deref(),
             &titles,
             &first.skills,
+            arguments.one_way,
         ))?;
     }
     Ok(match found {
@@ -143,9 +151,14 @@ fn told(
     why: Option<&str>,
     [first, second]: &[String; 2],
     skills: &Skills,
+    one_way: bool,
 ) -> String {
     let Some(difference) = found else {
-        return format!("{first} and {second} allow the same\n");
+        return if one_way {
+            format!("whatever {first} allows, {second} allows\n")
+        } else {
+            format!("{first} and {second} allow the same\n")
+        };
     };
     let (allows, refuses) = if difference.first_allows {
         (first, second)
@@ -165,12 +178,15 @@ fn told(
 /// The names of both; with the level where they are alike.
 fn titles(first: &Chosen, second: &Chosen, arguments: &Arguments) -> [String; 2] {
     let (a, b) = (&first.skills.name, &second.skills.name);
+    let level = arguments.choice.level.level().word();
     match arguments.other_level {
-        Some(level) if a == b => [
-            format!("{a} ({})", arguments.choice.level.level().word()),
-            format!("{b} ({})", level.level().word()),
+        _ if a != b => [a.clone(), b.clone()],
+        Some(other) => [
+            format!("{a} ({level})"),
+            format!("{b} ({})", other.level().word()),
         ],
-        _ => [a.clone(), b.clone()],
+        None if arguments.choice.paper => [format!("{a} (deleted transitions)"), b.clone()],
+        None => [format!("{a} (first)"), format!("{b} (second)")],
     }
 }
 
