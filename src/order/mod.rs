@@ -12,7 +12,8 @@
 //!   can use it. Several rules together are the product of theirs.
 //! - Several skills called at once are allowed when every order of calling them one after the other is ([`Serialisation::Every`]); what is
 //!   known afterwards is the set of states that some order leads to. With [`Serialisation::Some`] one order has to be allowed.
-//! - An [`Event`] of several skills, `Left & Down`, means that these are called at once.
+//! - An [`Event`] of several skills, `Left & Down`, means that these are called at once. In a row it is there where they follow each other
+//!   in one call.
 //! - What stands at the start ([`Component::initial`]) counts as called where a rule asks whether something has been called (`after`, `until`,
 //!   `before`, `only after`, `between`): a unit that stands up has been called `Up`. It does not count as a call of its own: not among
 //!   those of `at most`, and nothing follows it directly.

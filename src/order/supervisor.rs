@@ -331,7 +331,8 @@ fn together(each: Vec<(usize, Automaton)>, letters: usize) -> Result<Automata, T
             });
         }
     }
-    let parts: Vec<Dfa> = automata.into_iter().map(|a| a.dfa).collect();
+    let (parts, overs): (Vec<Dfa>, Vec<Vec<u32>>) =
+        automata.into_iter().map(|a| (a.dfa, a.over)).unzip();
     let step = |state: &Vec<u32>, letter| {
         let next = state
             .iter()
@@ -344,15 +345,15 @@ fn together(each: Vec<(usize, Automaton)>, letters: usize) -> Result<Automata, T
         let mut states = state.iter().zip(&parts);
         states.all(|(s, dfa)| dfa.is_complete(*s))
     };
-    let explored = Dfa::explore_all(letters, &starts, MOST_STATES, step, complete)?;
-    let product = Automaton {
-        dfa: explored.dfa,
-        starts: explored.starts,
+    let over = |state: &Vec<u32>| {
+        let states = state.iter().zip(&overs);
+        states.map(|(s, over)| over[*s as usize]).collect()
     };
+    let (product, states) = Automaton::explore(letters, &starts, step, over, complete)?;
     Ok(Automata::Together {
         rules,
         parts,
-        states: explored.states,
+        states,
         product: Box::new(Serial::new(product, Serialisation::Some)),
     })
 }
