@@ -16,7 +16,8 @@
 //!   in one call.
 //! - What stands at the start ([`Component::initial`]) counts as called where a rule asks whether something has been called (`after`, `until`,
 //!   `before`, `only after`, `between`): a unit that stands up has been called `Up`. It does not count as a call of its own: not among
-//!   those of `at most`, and nothing follows it directly.
+//!   those of `at most`, and nothing follows it directly. Which of two skills that stand was called last is not known: that is as if they
+//!   had been called at once. No event of several skills counts as called.
 //! - A *recall*, a skill whose component is already where it leads, is a call like any other. The level reasonable forbids it.
 //!
 //! Nothing here knows of syntax, contracts or machines.
@@ -34,6 +35,7 @@ pub mod regex;
 mod renumber;
 pub mod rule;
 pub mod serial;
+pub mod standing;
 pub mod strongest;
 pub mod supervisor;
 pub mod table;

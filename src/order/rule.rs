@@ -5,6 +5,7 @@
 //! where the two follow each other in one call, so that nothing comes between it and what it follows.
 
 use super::dfa::{Dfa, TooLarge};
+use super::standing::{Window, standing};
 use super::{Event, Kind, Regex, Rule, Skills, regex};
 
 /// A rule's automaton has so many states at most.
@@ -125,17 +126,30 @@ impl Kind {
 pub struct Automaton {
     /// Over the letters of an [`Alphabet`]. Its state 0 is not always the start.
     pub dfa: Dfa,
-    /// Where it may be at the start, ascending: more than one state where the initial situation does not say what was called last.
+    /// Where it may be at the start, ascending: with its window closed and with it open where the initial situation does not say what was
+    /// called last, else one state.
     pub starts: Vec<u32>,
+    /// Its window at the start.
+    pub window: Window,
     /// For every state, the one between this call and the next.
     pub over: Vec<u32>,
 }
 
 impl Automaton {
+    /// Where it is at the start when its window stands open or does not.
+    pub(super) fn start(&self, open: bool) -> u32 {
+        self.starts[usize::from(open).min(self.starts.len() - 1)]
+    }
+
     /// An automaton for which it does not matter where a call ends.
     fn of_letters(dfa: Dfa, starts: Vec<u32>) -> Self {
         let over = (0..dfa.states() as u32).collect();
-        Self { dfa, starts, over }
+        Self {
+            dfa,
+            starts,
+            window: Window::default(),
+            over,
+        }
     }
 
     /// Explores states from several starts; `over` says what comes of them when a call is over.
@@ -162,6 +176,7 @@ impl Automaton {
         let automaton = Self {
             dfa,
             starts: found.starts,
+            window: Window::default(),
             over,
         };
         Ok((automaton, found.states))
@@ -176,25 +191,21 @@ pub fn automaton(rule: &Rule, skills: &Skills, alphabet: &Alphabet) -> Result<Au
     let letters = alphabet.len();
     let set = |events: &[Event]| alphabet.set(events);
     // Whether one of these counts as called at the start.
-    let called = |events: &[Event]| {
-        events.iter().any(|e| match e.0.as_slice() {
-            [skill] => {
-                let skill = &skills.skills[*skill];
-                skill.effect == Some(skills.components[skill.component].initial)
-            }
-            _ => false,
-        })
-    };
+    let called = |events: &[Event]| standing(events, skills) != 0;
     match &rule.kind {
         Kind::Never(never) => {
             let never = set(never);
             one(letters, &[()], |(), l| (!never[l]).then_some(()))
         }
         Kind::After { from, until, never } => {
-            let starts = opened(called(from), called(until));
+            let window = Window::new(from, until, skills);
             let (from, until, never) = (set(from), set(until), set(never));
-            one(letters, &starts, |open, l| {
+            let automaton = one(letters, &window.starts(), |open, l| {
                 (!(*open && never[l])).then(|| from[l] || *open && !until[l])
+            })?;
+            Ok(Automaton {
+                window,
+                ..automaton
             })
         }
         Kind::Before { first, then } => {
@@ -217,16 +228,17 @@ pub fn automaton(rule: &Rule, skills: &Skills, alphabet: &Alphabet) -> Result<Au
             from,
             until,
         } => {
+            let window = Window::new(from, until, skills);
             let starts = if from.is_empty() {
                 vec![true]
             } else {
-                opened(called(from), called(until))
+                window.starts()
             };
             let starts: Vec<Option<u32>> = { starts.into_iter() }
                 .map(|open| open.then_some(0))
                 .collect();
             let (of, from, until) = (set(of), set(from), set(until));
-            one(letters, &starts, |counted, l| {
+            let automaton = one(letters, &starts, |counted, l| {
                 let counted = match *counted {
                     Some(n) if of[l] && n == *count => return None,
                     Some(n) if of[l] => Some(n + 1),
@@ -237,18 +249,14 @@ pub fn automaton(rule: &Rule, skills: &Skills, alphabet: &Alphabet) -> Result<Au
                     None if from[l] => Some(0),
                     other => other,
                 })
+            })?;
+            Ok(Automaton {
+                window,
+                ..automaton
             })
         }
         Kind::InARow(words) => in_a_row(words, alphabet),
         Kind::Sequence(regex) => sequence(regex, skills, letters),
-    }
-}
-
-/// Whether a window stands open at the start: both where it may have been opened or closed last.
-fn opened(from: bool, until: bool) -> Vec<bool> {
-    match (from, until) {
-        (true, true) => vec![false, true],
-        (open, _) => vec![open],
     }
 }
 

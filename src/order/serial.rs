@@ -33,7 +33,9 @@ pub struct Serial {
 impl Serial {
     /// A rule's automaton, before the first call: the set of number 0.
     pub fn new(automaton: Automaton, serialisation: Serialisation) -> Self {
-        let Automaton { dfa, starts, over } = automaton;
+        let Automaton {
+            dfa, starts, over, ..
+        } = automaton;
         let idle = (0..dfa.letters()).map(|l| dfa.is_idle(l)).collect();
         Self {
             dfa,

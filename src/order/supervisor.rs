@@ -5,9 +5,9 @@
 //! are asked for; [`super::automaton`] works out all of them.
 
 use super::dfa::{Dfa, REFUSED, TooLarge};
-use super::rule::{self, Alphabet, Automaton, MOST_STATES};
+use super::rule::{self, Alphabet, Automaton};
 use super::serial::{Known, Serial};
-use super::{Level, Serialisation, Skills};
+use super::{Level, Serialisation, Skills, standing};
 
 /// One skill or several called at once, as a mask over [`Skills::skills`]. Never 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -317,20 +317,17 @@ fn first_refusal(parts: &[Dfa], from: &[u32], letters: &[usize]) -> (usize, Vec<
 /// The product of all rules, for what one order has to suit.
 fn together(each: Vec<(usize, Automaton)>, letters: usize) -> Result<Automata, TooLarge> {
     let (rules, automata): (Vec<usize>, Vec<Automaton>) = each.into_iter().unzip();
-    let mut starts: Vec<Vec<u32>> = vec![Vec::new()];
-    for automaton in &automata {
-        let longer = starts.iter().flat_map(|s| {
-            let more = automaton.starts.iter();
-            more.map(move |m| s.iter().copied().chain([*m]).collect())
-        });
-        starts = longer.collect();
-        if starts.len() > MOST_STATES {
-            return Err(TooLarge {
-                what: "states",
-                limit: MOST_STATES,
-            });
-        }
-    }
+    let windows: Vec<_> = automata.iter().map(|a| a.window).collect();
+    let starts: Vec<Vec<u32>> = standing::together(&windows)?
+        .iter()
+        .map(|open| {
+            automata
+                .iter()
+                .zip(open)
+                .map(|(a, o)| a.start(*o))
+                .collect()
+        })
+        .collect();
     let (parts, overs): (Vec<Dfa>, Vec<Vec<u32>>) =
         automata.into_iter().map(|a| (a.dfa, a.over)).unzip();
     let step = |state: &Vec<u32>, letter| {
