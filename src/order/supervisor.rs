@@ -276,7 +276,8 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// The rules that a program must not leave here, by their places: sequences in the middle of a word.
+    /// The rules that a program must not leave here, by their places: sequences in the middle of a word. Where one order has to suit, those
+    /// that every order leaves there; if there are none, those that some order does.
     pub fn unfinished(&self, state: &State) -> Vec<usize> {
         match &self.automata {
             Automata::Each(each) => {
@@ -284,11 +285,27 @@ impl<'a> Supervisor<'a> {
                 let open = open.filter(|((_, serial), known)| !serial.is_complete(**known));
                 open.map(|((rule, _), _)| *rule).collect()
             }
-            Automata::Together { rules, .. } if !self.is_complete(state) => {
-                let sequences = rules.iter().copied();
-                let is_sequence =
-                    |r: &usize| matches!(self.skills.rules[*r].kind, super::Kind::Sequence(_));
-                sequences.filter(is_sequence).collect()
+            Automata::Together {
+                rules,
+                parts,
+                states,
+                product,
+            } if !self.is_complete(state) => {
+                let known = product.states(state.known[0]).iter();
+                let known: Vec<_> = known.map(|s| &states[*s as usize]).collect();
+                let open = |rule: usize| {
+                    let states = known.iter().map(move |s| s[rule]);
+                    states.map(move |s| !parts[rule].is_complete(s))
+                };
+                let whatever: Vec<usize> =
+                    { 0..rules.len() }.filter(|r| open(*r).all(|o| o)).collect();
+                // Else each can end after some order, but not all after the same one.
+                let open: Vec<usize> = if whatever.is_empty() {
+                    (0..rules.len()).filter(|r| open(*r).any(|o| o)).collect()
+                } else {
+                    whatever
+                };
+                open.into_iter().map(|r| rules[r]).collect()
             }
             Automata::Together { .. } => Vec::new(),
         }
