@@ -78,7 +78,7 @@ fn a_program_is_text_or_a_table() {
 #[test]
 fn all_that_cannot_be_read_is_told_at_once() {
     let (document, output) = checked("p.txt", "Rigth\nDown Grip\nUp & Up\nLeft &\nUp\n", &[]);
-    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(output.status.code(), Some(2));
     let program = &document["programs"][0];
     assert_eq!(program["verdict"], "invalid");
     let findings = program["findings"].as_array().expect("findings");
