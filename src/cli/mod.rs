@@ -25,6 +25,7 @@ pub mod libraries;
 pub mod lines;
 pub mod machines;
 pub mod options;
+pub mod order;
 pub mod outline;
 pub mod output;
 pub mod pipeline;
@@ -92,6 +93,8 @@ pub enum Command {
     Import(import::Arguments),
     /// Say what a finding means, with a minimal contract that shows it
     Explain(explain::Arguments),
+    /// Say what skills may follow what: check programs, watch calls, print automata, by the rules of skill orders
+    Order(order::Arguments),
     /// Look things up in DIN 8580 and VDI 2860
     Din(din::Arguments),
     /// Say what there is for building station libraries, and what a probe has found
@@ -147,6 +150,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Merge(a) => algebra::merge(a, options),
         Command::Import(a) => import::run(a, options),
         Command::Explain(a) => explain::run(a, options),
+        Command::Order(a) => order::run(a, options),
         Command::Din(a) => din::run(a, options),
         Command::Doctor(a) => doctor::run(a, options),
         Command::Completions(a) => completions::run(a, options, Arguments::command()),

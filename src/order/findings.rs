@@ -5,7 +5,7 @@
 
 use super::dfa::{REFUSED, TooLarge};
 use super::fsm::{Fsm, calls};
-use super::program;
+use super::program::{self, Apart};
 use super::supervisor::{Call, Options, Supervisor};
 use super::{Kind, Level, Skills};
 use crate::diagnostics::{Diagnostic, codes};
@@ -261,9 +261,13 @@ impl Examined<'_> {
             others.remove(at);
             let (with, without) = (self.only(all), self.only(&others));
             let calls = calls(self.skills, 2);
+            let whole = Apart {
+                whole: true,
+                one_way: false,
+            };
             let mut first = Supervisor::new(&with, self.options)?;
             let mut second = Supervisor::new(&without, self.options)?;
-            if program::difference(&mut first, &mut second, &calls, true)?.is_none() {
+            if program::difference(&mut first, &mut second, &calls, whole)?.is_none() {
                 let rule = &self.skills.rules[*rule];
                 let beside = if others.is_empty() && self.options.level == Level::Valid {
                     "it forbids nothing"

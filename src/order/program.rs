@@ -153,7 +153,16 @@ pub struct Difference {
     pub refusal: Option<Refusal>,
 }
 
-/// Tells two sets of rules over the same skills apart. With `whole`, also programs that the one lets end and the other does not.
+/// What counts as a difference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Apart {
+    /// Also programs that the one lets end and the other does not.
+    pub whole: bool,
+    /// Only what the first allows and the second refuses.
+    pub one_way: bool,
+}
+
+/// Tells two sets of rules over the same skills apart.
 ///
 /// # Errors
 /// When there are too many pairs of states, or one rule speaks of too many skills of one call.
@@ -161,7 +170,7 @@ pub fn difference(
     first: &mut Supervisor<'_>,
     second: &mut Supervisor<'_>,
     calls: &[Call],
-    whole: bool,
+    apart: Apart,
 ) -> Result<Option<Difference>, TooLarge> {
     let limit = MOST_ENTRIES / calls.len().max(1);
     let start = (first.start(), second.start());
@@ -180,7 +189,7 @@ pub fn difference(
     while at < found.len() {
         let (a, b) = found[at].0.clone();
         let ends = first.is_complete(&a);
-        if whole && ends != second.is_complete(&b) {
+        if apart.whole && ends != second.is_complete(&b) && (ends || !apart.one_way) {
             return Ok(Some(Difference {
                 calls: way(&found, at),
                 first_allows: ends,
@@ -191,6 +200,7 @@ pub fn difference(
             let pair = match (first.call(&a, *call)?, second.call(&b, *call)?) {
                 (Ok(a), Ok(b)) => (a, b),
                 (Err(_), Err(_)) => continue,
+                (Err(_), Ok(_)) if apart.one_way => continue,
                 (allowed, refused) => {
                     let mut calls = way(&found, at);
                     calls.push(*call);

@@ -1,6 +1,8 @@
 //! From what is known of every contract and machine to the document.
 
-use super::document::{ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, Summary};
+use super::document::{
+    ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, SkillsEntry, Summary,
+};
 use super::view::FileView;
 use super::{explained, machine};
 use crate::cli::console::schema;
@@ -14,6 +16,7 @@ use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
+use crate::order;
 use std::path::Path;
 
 /// All that the document is made from.
@@ -40,6 +43,7 @@ impl Assembly<'_> {
             occasion: None,
             semantics: "strict",
             contracts: Vec::new(),
+            skills: Vec::new(),
             machines: Vec::new(),
             lines: Vec::new(),
             findings: Vec::new(),
@@ -73,9 +77,9 @@ impl Assembly<'_> {
                         let entry = self.line(file, declaration, &mut findings);
                         document.lines.push(entry);
                     }
-                    // They are part of the machines that call them, and have no verdict of their own.
                     Kind::Skills => {
-                        loose.append(&mut findings);
+                        let entry = self.skills(file, declaration, &mut findings);
+                        document.skills.push(entry);
                     }
                 }
                 all.extend(findings);
@@ -200,6 +204,32 @@ impl Assembly<'_> {
                 .map(|r| r.statistics.kernel.clone())
                 .unwrap_or_default(),
             verdict_only: result.is_some_and(|r| r.left_out),
+        }
+    }
+
+    fn skills(
+        &self,
+        file: &FileView<'_>,
+        declaration: &Declaration,
+        findings: &mut Vec<Diagnostic>,
+    ) -> SkillsEntry {
+        let sound = !file.broken && !has_errors(findings);
+        let known = self.loaded.library.skills.iter();
+        let skills = { known }.find(|s| sound && declaration.holds(s.span));
+        let examined = skills.map(|s| order::findings::examine(s));
+        let verdict = match &examined {
+            Some(examined) if has_errors(examined) => "contradictory",
+            Some(_) => "consistent",
+            None => "invalid",
+        };
+        findings.extend(examined.unwrap_or_default());
+        SkillsEntry {
+            name: declaration.name.clone(),
+            file: file.name.to_owned(),
+            verdict,
+            skills: skills.map_or(0, |s| s.skills.len()),
+            rules: skills.map_or(0, |s| s.rules.len()),
+            findings: json::findings(&self.loaded.library.sources, findings),
         }
     }
 

@@ -17,6 +17,9 @@ pub(super) struct Document {
     pub(super) occasion: Option<Occasion>,
     pub(super) semantics: &'static str,
     pub(super) contracts: Vec<ContractEntry>,
+    /// The sets of skills; left out where there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) skills: Vec<SkillsEntry>,
     pub(super) machines: Vec<MachineEntry>,
     pub(super) lines: Vec<LineEntry>,
     /// Findings that belong to no declaration.
@@ -100,6 +103,17 @@ pub(super) struct WellSeparation {
     pub(super) forced: [u64; 2],
     /// For one that does as it likes.
     pub(super) forced_ignoring_guarantees: [u64; 2],
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct SkillsEntry {
+    pub(super) name: String,
+    pub(super) file: String,
+    /// `consistent`; `contradictory`, when its rules allow nothing or lead nowhere; or `invalid`.
+    pub(super) verdict: &'static str,
+    pub(super) skills: usize,
+    pub(super) rules: usize,
+    pub(super) findings: Vec<json::Finding>,
 }
 
 #[derive(Debug, Serialize)]

@@ -47,6 +47,17 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
             ],
         });
     }
+    for s in &document.skills {
+        let mut cells = vec![String::new(); COLUMNS];
+        cells[0] = format!("skills {}", s.name);
+        cells[2] = format!("{}, {}", count(s.skills, "skill"), count(s.rules, "rule"));
+        s.verdict.clone_into(&mut cells[3]);
+        cells[6] = file(&s.file);
+        rows.push(Row {
+            verdict: s.verdict,
+            cells,
+        });
+    }
     for m in &document.machines {
         let empty = String::new;
         rows.push(Row {
@@ -104,6 +115,9 @@ pub(super) fn short(document: &Document) -> String {
     for c in &document.contracts {
         let _ = writeln!(text, "{}: contract {}: {}", c.file, c.name, c.verdict);
     }
+    for s in &document.skills {
+        let _ = writeln!(text, "{}: skills {}: {}", s.file, s.name, s.verdict);
+    }
     for m in &document.machines {
         let _ = writeln!(text, "{}: machine {}: {}", m.file, m.name, m.verdict);
     }
@@ -157,8 +171,8 @@ fn align(rows: &[Row]) -> String {
 
 fn mark(verdict: &str) -> (Style, char) {
     match verdict {
-        "realizable" | "valid" => (GOOD, '✓'),
-        "unrealizable" => (BAD, '✗'),
+        "realizable" | "valid" | "consistent" => (GOOD, '✓'),
+        "unrealizable" | "contradictory" => (BAD, '✗'),
         "gave_up" => (OPEN, '?'),
         _ => (BAD, '!'),
     }

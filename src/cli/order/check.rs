@@ -1,0 +1,254 @@
+//! `linewright order check`: a program of calls, before it is loaded.
+
+use super::rules::{self, Chosen};
+use super::{Choice, program, words};
+use crate::cli::console::schema;
+use crate::cli::exit::ExitCode;
+use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::select::Selection;
+use crate::diagnostics::{Diagnostic, codes, json, sarif};
+use crate::order::picture::names;
+use crate::order::program::{Checked, Violation, check};
+use crate::order::supervisor::Supervisor;
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// The arguments of `order check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright order check examples/pick-and-place/intended.txt
+    linewright order check examples/pick-and-place/crash.csv --rules examples/pick-and-place/unit.lw --level reasonable
+
+A program has a call a line: a skill, or `Left & Down` for skills that are called at once. In a .csv file the \
+skills of a line stand in its cells, or in a column `skill`. What follows # is a comment.")]
+pub struct Arguments {
+    /// Programs to check
+    #[arg(required = true, value_name = "PROGRAM")]
+    pub programs: Vec<String>,
+    /// The rules [default: the one file beside the program that declares skills]
+    #[arg(long, value_name = "FILE[::NAME]")]
+    pub rules: Option<Selection>,
+    /// Refuse a program that ends in the middle of a sequence
+    #[arg(long)]
+    pub whole: bool,
+    /// Which rules are kept.
+    #[command(flatten)]
+    pub choice: Choice,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: String,
+    skills: String,
+    level: &'static str,
+    programs: Vec<Entry>,
+}
+
+#[derive(Serialize)]
+struct Entry {
+    file: String,
+    verdict: &'static str,
+    calls: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    violation: Option<ViolationEntry>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    completion: Option<Vec<Vec<String>>>,
+    findings: Vec<json::Finding>,
+}
+
+#[derive(Serialize)]
+struct ViolationEntry {
+    step: usize,
+    call: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rule: Option<String>,
+    why: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    detour: Option<Vec<Vec<String>>>,
+    instead: Vec<Vec<String>>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let selection = match &arguments.rules {
+        Some(rules) => rules.clone(),
+        None => rules::beside(&arguments.programs[0])?,
+    };
+    let mut chosen = match rules::choose(&selection, &arguments.choice, options)? {
+        Ok(chosen) => chosen,
+        Err(code) => return Ok(code),
+    };
+    let mut entries = Vec::new();
+    let mut text = String::new();
+    let mut all = Vec::new();
+    let mut code = ExitCode::Success;
+    for name in &arguments.programs {
+        match one(name, &mut chosen, arguments) {
+            Ok((entry, told, findings)) => {
+                if entry.verdict == "invalid" {
+                    code = code.and(ExitCode::CannotRun);
+                }
+                code = code.and(options.exit_code(&findings));
+                text += &told;
+                entries.push(Entry {
+                    findings: json::findings(&chosen.loaded.library.sources, &findings),
+                    ..entry
+                });
+                all.extend(findings);
+            }
+            Err(error) => return rules::gave_up(&error, options),
+        }
+    }
+    let console = options.console();
+    let sources = &chosen.loaded.library.sources;
+    match options.format {
+        Format::Json => console.document(&Document {
+            schema: schema("order-check"),
+            skills: chosen.skills.name.clone(),
+            level: arguments.choice.level.level().word(),
+            programs: entries,
+        })?,
+        Format::Sarif => console.document(&sarif::document(sources, &all))?,
+        Format::Human | Format::Short => {
+            console.result(&text)?;
+            console.findings(sources, &all)?;
+        }
+    }
+    Ok(code)
+}
+
+type Told = (Entry, String, Vec<Diagnostic>);
+
+fn one(
+    name: &str,
+    chosen: &mut Chosen,
+    arguments: &Arguments,
+) -> Result<Told, crate::order::dfa::TooLarge> {
+    let mut entry = Entry {
+        file: name.to_owned(),
+        verdict: "invalid",
+        calls: 0,
+        violation: None,
+        completion: None,
+        findings: Vec::new(),
+    };
+    let read = match std::fs::read_to_string(name) {
+        Ok(read) => read,
+        Err(error) => {
+            let message = format!("{name} cannot be read: {error}");
+            let finding = Diagnostic::error(codes::FILE_UNREADABLE, None, message)
+                .with_help("give a file of calls: a skill a line");
+            return Ok((entry, format!("{name}: cannot be read\n"), vec![finding]));
+        }
+    };
+    let file = chosen.loaded.library.sources.add(name, read);
+    let skills = &chosen.skills;
+    let program = program::read(&chosen.loaded.library.sources, file, skills);
+    entry.calls = program.calls.len();
+    if !program.findings.is_empty() {
+        return Ok((entry, format!("{name}: invalid\n"), program.findings));
+    }
+    let options = arguments.choice.options();
+    let mut supervisor = Supervisor::new(skills, options)?;
+    let checked = check(&mut supervisor, &program.calls)?;
+    let level = options.level.word();
+    let calls = counted(program.calls.len());
+    let mut findings = Vec::new();
+    let mut told = String::new();
+    // Writing to a string cannot fail.
+    if let Some(violation) = &checked.violation {
+        entry.verdict = "refused";
+        let span = program.spans[violation.step];
+        let refused = words::refused(
+            violation.call,
+            &violation.refusal,
+            skills,
+            options.serialisation,
+            Some(span),
+        );
+        findings.push(refused.with_help(way_out(violation, chosen)));
+        entry.violation = Some(violation_entry(violation, chosen, arguments));
+        let _ = writeln!(
+            told,
+            "{name}: refused at call {} of {} ({level})",
+            violation.step + 1,
+            program.calls.len()
+        );
+    } else {
+        entry.verdict = "accepted";
+        let _ = writeln!(told, "{name}: accepted, {calls} ({level})");
+        entry.completion = checked.completion.as_ref().map(|c| names(skills, c));
+        let last = program.spans.last().copied();
+        if let Some(open) = unfinished(&checked, chosen, arguments.whole, last) {
+            if arguments.whole {
+                entry.verdict = "refused";
+                told = format!("{name}: refused at its end ({level})\n");
+            }
+            findings.push(open);
+        }
+    }
+    Ok((entry, told, findings))
+}
+
+fn counted(calls: usize) -> String {
+    match calls {
+        1 => "1 call".to_owned(),
+        n => format!("{n} calls"),
+    }
+}
+
+fn way_out(violation: &Violation, chosen: &Chosen) -> String {
+    let skills = &chosen.skills;
+    let call = violation.call.text(skills);
+    let first = match &violation.detour {
+        Some(detour) if detour.is_empty() => String::new(),
+        Some(detour) => format!("call {} before it", words::calls(detour, skills)),
+        None => format!("`{call}` is never allowed after these calls"),
+    };
+    match violation.instead.as_slice() {
+        [] => format!("{first}; nothing may be called here"),
+        instead => format!(
+            "{first}; what may be called here is {}",
+            words::calls(instead, skills)
+        ),
+    }
+}
+
+fn violation_entry(v: &Violation, chosen: &Chosen, arguments: &Arguments) -> ViolationEntry {
+    let skills = &chosen.skills;
+    let options = arguments.choice.options();
+    ViolationEntry {
+        step: v.step + 1,
+        call: names(skills, &[v.call]).remove(0),
+        rule: words::rule(&v.refusal).map(|r| skills.rules[r].name.clone()),
+        why: words::why(v.call, &v.refusal, skills, options.serialisation),
+        detour: v.detour.as_ref().map(|d| names(skills, d)),
+        instead: names(skills, &v.instead),
+    }
+}
+
+/// A program that ends in the middle of a sequence.
+fn unfinished(
+    checked: &Checked,
+    chosen: &Chosen,
+    whole: bool,
+    last: Option<crate::source::Span>,
+) -> Option<Diagnostic> {
+    let skills = &chosen.skills;
+    let rule = &skills.rules[*checked.unfinished.first()?];
+    let message = format!(
+        "the program ends in the middle of the sequence `{}`",
+        rule.name
+    );
+    let finding = if whole {
+        Diagnostic::error(codes::ORDER_BROKEN, last, message)
+    } else {
+        Diagnostic::note(codes::ORDER_BROKEN, last, message)
+    };
+    let help = match &checked.completion {
+        Some(calls) => format!("{} would complete it", words::calls(calls, skills)),
+        None => "no calls complete it, since other rules are in the way".to_owned(),
+    };
+    Some(finding.with_label(rule.span, "this rule").with_help(help))
+}

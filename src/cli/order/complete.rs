@@ -1,0 +1,172 @@
+//! `linewright order complete`: what may come next.
+
+use super::{Choice, program, rules, words};
+use crate::cli::console::schema;
+use crate::cli::exit::ExitCode;
+use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::select::Selection;
+use crate::order::dfa::TooLarge;
+use crate::order::fsm::calls;
+use crate::order::picture::names;
+use crate::order::program::detour;
+use crate::order::supervisor::{Call, State, Supervisor};
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// The arguments of `order complete`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright order complete examples/pick-and-place/unit.lw Right Down
+    linewright order complete examples/pick-and-place/unit.lw 'Left & Grip' --at-once 2")]
+pub struct Arguments {
+    /// The rules
+    #[arg(value_name = "FILE[::NAME]")]
+    pub rules: Selection,
+    /// What has been called, in order: a skill, or `Left & Down`
+    #[arg(value_name = "CALL")]
+    pub calls: Vec<String>,
+    /// Also say which skills may be called at once, up to so many
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
+    pub at_once: u8,
+    /// Which rules are kept.
+    #[command(flatten)]
+    pub choice: Choice,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: String,
+    skills: String,
+    level: &'static str,
+    situation: Vec<(String, String)>,
+    complete: bool,
+    allowed: Vec<Vec<String>>,
+    refused: Vec<RefusedEntry>,
+}
+
+#[derive(Serialize)]
+struct RefusedEntry {
+    call: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rule: Option<String>,
+    why: String,
+    /// The shortest calls after which it is allowed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    after: Option<Vec<Vec<String>>>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let chosen = match rules::choose(&arguments.rules, &arguments.choice, options)? {
+        Ok(chosen) => chosen,
+        Err(code) => return Ok(code),
+    };
+    let skills = &chosen.skills;
+    let mut history = Vec::new();
+    for text in &arguments.calls {
+        let call = program::call(text, skills);
+        history.push(call.map_err(|w| anyhow::anyhow!("{}: {}", w.message, w.help))?);
+    }
+    let mut supervisor = match Supervisor::new(skills, arguments.choice.options()) {
+        Ok(supervisor) => supervisor,
+        Err(error) => return rules::gave_up(&error, options),
+    };
+    let mut state = supervisor.start();
+    for call in &history {
+        match supervisor.call(&state, *call) {
+            Ok(Ok(after)) => state = after,
+            Ok(Err(refusal)) => {
+                let serialisation = arguments.choice.options().serialisation;
+                let finding = words::refused(*call, &refusal, skills, serialisation, None);
+                let findings = [finding.with_help("give calls that the rules allow")];
+                let sources = &chosen.loaded.library.sources;
+                options
+                    .console()
+                    .failed("order-complete", sources, &findings)?;
+                return Ok(ExitCode::Findings);
+            }
+            Err(error) => return rules::gave_up(&error, options),
+        }
+    }
+    match next(&mut supervisor, &state, arguments) {
+        Ok((allowed, refused)) => {
+            let complete = supervisor.is_complete(&state);
+            let document = Document {
+                schema: schema("order-complete"),
+                skills: skills.name.clone(),
+                level: arguments.choice.level.level().word(),
+                situation: { skills.components.iter().zip(&state.situation) }
+                    .filter_map(|(c, s)| Some((c.name.clone(), c.situations.get(*s)?.clone())))
+                    .collect(),
+                complete,
+                allowed: names(skills, &allowed),
+                refused,
+            };
+            if options.format == Format::Json {
+                options.console().document(&document)?;
+            } else {
+                options.console().result(&told(&document))?;
+            }
+            Ok(ExitCode::Success)
+        }
+        Err(error) => rules::gave_up(&error, options),
+    }
+}
+
+/// What is allowed, and what is not.
+fn next(
+    supervisor: &mut Supervisor<'_>,
+    state: &State,
+    arguments: &Arguments,
+) -> Result<(Vec<Call>, Vec<RefusedEntry>), TooLarge> {
+    let skills = supervisor.skills();
+    let serialisation = arguments.choice.options().serialisation;
+    let (mut allowed, mut refused) = (Vec::new(), Vec::new());
+    for call in calls(skills, usize::from(arguments.at_once)) {
+        match supervisor.call(state, call)? {
+            Ok(_) => allowed.push(call),
+            Err(refusal) => refused.push(RefusedEntry {
+                call: names(skills, &[call]).remove(0),
+                rule: words::rule(&refusal).map(|r| skills.rules[r].name.clone()),
+                why: words::why(call, &refusal, skills, serialisation),
+                after: detour(supervisor, state, call).map(|d| names(skills, &d)),
+            }),
+        }
+    }
+    Ok((allowed, refused))
+}
+
+fn told(document: &Document) -> String {
+    let mut text = String::new();
+    let joined = |calls: &[Vec<String>]| {
+        let calls: Vec<String> = calls.iter().map(|c| c.join(" & ")).collect();
+        calls.join(", ")
+    };
+    let situation: Vec<&str> = document.situation.iter().map(|(_, s)| s.as_str()).collect();
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "situation: {}", situation.join(", "));
+    let allowed = match document.allowed.as_slice() {
+        [] => "nothing".to_owned(),
+        some => joined(some),
+    };
+    let _ = writeln!(text, "allowed:   {allowed}");
+    let width = document
+        .refused
+        .iter()
+        .map(|r| r.call.join(" & ").chars().count());
+    let width = width.max().unwrap_or(0);
+    for (i, refused) in document.refused.iter().enumerate() {
+        let head = if i == 0 { "refused:" } else { "" };
+        let after = match &refused.after {
+            Some(calls) => format!("; allowed after {}", joined(calls)),
+            None => "; never after these calls".to_owned(),
+        };
+        let call = refused.call.join(" & ");
+        let _ = writeln!(text, "{head:<10} {call:<width$}  {}{after}", refused.why);
+    }
+    if !document.complete {
+        text += "the program must not end here: it is in the middle of a sequence\n";
+    }
+    text
+}

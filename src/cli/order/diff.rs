@@ -1,0 +1,222 @@
+//! `linewright order diff`: the shortest calls that tell two sets of rules apart.
+
+use super::rules::{self, Chosen};
+use super::{Choice, LevelName, words};
+use crate::cli::console::schema;
+use crate::cli::exit::ExitCode;
+use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::select::Selection;
+use crate::order::Skills;
+use crate::order::fsm::calls;
+use crate::order::picture::names;
+use crate::order::program::{Apart, Difference, difference};
+use crate::order::supervisor::{Call, Refusal, Supervisor};
+use clap::Args;
+use serde::Serialize;
+
+/// The arguments of `order diff`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/printed/grammars.lw::ValidBoth
+    linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --level valid --other-level reasonable
+    linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --paper --at-once 2
+
+The two need the same skills; components and situations may differ. What is said of rules holds for A; B has the level of A \
+where nothing else is said, and all its rules. Exit code 0 where they allow the same calls, 1 where they do not.")]
+pub struct Arguments {
+    /// One set of rules
+    #[arg(value_name = "A")]
+    pub first: Selection,
+    /// The other one
+    #[arg(value_name = "B")]
+    pub second: Selection,
+    /// The level of B, where it is another one than that of A
+    #[arg(long, value_enum, value_name = "LEVEL")]
+    pub other_level: Option<LevelName>,
+    /// Also tell apart programs that the one lets end and the other does not
+    #[arg(long)]
+    pub whole: bool,
+    /// Only find what A allows and B refuses
+    #[arg(long)]
+    pub one_way: bool,
+    /// Also call several skills at once, up to so many
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
+    pub at_once: u8,
+    /// Keep only this rule of B (may be given several times)
+    #[arg(long = "other-rule", value_name = "NAME")]
+    pub other_rules: Vec<String>,
+    /// Which rules of A are kept, and how.
+    #[command(flatten)]
+    pub choice: Choice,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: String,
+    first: String,
+    second: String,
+    equal: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    calls: Option<Vec<Vec<String>>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    allowed_by: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<String>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let first = match rules::choose(&arguments.first, &arguments.choice, options)? {
+        Ok(chosen) => chosen,
+        Err(code) => return Ok(code),
+    };
+    let other = Choice {
+        level: arguments.other_level.unwrap_or(arguments.choice.level),
+        rules: arguments.other_rules.clone(),
+        no_rules: Vec::new(),
+        paper: false,
+        ..arguments.choice
+    };
+    let second = match rules::choose(&arguments.second, &other, options)? {
+        Ok(chosen) => chosen,
+        Err(code) => return Ok(code),
+    };
+    let renamed = in_the_order_of(&first.skills, &second.skills)?;
+    let found = Supervisor::new(&first.skills, arguments.choice.options()).and_then(|mut a| {
+        let mut b = Supervisor::new(&renamed, other.options())?;
+        let calls = common_calls(&first, &renamed, usize::from(arguments.at_once));
+        let apart = Apart {
+            whole: arguments.whole,
+            one_way: arguments.one_way,
+        };
+        difference(&mut a, &mut b, &calls, apart)
+    });
+    let found = match found {
+        Ok(found) => found,
+        Err(error) => return rules::gave_up(&error, options),
+    };
+    let titles = titles(&first, &second, arguments);
+    let console = options.console();
+    let why = found.as_ref().map(|d| {
+        let (skills, options) = if d.first_allows {
+            (&renamed, other.options())
+        } else {
+            (&first.skills, arguments.choice.options())
+        };
+        match &d.refusal {
+            Some(refusal) => refused_call(d, refusal, skills, options.serialisation),
+            None => "a program must not end there, in the middle of a sequence".to_owned(),
+        }
+    });
+    if options.format == Format::Json {
+        console.document(&Document {
+            schema: schema("order-diff"),
+            equal: found.is_none(),
+            calls: found.as_ref().map(|d| names(&first.skills, &d.calls)),
+            allowed_by: found
+                .as_ref()
+                .map(|d| if d.first_allows { "first" } else { "second" }),
+            why,
+            first: titles[0].clone(),
+            second: titles[1].clone(),
+        })?;
+    } else {
+        console.result(&told(
+            found.as_ref(),
+            why.as_deref(),
+            &titles,
+            &first.skills,
+            arguments.one_way,
+        ))?;
+    }
+    Ok(match found {
+        None => ExitCode::Success,
+        Some(_) => ExitCode::Findings,
+    })
+}
+
+fn refused_call(
+    difference: &Difference,
+    refusal: &Refusal,
+    skills: &Skills,
+    serialisation: crate::order::Serialisation,
+) -> String {
+    let last = difference.calls.last().copied().unwrap_or(Call(0));
+    let why = words::why(last, refusal, skills, serialisation);
+    format!("`{}`: {why}", last.text(skills))
+}
+
+fn told(
+    found: Option<&Difference>,
+    why: Option<&str>,
+    [first, second]: &[String; 2],
+    skills: &Skills,
+    one_way: bool,
+) -> String {
+    let Some(difference) = found else {
+        return if one_way {
+            format!("whatever {first} allows, {second} allows\n")
+        } else {
+            format!("{first} and {second} allow the same\n")
+        };
+    };
+    let (allows, refuses) = if difference.first_allows {
+        (first, second)
+    } else {
+        (second, first)
+    };
+    let calls = match difference.calls.as_slice() {
+        [] => "the empty program".to_owned(),
+        some => words::calls(some, skills),
+    };
+    format!(
+        "{calls}\n  {allows} allows it\n  {refuses} refuses it: {}\n",
+        why.unwrap_or_default()
+    )
+}
+
+/// The names of both; with the level where they are alike.
+fn titles(first: &Chosen, second: &Chosen, arguments: &Arguments) -> [String; 2] {
+    let (a, b) = (&first.skills.name, &second.skills.name);
+    let level = arguments.choice.level.level().word();
+    match arguments.other_level {
+        _ if a != b => [a.clone(), b.clone()],
+        Some(other) => [
+            format!("{a} ({level})"),
+            format!("{b} ({})", other.level().word()),
+        ],
+        None if arguments.choice.paper => [format!("{a} (deleted transitions)"), b.clone()],
+        None => [format!("{a} (first)"), format!("{b} (second)")],
+    }
+}
+
+/// The calls that both have: skills of one component of either are never called at once.
+fn common_calls(first: &Chosen, second: &Skills, most: usize) -> Vec<Call> {
+    let own = calls(&first.skills, most);
+    let other = calls(second, most);
+    own.into_iter().filter(|c| other.contains(c)).collect()
+}
+
+/// The second set with its skills numbered as those of the first.
+fn in_the_order_of(first: &Skills, second: &Skills) -> anyhow::Result<Skills> {
+    let missing = |a: &Skills, b: &Skills| -> Vec<String> {
+        let is_in = |name: &str| b.skills.iter().any(|s| s.name == name);
+        let names = a.skills.iter().map(|s| &s.name);
+        names.filter(|n| !is_in(n)).cloned().collect()
+    };
+    for (a, b) in [(first, second), (second, first)] {
+        let missing = missing(a, b);
+        anyhow::ensure!(
+            missing.is_empty(),
+            "`{}` has skills that `{}` has not: {}; only rules over the same skills can be told apart",
+            a.name,
+            b.name,
+            missing.join(", ")
+        );
+    }
+    let place = |name: &str| { first.skills.iter() }.position(|s| s.name == name);
+    let places: Vec<usize> = { second.skills.iter() }
+        .filter_map(|s| place(&s.name))
+        .collect();
+    Ok(second.renumbered(&places))
+}

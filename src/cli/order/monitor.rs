@@ -1,0 +1,239 @@
+//! `linewright order monitor`: calls watched as they come, and the monitor as C or Structured Text.
+
+use super::rules::{self, Chosen};
+use super::{Choice, program};
+use crate::cli::exit::ExitCode;
+use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::output;
+use crate::cli::select::Selection;
+use crate::order::dfa::TooLarge;
+use crate::order::fsm::{Fsm, calls};
+use crate::order::monitor::{Monitor, Verdict};
+use crate::order::supervisor::Supervisor;
+use crate::order::table::Table;
+use crate::station::monitor::{c, structured_text};
+use anyhow::Context as _;
+use clap::{Args, ValueEnum};
+use std::collections::HashMap;
+use std::io::{self, BufRead, BufReader, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// The arguments of `order monitor`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright order monitor examples/pick-and-place/unit.lw < examples/pick-and-place/crash.txt
+    linewright order monitor examples/pick-and-place/unit.lw --emit c --out monitor
+
+Every line of standard input is a call: a skill, or `Left & Down` for skills that are called at once. Each is answered at once, in a \
+line of its own: the call, and `ok` or why it is refused. A call that is refused counts as not made. Exit code 1 where one was refused.")]
+pub struct Arguments {
+    /// The rules
+    #[arg(value_name = "FILE[::NAME]")]
+    pub rules: Selection,
+    /// Write a monitor to be loaded on the cell, and watch nothing
+    #[arg(long, value_enum, value_name = "FORM")]
+    pub emit: Option<Emit>,
+    /// The folder for what is emitted; without it, standard output
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Know so many skills at once at most [default: one of each component]
+    #[arg(long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u8).range(1..=64))]
+    pub at_once: u8,
+    /// End at the first call that is refused
+    #[arg(long)]
+    pub stop: bool,
+    /// Which rules are kept.
+    #[command(flatten)]
+    pub choice: Choice,
+}
+
+/// A monitor to be loaded on the cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Emit {
+    /// C99: a header and a source file.
+    C,
+    /// IEC 61131-3 Structured Text: a function block.
+    St,
+    /// The same function block as `PLCopen` XML.
+    Plcopen,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let chosen = match rules::choose(&arguments.rules, &arguments.choice, options)? {
+        Ok(chosen) => chosen,
+        Err(code) => return Ok(code),
+    };
+    let table = match table(&chosen, arguments) {
+        Ok(table) => table,
+        Err(error) => return rules::gave_up(&error, options),
+    };
+    match arguments.emit {
+        Some(emit) => emitted(&table, emit, arguments.out.as_deref(), &chosen, options),
+        None => watch(&table, &chosen, arguments.stop, options),
+    }
+}
+
+fn table(chosen: &Chosen, arguments: &Arguments) -> Result<Table, TooLarge> {
+    let skills = &chosen.skills;
+    let mut supervisor = Supervisor::new(skills, arguments.choice.options())?;
+    let calls = calls(skills, usize::from(arguments.at_once));
+    let fsm = Fsm::explore(&mut supervisor, calls)?;
+    Table::of(&mut supervisor, &fsm)
+}
+
+fn emitted(
+    table: &Table,
+    emit: Emit,
+    out: Option<&Path>,
+    chosen: &Chosen,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
+    let files: Vec<(String, String)> = match emit {
+        Emit::C => {
+            let files = c::files(table);
+            vec![
+                (format!("{}.h", files.name), files.header),
+                (format!("{}.c", files.name), files.source),
+            ]
+        }
+        Emit::St => {
+            let block = structured_text::block(table);
+            vec![(format!("{}.st", block.name), block.to_text())]
+        }
+        Emit::Plcopen => {
+            let block = structured_text::block(table);
+            vec![(format!("{}.xml", block.name), block.to_plcopen())]
+        }
+    };
+    let console = options.console();
+    let Some(folder) = out else {
+        for (_, text) in &files {
+            console.result(text)?;
+        }
+        return Ok(ExitCode::Success);
+    };
+    for (name, text) in &files {
+        let path = folder.join(name);
+        if let Err(finding) = output::write(&path, text) {
+            let findings = [*finding];
+            console.failed("order-monitor", &chosen.loaded.library.sources, &findings)?;
+            return Ok(options.exit_code(&findings));
+        }
+        console.remark(&format!("wrote {}\n", path.display()))?;
+    }
+    Ok(ExitCode::Success)
+}
+
+/// Answers line by line. Nothing is allocated for a line once the longest has been seen.
+fn watch(
+    table: &Table,
+    chosen: &Chosen,
+    stop: bool,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
+    let skills = &chosen.skills;
+    let names: HashMap<&[u8], u8> = { skills.skills.iter().zip(0_u8..) }
+        .map(|(s, number)| (s.name.as_bytes(), number))
+        .collect();
+    let json = options.format == Format::Json;
+    let mut monitor = Monitor::new(table);
+    let mut input = BufReader::with_capacity(1 << 16, io::stdin().lock());
+    let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+    let mut line = Vec::new();
+    let mut result = ExitCode::Success;
+    let mut number = 0_u64;
+    loop {
+        line.clear();
+        let read = input.read_until(b'\n', &mut line);
+        if read.context("standard input cannot be read")? == 0 {
+            break;
+        }
+        number += 1;
+        let call = without_comment(&line);
+        if call.is_empty() {
+            continue;
+        }
+        let verdict = match names.get(call) {
+            Some(skill) => monitor.call(*skill),
+            None => match mask(call, &names) {
+                Some(mask) => monitor.call_at_once(mask),
+                None => {
+                    out.flush()?;
+                    let text = String::from_utf8_lossy(call);
+                    let wrong = program::call(&text, skills).err();
+                    let wrong =
+                        wrong.map_or_else(String::new, |w| format!("{}; {}", w.message, w.help));
+                    options
+                        .console()
+                        .remark(&format!("line {number}: {wrong}\n"))?;
+                    return Ok(ExitCode::CannotRun);
+                }
+            },
+        };
+        let refused = !verdict.is_allowed();
+        if refused {
+            result = ExitCode::Findings;
+        }
+        let mut written = answer(&mut out, call, number, verdict, table, json);
+        // Who waits for the answer gets it; who sends much at once is not slowed down.
+        if input.buffer().is_empty() {
+            written = written.and_then(|()| out.flush());
+        }
+        match written {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(result),
+            other => other.context("standard output cannot be written")?,
+        }
+        if refused && stop {
+            break;
+        }
+    }
+    match out.flush() {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(result),
+        other => {
+            other.context("standard output cannot be written")?;
+            Ok(result)
+        }
+    }
+}
+
+/// What stands before a comment, without blanks around it.
+fn without_comment(line: &[u8]) -> &[u8] {
+    let end = line.iter().position(|b| *b == b'#').unwrap_or(line.len());
+    let slashes = line.windows(2).position(|w| w == b"//").unwrap_or(end);
+    line[..end.min(slashes)].trim_ascii()
+}
+
+/// The skills of `Left & Down`.
+fn mask(call: &[u8], names: &HashMap<&[u8], u8>) -> Option<u64> {
+    call.split(|b| *b == b'&').try_fold(0_u64, |mask, piece| {
+        let skill = names.get(piece.trim_ascii())?;
+        let bit = 1 << skill;
+        (mask & bit == 0).then_some(mask | bit)
+    })
+}
+
+fn answer(
+    out: &mut impl Write,
+    call: &[u8],
+    number: u64,
+    verdict: Verdict,
+    table: &Table,
+    json: bool,
+) -> io::Result<()> {
+    match (verdict, json) {
+        (Verdict::Allowed, false) => {
+            out.write_all(call)?;
+            out.write_all(b": ok\n")
+        }
+        (Verdict::Allowed, true) => writeln!(out, "{{\"line\":{number},\"allowed\":true}}"),
+        (Verdict::Refused(why), false) => {
+            out.write_all(call)?;
+            writeln!(out, ": refused, {}", why.text(table))
+        }
+        (Verdict::Refused(why), true) => {
+            let why = serde_json::Value::from(why.text(table));
+            writeln!(out, "{{\"line\":{number},\"allowed\":false,\"why\":{why}}}")
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! `FILE[::NAME]`: which set of rules is meant, and which of its rules.
+
+use super::Choice;
+use crate::cli::exit::ExitCode;
+use crate::cli::files::Loaded;
+use crate::cli::options::GlobalOptions;
+use crate::cli::select::Selection;
+use crate::diagnostics::nearest;
+use crate::order::Skills;
+use crate::order::dfa::TooLarge;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A set of rules, chosen from a file.
+pub struct Chosen {
+    /// What was loaded with it.
+    pub loaded: Loaded,
+    /// The skills, with the rules that were asked for.
+    pub skills: Skills,
+}
+
+/// Loads the one set of rules that is meant. Where the file has errors, they are printed and the exit code is given instead.
+pub fn choose(
+    selection: &Selection,
+    choice: &Choice,
+    options: &GlobalOptions,
+) -> anyhow::Result<Result<Chosen, ExitCode>> {
+    let loaded = match selection.load_alone("order", options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(Err(code)),
+    };
+    let describe = |s: &Arc<Skills>| (s.name.clone(), s.span);
+    let named: Vec<_> = loaded.library.skills.iter().map(describe).collect();
+    let picked = selection.pick(&loaded, "skills", &named, |(n, s)| (n, *s))?;
+    let [(name, span)] = picked.as_slice() else {
+        let names: Vec<&str> = picked.iter().map(|(n, _)| n.as_str()).collect();
+        anyhow::bail!(
+            "{path} declares several skills: write one of {} behind {path}::",
+            names.join(", "),
+            path = selection.path
+        );
+    };
+    let skills = { loaded.library.skills.iter() }
+        .find(|s| s.name == *name && s.span == *span)
+        .expect("it was picked from these");
+    let skills = with_rules(skills, choice)?;
+    Ok(Ok(Chosen { loaded, skills }))
+}
+
+/// Only the rules that are asked for.
+fn with_rules(skills: &Skills, choice: &Choice) -> anyhow::Result<Skills> {
+    let names: Vec<&str> = skills.rules.iter().map(|r| r.name.as_str()).collect();
+    for name in choice.rules.iter().chain(&choice.no_rules) {
+        if !names.contains(&name.as_str()) {
+            let instead = match nearest(name, names.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None if names.is_empty() => "there are none".to_owned(),
+                None => format!("they are {}", names.join(", ")),
+            };
+            anyhow::bail!("`{}` has no rule `{name}`: {instead}", skills.name);
+        }
+    }
+    let kept = (0..names.len()).filter(|r| {
+        let is_in = |list: &[String]| list.iter().any(|n| n == names[*r]);
+        (choice.rules.is_empty() || is_in(&choice.rules)) && !is_in(&choice.no_rules)
+    });
+    Ok(skills.with_rules(&kept.collect::<Vec<_>>()))
+}
+
+/// The files of rules beside a program.
+pub fn beside(program: &str) -> anyhow::Result<Selection> {
+    let folder = match Path::new(program).parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut found = Vec::new();
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    for path in entries.map(|e| e.path()) {
+        let is_contract = path.extension().is_some_and(|e| e == "lw");
+        let text = std::fs::read_to_string(&path).ok().filter(|_| is_contract);
+        // Only a hint where to look: the file is read properly afterwards.
+        if text.is_some_and(|t| t.lines().any(|l| l.starts_with("skills "))) {
+            found.push(path.to_string_lossy().into_owned());
+        }
+    }
+    found.sort();
+    match found.as_slice() {
+        [only] => Ok(Selection {
+            path: only.strip_prefix("./").unwrap_or(only).to_owned(),
+            name: None,
+        }),
+        [] => anyhow::bail!(
+            "no .lw file beside {program} declares skills: say which rules are meant with --rules FILE"
+        ),
+        several => anyhow::bail!(
+            "several files beside {program} declare skills ({}): say which rules are meant with --rules FILE",
+            several.join(", ")
+        ),
+    }
+}
+
+/// What is said where an automaton is too large.
+pub fn gave_up(error: &TooLarge, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    options.console().remark(&format!(
+        "gave up: {error}; fewer rules (--rule NAME), or fewer skills at once (--at-once N), make it smaller\n"
+    ))?;
+    Ok(ExitCode::GaveUp)
+}

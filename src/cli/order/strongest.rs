@@ -1,0 +1,193 @@
+//! `linewright order strongest`: the recalls and detours that can be left out.
+
+use super::{Choice, rules, words};
+use crate::cli::console::schema;
+use crate::cli::exit::ExitCode;
+use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::select::Selection;
+use crate::order::Skills;
+use crate::order::fsm::Fsm;
+use crate::order::picture::names;
+use crate::order::strongest::{Pattern, Request, Strongest, Verdict, strongest};
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// The arguments of `order strongest`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright order strongest examples/pick-and-place/unit.lw
+    linewright order strongest examples/pick-and-place/unit.lw --longest 3 --useful 'left & open' --drop detour_Left_Right
+
+What is kept is printed as rules to be put into the file. A rule that is needed stands in a comment, with what would be lost. \
+Which ones are kept depends on the order of the skills; --drop takes one back, and the others are found anew.")]
+pub struct Arguments {
+    /// The rules
+    #[arg(value_name = "FILE[::NAME]")]
+    pub rules: Selection,
+    /// Look for detours of so many skills at most; 1 looks for recalls only
+    #[arg(long, default_value_t = 2, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=6))]
+    pub longest: u8,
+    /// A situation that must stay within reach, `left & down` (may be given several times) [default: all of them]
+    #[arg(long, value_name = "SITUATION")]
+    pub useful: Vec<String>,
+    /// A rule that is not wanted (may be given several times)
+    #[arg(long, value_name = "NAME")]
+    pub drop: Vec<String>,
+    /// Which rules are kept.
+    #[command(flatten)]
+    pub choice: Choice,
+}
+
+#[derive(Serialize)]
+struct Document {
+    schema: String,
+    skills: String,
+    level: &'static str,
+    states: usize,
+    transitions: usize,
+    candidates: Vec<CandidateEntry>,
+}
+
+#[derive(Serialize)]
+struct CandidateEntry {
+    rule: String,
+    text: String,
+    verdict: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lost: Option<LostEntry>,
+}
+
+#[derive(Serialize)]
+struct LostEntry {
+    after: Vec<Vec<String>>,
+    /// Left out where no program could be completed any more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    situation: Option<String>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let chosen = match rules::choose(&arguments.rules, &arguments.choice, options)? {
+        Ok(chosen) => chosen,
+        Err(code) => return Ok(code),
+    };
+    let skills = &chosen.skills;
+    let useful = arguments.useful.iter().map(|u| pattern(u, skills));
+    let request = Request {
+        options: arguments.choice.options(),
+        longest: usize::from(arguments.longest),
+        useful: useful.collect::<anyhow::Result<_>>()?,
+        dropped: arguments.drop.iter().cloned().collect(),
+    };
+    let found = strongest(skills, &request).and_then(|found| {
+        let fsm = Fsm::of(&found.skills, request.options, 1)?;
+        Ok((found, fsm))
+    });
+    let (found, fsm) = match found {
+        Ok(found) => found,
+        Err(error) => return rules::gave_up(&error, options),
+    };
+    for name in &arguments.drop {
+        let known = found.candidates.iter().any(|c| c.rule.name == *name);
+        anyhow::ensure!(
+            known,
+            "there is no candidate `{name}` to drop: without --drop they are listed"
+        );
+    }
+    let console = options.console();
+    if options.format == Format::Json {
+        console.document(&Document {
+            schema: schema("order-strongest"),
+            skills: skills.name.clone(),
+            level: arguments.choice.level.level().word(),
+            states: fsm.states.len(),
+            transitions: fsm.transitions().len(),
+            candidates: entries(&found, skills),
+        })?;
+    } else {
+        console.result(&told(&found, &fsm, skills))?;
+    }
+    Ok(ExitCode::Success)
+}
+
+/// `left & down`: situations by their labels.
+fn pattern(text: &str, skills: &Skills) -> anyhow::Result<Pattern> {
+    let mut pattern = Vec::new();
+    for label in text.split('&').map(str::trim) {
+        let (of, label) = match label.split_once('.') {
+            Some((component, label)) => (Some(component), label),
+            None => (None, label),
+        };
+        let components = skills.components.iter().enumerate();
+        let fits = components.filter(|(_, c)| of.is_none_or(|of| c.name == of));
+        let places: Vec<(usize, usize)> = fits
+            .filter_map(|(i, c)| Some((i, c.situations.iter().position(|s| s == label)?)))
+            .collect();
+        match places.as_slice() {
+            [place] => pattern.push(*place),
+            [] => {
+                let all = skills.components.iter().flat_map(|c| &c.situations);
+                let all: Vec<&str> = all.map(String::as_str).collect();
+                anyhow::bail!(
+                    "there is no situation `{label}`: they are {}",
+                    all.join(", ")
+                );
+            }
+            _ => anyhow::bail!(
+                "several components have a situation `{label}`: write `component.{label}`"
+            ),
+        }
+    }
+    Ok(pattern)
+}
+
+fn entries(found: &Strongest, skills: &Skills) -> Vec<CandidateEntry> {
+    let entry = |c: &crate::order::strongest::Candidate| CandidateEntry {
+        rule: c.rule.name.clone(),
+        text: c.rule.text.clone(),
+        verdict: match c.verdict {
+            Verdict::Kept => "kept",
+            Verdict::Needed { .. } => "needed",
+            Verdict::Dropped => "dropped",
+        },
+        lost: match &c.verdict {
+            Verdict::Needed { after, lost } => Some(LostEntry {
+                after: names(skills, after),
+                situation: lost.as_ref().map(|s| skills.situation(s)),
+            }),
+            _ => None,
+        },
+    };
+    found.candidates.iter().map(entry).collect()
+}
+
+fn told(found: &Strongest, fsm: &Fsm, skills: &Skills) -> String {
+    let mut text = String::new();
+    for candidate in &found.candidates {
+        let rule = &candidate.rule.text;
+        // Writing to a string cannot fail.
+        let _ = match &candidate.verdict {
+            Verdict::Kept => writeln!(text, "{rule}"),
+            Verdict::Dropped => writeln!(text, "// dropped: {rule}"),
+            Verdict::Needed { after, lost } => {
+                let lost = match lost {
+                    Some(situation) => format!("`{}` is lost", skills.situation(situation)),
+                    None => "no program can be completed".to_owned(),
+                };
+                let after = match after.as_slice() {
+                    [] => "at the start".to_owned(),
+                    some => format!("after {}", words::calls(some, skills)),
+                };
+                writeln!(text, "// needed: {rule}\n//     else {lost} {after}")
+            }
+        };
+    }
+    let _ = writeln!(
+        text,
+        "// {} states, {} transitions of single skills",
+        fsm.states.len(),
+        fsm.transitions().len()
+    );
+    text
+}
