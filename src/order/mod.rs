@@ -25,6 +25,7 @@ pub mod eliminate;
 pub mod findings;
 pub mod fsm;
 pub mod layout;
+pub mod lower;
 pub mod monitor;
 pub mod picture;
 pub mod program;

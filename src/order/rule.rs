@@ -59,6 +59,16 @@ impl Alphabet {
         skills.chain(events.map(|(i, _)| self.skills + i)).collect()
     }
 
+    /// The skills of a letter: one, or those of an event of several.
+    pub fn skills_of(&self, letter: usize) -> Vec<usize> {
+        match letter.checked_sub(self.skills) {
+            None => vec![letter],
+            Some(event) => super::supervisor::Call(self.at_once[event])
+                .skills()
+                .collect(),
+        }
+    }
+
     /// A letter as a person writes it: `Left`, or `Left & Down` for an event of several skills.
     pub fn text(&self, letter: usize, skills: &Skills) -> String {
         match letter.checked_sub(self.skills) {

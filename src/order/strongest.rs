@@ -98,7 +98,7 @@ pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, TooLar
 }
 
 /// The rule against a recall: its component is where the skill leads, and no other skill has led it away.
-fn recall(skills: &Skills, skill: usize) -> Option<Rule> {
+pub(super) fn recall(skills: &Skills, skill: usize) -> Option<Rule> {
     let of = &skills.skills[skill];
     let effect = of.effect?;
     let all = skills.skills.iter().enumerate();
