@@ -155,6 +155,25 @@ impl Dfa {
         self
     }
 
+    /// The same without its last letter, and for every state where that led to.
+    ///
+    /// # Panics
+    /// When there is no letter.
+    pub(super) fn without_last_letter(self) -> (Self, Vec<u32>) {
+        let letters = self.letters.checked_sub(1).expect("there is a letter");
+        let rows = self.next.chunks_exact(self.letters);
+        let dfa = Self {
+            letters,
+            next: rows
+                .clone()
+                .flat_map(|row| &row[..letters])
+                .copied()
+                .collect(),
+            complete: self.complete,
+        };
+        (dfa, rows.map(|row| row[letters]).collect())
+    }
+
     /// The same with every beginning of a word as a word.
     #[must_use]
     pub fn prefix_closed(mut self) -> Self {

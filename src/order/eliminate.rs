@@ -13,6 +13,9 @@ use super::rule::MOST_STATES;
 /// With so many states at most, all orders are tried.
 const ALL_ORDERS: usize = 7;
 
+/// Of more states than this, the smallest automaton taken, an expression would be too long, or take too long to make.
+pub const MOST_ELIMINATED: usize = 512;
+
 /// An expression longer than this is no use to anyone.
 pub const MOST_SIZE: usize = 1 << 16;
 
@@ -113,12 +116,18 @@ fn class(parts: Vec<Regex>, letters: usize) -> Regex {
 /// A short expression with the words of an automaton.
 ///
 /// # Errors
-/// When it would be longer than [`MOST_SIZE`], or is too large to be compared.
+/// When there are more than [`MOST_ELIMINATED`] states, or it would be longer than [`MOST_SIZE`], or is too large to be compared.
 ///
 /// # Panics
 /// When the expression does not have the words of the automaton, which would be a fault of this module.
 pub fn regex(dfa: &Dfa) -> Result<Regex, TooLarge> {
     let dfa = dfa.clone().trimmed().minimal();
+    if dfa.states() > MOST_ELIMINATED {
+        return Err(TooLarge {
+            what: "states to make a regular expression of",
+            limit: MOST_ELIMINATED,
+        });
+    }
     let graph = Graph::new(&dfa);
     let left: Vec<usize> = (0..dfa.states()).collect();
     let found = if left.len() <= ALL_ORDERS {

@@ -15,6 +15,9 @@ use crate::gr1::{Domain, Expr, Formula, Owner, Side, Time, VarId, Variable};
 /// So many combinations of state and call a rule may have.
 const MOST_CASES: usize = 1 << 14;
 
+/// Behind the name of a formula about step 0.
+pub const AT_FIRST: &str = " at first";
+
 /// What one rule becomes.
 #[derive(Debug, Clone)]
 pub struct Lowered {
@@ -69,8 +72,8 @@ pub fn lower(
         let next = when[skill].substitute(&mut |v, _| Expr::Var(v, Time::Next));
         next.and(when[skill].clone().not())
     };
-    let formula = |expr: Expr| Formula {
-        name: format!("order {}", rule.name),
+    let formula = |expr: Expr, when: &str| Formula {
+        name: format!("order {}{when}", rule.name),
         requirement: rule.requirement.clone(),
         expr: expr.simplify(),
         span: rule.span,
@@ -99,7 +102,7 @@ pub fn lower(
     if let Some(at) = at {
         let first = table.next(0, &now);
         let first = Expr::now(at).equals(first);
-        lowered.definitions.initial.push(formula(first));
+        lowered.definitions.initial.push(formula(first, AT_FIRST));
         let mut later = table.next(states as Known - 1, &rising);
         for state in (0..states as Known - 1).rev() {
             let here = Expr::now(at).equals(Expr::Const(i64::from(state)));
@@ -107,11 +110,11 @@ pub fn lower(
             later = Expr::If(Box::new(here), Box::new(then), Box::new(later));
         }
         let later = Expr::next(at).equals(later);
-        lowered.definitions.safety.push(formula(later));
+        lowered.definitions.safety.push(formula(later, ""));
     }
     let first = table.allowed(0, &now);
     if first != Expr::TRUE {
-        lowered.rule.initial.push(formula(first));
+        lowered.rule.initial.push(formula(first, AT_FIRST));
     }
     let later = (0..states as Known).fold(Expr::TRUE, |all, state| {
         let allowed = table.allowed(state, &rising);
@@ -125,7 +128,7 @@ pub fn lower(
         }
     });
     if later != Expr::TRUE {
-        lowered.rule.safety.push(formula(later));
+        lowered.rule.safety.push(formula(later, ""));
     }
     Ok(lowered)
 }

@@ -12,10 +12,12 @@
 //!   can use it. Several rules together are the product of theirs.
 //! - Several skills called at once are allowed when every order of calling them one after the other is ([`Serialisation::Every`]); what is
 //!   known afterwards is the set of states that some order leads to. With [`Serialisation::Some`] one order has to be allowed.
-//! - An [`Event`] of several skills, `Left & Down`, means that these are called at once.
+//! - An [`Event`] of several skills, `Left & Down`, means that these are called at once. In a row it is there where they follow each other
+//!   in one call.
 //! - What stands at the start ([`Component::initial`]) counts as called where a rule asks whether something has been called (`after`, `until`,
 //!   `before`, `only after`, `between`): a unit that stands up has been called `Up`. It does not count as a call of its own: not among
-//!   those of `at most`, and nothing follows it directly.
+//!   those of `at most`, and nothing follows it directly. Which of two skills that stand was called last is not known: that is as if they
+//!   had been called at once. No event of several skills counts as called.
 //! - A *recall*, a skill whose component is already where it leads, is a call like any other. The level reasonable forbids it.
 //!
 //! Nothing here knows of syntax, contracts or machines.
@@ -33,6 +35,7 @@ pub mod regex;
 mod renumber;
 pub mod rule;
 pub mod serial;
+pub mod standing;
 pub mod strongest;
 pub mod supervisor;
 pub mod table;

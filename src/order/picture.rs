@@ -150,6 +150,11 @@ fn of_rule(skills: &Skills, alphabet: &Alphabet, automaton: &rule::Automaton) ->
             refused[0].insert_str(0, "refuses ");
             label.extend(refused);
         }
+        let over = automaton.over[state];
+        if over as usize != state {
+            let label = "the call is over".to_owned();
+            to.entry(over as usize).or_default().push(label);
+        }
         states.push(label);
         edges.extend(to.into_iter().map(|(to, names)| Edge {
             from: Some(state),

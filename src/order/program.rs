@@ -174,6 +174,19 @@ pub fn difference(
 ) -> Result<Option<Difference>, TooLarge> {
     let limit = MOST_ENTRIES / calls.len().max(1);
     let start = (first.start(), second.start());
+    // Whether the first lets a program end, where they do not agree on it.
+    let ends = |first: &Supervisor<'_>, second: &Supervisor<'_>, (a, b): &(State, State)| {
+        let ends = first.is_complete(a);
+        let differ = ends != second.is_complete(b) && (ends || !apart.one_way);
+        (apart.whole && differ).then_some(ends)
+    };
+    if let Some(first_allows) = ends(first, second, &start) {
+        return Ok(Some(Difference {
+            calls: Vec::new(),
+            first_allows,
+            refusal: None,
+        }));
+    }
     let mut numbers = BTreeMap::from([(start.clone(), 0_usize)]);
     let mut found: Vec<((State, State), Option<(usize, Call)>)> = vec![(start, None)];
     let way = |found: &[((State, State), Option<(usize, Call)>)], mut at: usize| {
@@ -188,14 +201,6 @@ pub fn difference(
     let mut at = 0;
     while at < found.len() {
         let (a, b) = found[at].0.clone();
-        let ends = first.is_complete(&a);
-        if apart.whole && ends != second.is_complete(&b) && (ends || !apart.one_way) {
-            return Ok(Some(Difference {
-                calls: way(&found, at),
-                first_allows: ends,
-                refusal: None,
-            }));
-        }
         for call in calls {
             let pair = match (first.call(&a, *call)?, second.call(&b, *call)?) {
                 (Ok(a), Ok(b)) => (a, b),
@@ -220,8 +225,17 @@ pub fn difference(
                     limit,
                 });
             }
+            // Asked as soon as it is found: behind a state found later, but as early, there may be a longer difference only.
+            let end = ends(first, second, &pair);
             numbers.insert(pair.clone(), found.len());
             found.push((pair, Some((at, *call))));
+            if let Some(first_allows) = end {
+                return Ok(Some(Difference {
+                    calls: way(&found, found.len() - 1),
+                    first_allows,
+                    refusal: None,
+                }));
+            }
         }
         at += 1;
     }

@@ -1,9 +1,11 @@
 //! From a rule to its automaton over single skills.
 //!
 //! The letters are the skills, and behind them every event of several skills that a rule speaks of: where `Left & Down` are called at once,
-//! the letters `Left`, `Down` and `Left & Down` come in any order.
+//! the letters `Left`, `Down` and `Left & Down` come in any order. Only what is in a row goes by the skills alone: `Left & Down` is there
+//! where the two follow each other in one call, so that nothing comes between it and what it follows.
 
 use super::dfa::{Dfa, TooLarge};
+use super::standing::{Window, standing};
 use super::{Event, Kind, Regex, Rule, Skills, regex};
 
 /// A rule's automaton has so many states at most.
@@ -20,6 +22,10 @@ pub struct Alphabet {
 
 fn mask(event: &Event) -> u64 {
     event.0.iter().fold(0, |mask, skill| mask | 1 << skill)
+}
+
+fn masks(events: &[Event]) -> Vec<u64> {
+    events.iter().map(mask).collect()
 }
 
 impl Alphabet {
@@ -120,8 +126,61 @@ impl Kind {
 pub struct Automaton {
     /// Over the letters of an [`Alphabet`]. Its state 0 is not always the start.
     pub dfa: Dfa,
-    /// Where it may be at the start, ascending: more than one state where the initial situation does not say what was called last.
+    /// Where it may be at the start, ascending: with its window closed and with it open where the initial situation does not say what was
+    /// called last, else one state.
     pub starts: Vec<u32>,
+    /// Its window at the start.
+    pub window: Window,
+    /// For every state, the one between this call and the next.
+    pub over: Vec<u32>,
+}
+
+impl Automaton {
+    /// Where it is at the start when its window stands open or does not.
+    pub(super) fn start(&self, open: bool) -> u32 {
+        self.starts[usize::from(open).min(self.starts.len() - 1)]
+    }
+
+    /// An automaton for which it does not matter where a call ends.
+    fn of_letters(dfa: Dfa, starts: Vec<u32>) -> Self {
+        let over = (0..dfa.states() as u32).collect();
+        Self {
+            dfa,
+            starts,
+            window: Window::default(),
+            over,
+        }
+    }
+
+    /// Explores states from several starts; `over` says what comes of them when a call is over.
+    ///
+    /// # Errors
+    /// When there are more than [`MOST_STATES`] states.
+    pub(super) fn explore<S: Clone + Ord>(
+        letters: usize,
+        starts: &[S],
+        step: impl Fn(&S, usize) -> Option<S>,
+        over: impl Fn(&S) -> S,
+        complete: impl Fn(&S) -> bool,
+    ) -> Result<(Self, Vec<S>), TooLarge> {
+        // The end of a call is one more letter, so that what it leads to is found as well.
+        let step = |state: &S, letter: usize| {
+            if letter == letters {
+                Some(over(state))
+            } else {
+                step(state, letter)
+            }
+        };
+        let found = Dfa::explore_all(letters + 1, starts, MOST_STATES, step, complete)?;
+        let (dfa, over) = found.dfa.without_last_letter();
+        let automaton = Self {
+            dfa,
+            starts: found.starts,
+            window: Window::default(),
+            over,
+        };
+        Ok((automaton, found.states))
+    }
 }
 
 /// The automaton of a rule.
@@ -132,25 +191,21 @@ pub fn automaton(rule: &Rule, skills: &Skills, alphabet: &Alphabet) -> Result<Au
     let letters = alphabet.len();
     let set = |events: &[Event]| alphabet.set(events);
     // Whether one of these counts as called at the start.
-    let called = |events: &[Event]| {
-        events.iter().any(|e| match e.0.as_slice() {
-            [skill] => {
-                let skill = &skills.skills[*skill];
-                skill.effect == Some(skills.components[skill.component].initial)
-            }
-            _ => false,
-        })
-    };
+    let called = |events: &[Event]| standing(events, skills) != 0;
     match &rule.kind {
         Kind::Never(never) => {
             let never = set(never);
             one(letters, &[()], |(), l| (!never[l]).then_some(()))
         }
         Kind::After { from, until, never } => {
-            let starts = opened(called(from), called(until));
+            let window = Window::new(from, until, skills);
             let (from, until, never) = (set(from), set(until), set(never));
-            one(letters, &starts, |open, l| {
+            let automaton = one(letters, &window.starts(), |open, l| {
                 (!(*open && never[l])).then(|| from[l] || *open && !until[l])
+            })?;
+            Ok(Automaton {
+                window,
+                ..automaton
             })
         }
         Kind::Before { first, then } => {
@@ -173,16 +228,17 @@ pub fn automaton(rule: &Rule, skills: &Skills, alphabet: &Alphabet) -> Result<Au
             from,
             until,
         } => {
+            let window = Window::new(from, until, skills);
             let starts = if from.is_empty() {
                 vec![true]
             } else {
-                opened(called(from), called(until))
+                window.starts()
             };
             let starts: Vec<Option<u32>> = { starts.into_iter() }
                 .map(|open| open.then_some(0))
                 .collect();
             let (of, from, until) = (set(of), set(from), set(until));
-            one(letters, &starts, |counted, l| {
+            let automaton = one(letters, &starts, |counted, l| {
                 let counted = match *counted {
                     Some(n) if of[l] && n == *count => return None,
                     Some(n) if of[l] => Some(n + 1),
@@ -193,18 +249,14 @@ pub fn automaton(rule: &Rule, skills: &Skills, alphabet: &Alphabet) -> Result<Au
                     None if from[l] => Some(0),
                     other => other,
                 })
+            })?;
+            Ok(Automaton {
+                window,
+                ..automaton
             })
         }
         Kind::InARow(words) => in_a_row(words, alphabet),
         Kind::Sequence(regex) => sequence(regex, skills, letters),
-    }
-}
-
-/// Whether a window stands open at the start: both where it may have been opened or closed last.
-fn opened(from: bool, until: bool) -> Vec<bool> {
-    match (from, until) {
-        (true, true) => vec![false, true],
-        (open, _) => vec![open],
     }
 }
 
@@ -215,49 +267,54 @@ fn one<S: Clone + Ord>(
     step: impl Fn(&S, usize) -> Option<S>,
 ) -> Result<Automaton, TooLarge> {
     let explored = Dfa::explore_all(letters, starts, MOST_STATES, step, |_| true)?;
-    Ok(Automaton {
-        dfa: explored.dfa,
-        starts: explored.starts,
-    })
+    Ok(Automaton::of_letters(explored.dfa, explored.starts))
 }
+
+/// How far one is in a word: the word, the place in it, and what is still missing of an event of several skills whose other skills have
+/// just been called.
+type Reached = (usize, usize, u64);
 
 /// Where in each word one is: the ends of what was called that begin a word (Aho and Corasick, "Efficient string matching", 1975, by
 /// sets).
 fn in_a_row(words: &[Vec<Vec<Event>>], alphabet: &Alphabet) -> Result<Automaton, TooLarge> {
-    let words: Vec<Vec<Vec<bool>>> = words
+    let words: Vec<Vec<Vec<u64>>> = words
         .iter()
-        .map(|word| word.iter().map(|place| alphabet.set(place)).collect())
+        .map(|word| word.iter().map(|place| masks(place)).collect())
         .collect();
-    // An event of several skills comes beside its skills, and is not what follows them; only words that speak of it see it.
-    let mut spoken = vec![false; alphabet.len()];
-    spoken[..alphabet.skills].fill(true);
-    for place in words.iter().flatten() {
-        for (letter, is) in place.iter().enumerate() {
-            spoken[letter] |= is;
+    let step = |reached: &Vec<Reached>, letter: usize| {
+        if letter >= alphabet.skills {
+            // The skills of an event of several say it all.
+            return Some(reached.clone());
         }
-    }
-    one(
-        alphabet.len(),
-        &[Vec::new()],
-        |reached: &Vec<(usize, usize)>, letter| {
-            if !spoken[letter] {
-                return Some(reached.clone());
-            }
-            let mut next = Vec::new();
-            let starts = (0..words.len()).map(|w| (w, 0));
-            for (word, at) in reached.iter().copied().chain(starts) {
-                if words[word][at][letter] {
-                    if at + 1 == words[word].len() {
-                        return None;
-                    }
-                    next.push((word, at + 1));
+        let skill = 1 << letter;
+        let mut next = Vec::new();
+        let starts = (0..words.len()).map(|w| (w, 0, 0));
+        for (word, at, missing) in reached.iter().copied().chain(starts) {
+            let begun = [missing];
+            let events = if missing == 0 {
+                words[word][at].as_slice()
+            } else {
+                &begun
+            };
+            for event in events.iter().filter(|e| *e & skill != 0) {
+                match event & !skill {
+                    0 if at + 1 == words[word].len() => return None,
+                    0 => next.push((word, at + 1, 0)),
+                    missing => next.push((word, at, missing)),
                 }
             }
-            next.sort_unstable();
-            next.dedup();
-            Some(next)
-        },
-    )
+        }
+        next.sort_unstable();
+        next.dedup();
+        Some(next)
+    };
+    // What is missing of an event has to come in the same call.
+    let over = |reached: &Vec<Reached>| {
+        let whole = reached.iter().filter(|(_, _, missing)| *missing == 0);
+        whole.copied().collect()
+    };
+    let explored = Automaton::explore(alphabet.len(), &[Vec::new()], step, over, |_| true);
+    explored.map(|(automaton, _)| automaton)
 }
 
 /// The beginnings of the words of a regular expression. An event of several skills changes nothing here.
@@ -272,8 +329,5 @@ fn sequence(regex: &Regex, skills: &Skills, letters: usize) -> Result<Automaton,
         (to != super::dfa::REFUSED).then_some(to)
     };
     let dfa = Dfa::explore(letters, 0, MOST_STATES, step, |s| dfa.is_complete(*s))?;
-    Ok(Automaton {
-        dfa,
-        starts: vec![0],
-    })
+    Ok(Automaton::of_letters(dfa, vec![0]))
 }

@@ -19,6 +19,8 @@ pub type Known = u32;
 #[derive(Debug, Clone)]
 pub struct Serial {
     dfa: Dfa,
+    /// For every state, the one between this call and the next.
+    over: Vec<u32>,
     serialisation: Serialisation,
     /// Letters that leave every state as it is.
     idle: Vec<bool>,
@@ -31,10 +33,13 @@ pub struct Serial {
 impl Serial {
     /// A rule's automaton, before the first call: the set of number 0.
     pub fn new(automaton: Automaton, serialisation: Serialisation) -> Self {
-        let Automaton { dfa, starts } = automaton;
+        let Automaton {
+            dfa, starts, over, ..
+        } = automaton;
         let idle = (0..dfa.letters()).map(|l| dfa.is_idle(l)).collect();
         Self {
             dfa,
+            over,
             serialisation,
             idle,
             numbers: HashMap::from([(starts.clone(), 0)]),
@@ -91,7 +96,12 @@ impl Serial {
             let reached = self.reached(known, letters)?;
             reached.ok().and_then(|mut sets| sets.pop())
         };
-        let after = after.map(|states| {
+        let after = after.map(|mut states| {
+            for state in &mut states {
+                *state = self.over[*state as usize];
+            }
+            states.sort_unstable();
+            states.dedup();
             let new = self.sets.len() as Known;
             let number = *self.numbers.entry(states.clone()).or_insert(new);
             if number == new {

@@ -5,9 +5,9 @@
 //! are asked for; [`super::automaton`] works out all of them.
 
 use super::dfa::{Dfa, REFUSED, TooLarge};
-use super::rule::{self, Alphabet, Automaton, MOST_STATES};
+use super::rule::{self, Alphabet, Automaton};
 use super::serial::{Known, Serial};
-use super::{Level, Serialisation, Skills};
+use super::{Level, Serialisation, Skills, standing};
 
 /// One skill or several called at once, as a mask over [`Skills::skills`]. Never 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -276,7 +276,8 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// The rules that a program must not leave here, by their places: sequences in the middle of a word.
+    /// The rules that a program must not leave here, by their places: sequences in the middle of a word. Where one order has to suit, those
+    /// that every order leaves there; if there are none, those that some order does.
     pub fn unfinished(&self, state: &State) -> Vec<usize> {
         match &self.automata {
             Automata::Each(each) => {
@@ -284,11 +285,27 @@ impl<'a> Supervisor<'a> {
                 let open = open.filter(|((_, serial), known)| !serial.is_complete(**known));
                 open.map(|((rule, _), _)| *rule).collect()
             }
-            Automata::Together { rules, .. } if !self.is_complete(state) => {
-                let sequences = rules.iter().copied();
-                let is_sequence =
-                    |r: &usize| matches!(self.skills.rules[*r].kind, super::Kind::Sequence(_));
-                sequences.filter(is_sequence).collect()
+            Automata::Together {
+                rules,
+                parts,
+                states,
+                product,
+            } if !self.is_complete(state) => {
+                let known = product.states(state.known[0]).iter();
+                let known: Vec<_> = known.map(|s| &states[*s as usize]).collect();
+                let open = |rule: usize| {
+                    let states = known.iter().map(move |s| s[rule]);
+                    states.map(move |s| !parts[rule].is_complete(s))
+                };
+                let whatever: Vec<usize> =
+                    { 0..rules.len() }.filter(|r| open(*r).all(|o| o)).collect();
+                // Else each can end after some order, but not all after the same one.
+                let open: Vec<usize> = if whatever.is_empty() {
+                    (0..rules.len()).filter(|r| open(*r).any(|o| o)).collect()
+                } else {
+                    whatever
+                };
+                open.into_iter().map(|r| rules[r]).collect()
             }
             Automata::Together { .. } => Vec::new(),
         }
@@ -317,21 +334,19 @@ fn first_refusal(parts: &[Dfa], from: &[u32], letters: &[usize]) -> (usize, Vec<
 /// The product of all rules, for what one order has to suit.
 fn together(each: Vec<(usize, Automaton)>, letters: usize) -> Result<Automata, TooLarge> {
     let (rules, automata): (Vec<usize>, Vec<Automaton>) = each.into_iter().unzip();
-    let mut starts: Vec<Vec<u32>> = vec![Vec::new()];
-    for automaton in &automata {
-        let longer = starts.iter().flat_map(|s| {
-            let more = automaton.starts.iter();
-            more.map(move |m| s.iter().copied().chain([*m]).collect())
-        });
-        starts = longer.collect();
-        if starts.len() > MOST_STATES {
-            return Err(TooLarge {
-                what: "states",
-                limit: MOST_STATES,
-            });
-        }
-    }
-    let parts: Vec<Dfa> = automata.into_iter().map(|a| a.dfa).collect();
+    let windows: Vec<_> = automata.iter().map(|a| a.window).collect();
+    let starts: Vec<Vec<u32>> = standing::together(&windows)?
+        .iter()
+        .map(|open| {
+            automata
+                .iter()
+                .zip(open)
+                .map(|(a, o)| a.start(*o))
+                .collect()
+        })
+        .collect();
+    let (parts, overs): (Vec<Dfa>, Vec<Vec<u32>>) =
+        automata.into_iter().map(|a| (a.dfa, a.over)).unzip();
     let step = |state: &Vec<u32>, letter| {
         let next = state
             .iter()
@@ -344,15 +359,15 @@ fn together(each: Vec<(usize, Automaton)>, letters: usize) -> Result<Automata, T
         let mut states = state.iter().zip(&parts);
         states.all(|(s, dfa)| dfa.is_complete(*s))
     };
-    let explored = Dfa::explore_all(letters, &starts, MOST_STATES, step, complete)?;
-    let product = Automaton {
-        dfa: explored.dfa,
-        starts: explored.starts,
+    let over = |state: &Vec<u32>| {
+        let states = state.iter().zip(&overs);
+        states.map(|(s, over)| over[*s as usize]).collect()
     };
+    let (product, states) = Automaton::explore(letters, &starts, step, over, complete)?;
     Ok(Automata::Together {
         rules,
         parts,
-        states: explored.states,
+        states,
         product: Box::new(Serial::new(product, Serialisation::Some)),
     })
 }

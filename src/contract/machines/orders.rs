@@ -15,7 +15,7 @@ use crate::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable, eval,
 };
 use crate::order::dfa::TooLarge;
-use crate::order::lower::{lower, rules_of};
+use crate::order::lower::{AT_FIRST, lower, rules_of};
 use crate::order::{Level, Skills};
 use crate::source::Span;
 use crate::syntax::ast::{self, MachineItem};
@@ -235,11 +235,19 @@ fn add_rules(
         let variables = &specification.variables;
         let id = VarId(variables.len() as u32);
         let taken = |name: &str| variables.iter().any(|v| v.name == name);
-        let lowered = lower(&orders.skills, &rule, &conditions, id, taken)?;
+        let mut lowered = lower(&orders.skills, &rule, &conditions, id, taken)?;
         if !lowered.speaks_of.iter().all(|s| when[*s].is_some()) {
             continue;
         }
         specification.variables.extend(lowered.variable);
+        if party == Party::Machine {
+            // What no call of the first step could break need not be asked of it.
+            let broken = |f: &Formula| f.expr.clone().not();
+            lowered
+                .rule
+                .initial
+                .retain(|f| !is_never(&broken(f), specification));
+        }
         extend(&mut specification.guarantees, lowered.definitions);
         extend(side(specification, party), lowered.rule);
     }
@@ -274,8 +282,8 @@ fn at_once(skills: &Skills, when: &[Option<Expr>], specification: &Specification
                 continue;
             }
             let component = &skills.components[first.component];
-            let formula = |expr: Expr| Formula {
-                name: format!("one skill of {} at a time", component.name),
+            let formula = |expr: Expr, when: &str| Formula {
+                name: format!("one skill of {} at a time{when}", component.name),
                 requirement: None,
                 expr: expr.simplify(),
                 span: component.span,
@@ -284,8 +292,8 @@ fn at_once(skills: &Skills, when: &[Option<Expr>], specification: &Specification
             let next = both.substitute(&mut |v, _| Expr::Var(v, Time::Next));
             let rising = next.and(x.clone().not()).and(y.clone().not());
             found.push(Side {
-                initial: vec![formula(both.not())],
-                safety: vec![formula(rising.not())],
+                initial: vec![formula(both.not(), AT_FIRST)],
+                safety: vec![formula(rising.not(), "")],
                 ..Side::default()
             });
         }

@@ -43,7 +43,11 @@ impl Resolver<'_> {
                 level,
                 kind,
                 deletions,
-                span: order.span,
+                // Without what a published model deletes for it.
+                span: Span {
+                    end: order.body.end,
+                    ..order.span
+                },
                 text: one_line(self.sources.text(order.body)),
             });
         }
