@@ -4,7 +4,7 @@
 //! from the same pieces.
 
 use super::{CallError, ErrorCode};
-use crate::contract::machine::{Component, Machine, PlantInput, PlantSource, RealExpr};
+use crate::contract::machine::{Component, Machine, PlantInput, PlantSource, RealExpr, Role};
 use crate::gr1::Formula;
 
 /// A formula's text is cut to so many characters in a message.
@@ -17,6 +17,18 @@ pub enum Party {
     Plant,
     /// The machine: a guarantee.
     Machine,
+    /// Whoever calls skills, within the machine or from outside: an order.
+    Caller,
+}
+
+impl Party {
+    /// Who has to keep what a component assumes.
+    pub fn of_assumptions(component: &Component) -> Self {
+        match component.role {
+            Role::Watch => Self::Caller,
+            Role::Coordinator | Role::Action => Self::Plant,
+        }
+    }
 }
 
 /// A rule's name, component first: `turn: gripped`.
@@ -24,11 +36,24 @@ pub fn rule(component: &Component, formula: &Formula) -> String {
     format!("{}: {}", component.name, formula.name)
 }
 
-/// ``turn: the plant broke the assumption `gripped`: command = turn -> grip``
+/// ``turn: the plant broke the assumption `gripped`: command = turn -> grip``, or of an order
+/// ``PickAndPlace: the order `trays` is broken: after Down until Up: never Left, Right``
 pub fn broken(component: &Component, formula: &Formula, party: Party) -> String {
     let what = match party {
         Party::Plant => "the plant broke the assumption",
         Party::Machine => "the machine broke the guarantee",
+        Party::Caller => {
+            let (what, called) = match formula.name.strip_prefix("order ") {
+                Some(called) => ("the order ", called),
+                None => ("", formula.name.as_str()),
+            };
+            return format!(
+                "{}: {what}{} is broken: {}",
+                component.name,
+                named(called, formula.requirement.as_deref()),
+                cut(&formula.text)
+            );
+        }
     };
     format!("{}: {what} {}", component.name, cite(formula))
 }
@@ -49,9 +74,13 @@ fn cite(formula: &Formula) -> String {
 
 /// `` `gripped` (R-12)``
 fn name(formula: &Formula) -> String {
-    match &formula.requirement {
-        Some(requirement) => format!("`{}` ({requirement})", formula.name),
-        None => format!("`{}`", formula.name),
+    named(&formula.name, formula.requirement.as_deref())
+}
+
+fn named(name: &str, requirement: Option<&str>) -> String {
+    match requirement {
+        Some(requirement) => format!("`{name}` ({requirement})"),
+        None => format!("`{name}`"),
     }
 }
 
@@ -173,6 +202,7 @@ impl CallError {
             code: match party {
                 Party::Plant => ErrorCode::Assumption,
                 Party::Machine => ErrorCode::Guarantee,
+                Party::Caller => ErrorCode::Order,
             },
             rule: Some(rule(component, formula)),
             message: broken(component, formula, party),
