@@ -39,7 +39,8 @@ pub fn misfits(controlled: &Controlled<'_>) -> Vec<Diagnostic> {
     let doubt = |f: &Diagnostic| {
         f.code == codes::ASSUMPTION_OPEN && (watched || f.severity == Severity::Warning)
     };
-    if !(watched || !machine.layers.inner.is_empty()) || !findings.iter().any(doubt) {
+    let is_proved = watched || !machine.layers.inner.is_empty();
+    if !is_proved || !findings.iter().any(doubt) {
         return findings;
     }
     let (system, claim) = of_machine(machine);
