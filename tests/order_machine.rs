@@ -9,6 +9,8 @@
 mod laboratory;
 #[path = "order_machine/mutant.rs"]
 mod mutant;
+#[path = "order_machine/operations.rs"]
+mod operations;
 #[path = "order_machine/unit.rs"]
 mod unit;
 

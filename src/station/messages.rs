@@ -6,6 +6,7 @@
 use super::{CallError, ErrorCode};
 use crate::contract::machine::{Component, Machine, PlantInput, PlantSource, RealExpr, Role};
 use crate::gr1::Formula;
+use crate::order::lower::AT_FIRST;
 
 /// A formula's text is cut to so many characters in a message.
 const LONGEST_TEXT: usize = 200;
@@ -31,9 +32,17 @@ impl Party {
     }
 }
 
-/// A rule's name, component first: `turn: gripped`.
+/// A rule's name, component first: `turn: gripped`. An order is called the same in every step.
 pub fn rule(component: &Component, formula: &Formula) -> String {
-    format!("{}: {}", component.name, formula.name)
+    let name = match component.role {
+        Role::Watch => of_all_steps(&formula.name),
+        Role::Coordinator | Role::Action => &formula.name,
+    };
+    format!("{}: {name}", component.name)
+}
+
+fn of_all_steps(name: &str) -> &str {
+    name.strip_suffix(AT_FIRST).unwrap_or(name)
 }
 
 /// ``turn: the plant broke the assumption `gripped`: command = turn -> grip``, or of an order
@@ -43,9 +52,10 @@ pub fn broken(component: &Component, formula: &Formula, party: Party) -> String 
         Party::Plant => "the plant broke the assumption",
         Party::Machine => "the machine broke the guarantee",
         Party::Caller => {
-            let (what, called) = match formula.name.strip_prefix("order ") {
+            let name = of_all_steps(&formula.name);
+            let (what, called) = match name.strip_prefix("order ") {
                 Some(called) => ("the order ", called),
-                None => ("", formula.name.as_str()),
+                None => ("", name),
             };
             return format!(
                 "{}: {what}{} is broken: {}",

@@ -65,7 +65,7 @@ fn mutant() -> Controlled {
     }
 }
 
-fn library(controlled: &Controlled) -> Instance {
+pub fn library(controlled: &Controlled) -> Instance {
     // Unlinked on drop; the loaded library stays.
     let folder = tempfile::tempdir().expect("a folder");
     let package = Package::emit(&controlled.machine, &controlled.controllers);

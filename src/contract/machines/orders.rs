@@ -7,7 +7,7 @@
 use super::Parts;
 use super::component::scope_of_wires;
 use crate::contract::elaborate::Elaborator;
-use crate::contract::machine::{Component, Machine, Orders, RealExpr, Role};
+use crate::contract::machine::{Component, Machine, Orders, PlantSource, RealExpr, Role};
 use crate::contract::scope::Scope;
 use crate::contract::skills::{level, listed, near_or_all};
 use crate::diagnostics::{Diagnostic, codes};
@@ -15,7 +15,7 @@ use crate::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable, eval,
 };
 use crate::order::dfa::TooLarge;
-use crate::order::lower::{AT_FIRST, lower, rules_of};
+use crate::order::lower::{AT_FIRST, Condition, lower, rules_of};
 use crate::order::{Level, Skills};
 use crate::source::Span;
 use crate::syntax::ast::{self, MachineItem};
@@ -204,7 +204,9 @@ pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &S
                 });
                 all.then_some(over)
             };
-            let when: Vec<Option<Expr>> = orders.when.iter().map(own).collect();
+            let when = orders.when.iter();
+            let when: Vec<Option<Condition>> =
+                when.map(|w| own(w).map(Condition::rising)).collect();
             // One that is too large is told where it watches.
             let _ = add_rules(&mut kept, orders, &when, Party::Machine);
         }
@@ -225,11 +227,12 @@ enum Party {
 fn add_rules(
     specification: &mut Specification,
     orders: &Orders,
-    when: &[Option<Expr>],
+    when: &[Option<Condition>],
     party: Party,
 ) -> Result<(), TooLarge> {
-    let conditions: Vec<Expr> = { when.iter() }
-        .map(|w| w.clone().unwrap_or(Expr::FALSE))
+    let never = || Condition::rising(Expr::FALSE);
+    let conditions: Vec<Condition> = { when.iter() }
+        .map(|w| w.clone().unwrap_or_else(never))
         .collect();
     for rule in rules_of(&orders.skills, orders.level) {
         let variables = &specification.variables;
@@ -270,14 +273,18 @@ fn extend(side: &mut Side, more: Side) {
 }
 
 /// That two skills of one component are not called at once, where they could be.
-fn at_once(skills: &Skills, when: &[Option<Expr>], specification: &Specification) -> Vec<Side> {
+fn at_once(
+    skills: &Skills,
+    when: &[Option<Condition>],
+    specification: &Specification,
+) -> Vec<Side> {
     let mut found = Vec::new();
     for (b, second) in skills.skills.iter().enumerate() {
         for (a, first) in skills.skills[..b].iter().enumerate() {
             let (Some(x), Some(y)) = (&when[a], &when[b]) else {
                 continue;
             };
-            let both = x.clone().and(y.clone()).simplify();
+            let both = x.holds.clone().and(y.holds.clone()).simplify();
             if first.component != second.component || is_never(&both, specification) {
                 continue;
             }
@@ -289,8 +296,7 @@ fn at_once(skills: &Skills, when: &[Option<Expr>], specification: &Specification
                 span: component.span,
                 text: format!("never {} & {}", first.name, second.name),
             };
-            let next = both.substitute(&mut |v, _| Expr::Var(v, Time::Next));
-            let rising = next.and(x.clone().not()).and(y.clone().not());
+            let rising = x.begins().and(y.begins());
             found.push(Side {
                 initial: vec![formula(both.not(), AT_FIRST)],
                 safety: vec![formula(rising.not(), "")],
@@ -338,6 +344,39 @@ fn is_never(expr: &Expr, specification: &Specification) -> bool {
     }
 }
 
+/// The skills that are called by asking for an operation, and when one has ended: then the next one is a call of its own, also where it is
+/// the same again. `None` where no skill is called so.
+fn by_operation(model: &Machine, orders: &Orders) -> Option<(Expr, Vec<usize>)> {
+    let mut plant = model.plant.iter();
+    let operation = plant.position(|p| matches!(p.source, PlantSource::Operation))?;
+    let asks = |expr: &Expr| {
+        let mut asks = false;
+        expr.for_each_var(&mut |v, _| asks |= v.index() == operation);
+        asks
+    };
+    let skills: Vec<usize> = { 0..orders.when.len() }
+        .filter(|s| asks(&orders.when[*s]))
+        .collect();
+    let done = model.done.clone().filter(|_| !skills.is_empty())?;
+    Some((done, skills))
+}
+
+/// The input that says that the operation has ended, with a name that no skill has.
+fn ended_input(specification: &Specification, span: Span) -> Variable {
+    let mut name = "operation_ended".to_owned();
+    while specification.variables.iter().any(|v| v.name == name) {
+        name.push('_');
+    }
+    Variable {
+        name,
+        owner: Owner::Environment,
+        internal: false,
+        domain: Domain::Bool,
+        unit: String::new(),
+        span,
+    }
+}
+
 /// A component a set of skills, which watches that its orders are kept.
 pub(super) fn watching(wires: &mut Elaborator<'_>, model: &Machine) -> Vec<Component> {
     let mut watching = Vec::new();
@@ -359,8 +398,22 @@ pub(super) fn watching(wires: &mut Elaborator<'_>, model: &Machine) -> Vec<Compo
                 span: skill.span,
             });
         }
+        let mut bindings = orders.when.clone();
         let inputs = 0..orders.skills.skills.len() as u32;
-        let when: Vec<_> = inputs.map(|i| Some(Expr::now(VarId(i)))).collect();
+        let mut when: Vec<Condition> = inputs
+            .map(|i| Condition::rising(Expr::now(VarId(i))))
+            .collect();
+        if let Some((ended, anew)) = by_operation(model, orders) {
+            let id = VarId(specification.variables.len() as u32);
+            specification
+                .variables
+                .push(ended_input(&specification, orders.span));
+            bindings.push(ended);
+            for skill in anew {
+                when[skill].anew = Expr::now(id);
+            }
+        }
+        let when: Vec<_> = when.into_iter().map(Some).collect();
         if let Err(error) = add_rules(&mut specification, orders, &when, Party::Plant) {
             wires.error_with(
                 codes::TOO_LARGE,
@@ -379,7 +432,7 @@ pub(super) fn watching(wires: &mut Elaborator<'_>, model: &Machine) -> Vec<Compo
             contract: orders.skills.name.clone(),
             role: Role::Watch,
             specification: Arc::new(specification),
-            bindings: orders.when.clone(),
+            bindings,
             active: None,
             time: None,
             watts: RealExpr::Number(0.0),
