@@ -2,7 +2,7 @@
 //!
 //! A [`Supervisor`] answers each call with the state after it or with why it is refused, in the sense of Ramadge and Wonham, "Supervisory
 //! control of a class of discrete event processes" (1987): it allows and forbids, and calls nothing itself. It works out states as they
-//! are asked for; [`super::automaton`] works out all of them.
+//! are asked for; [`super::fsm`] works out all of them.
 
 use super::dfa::{Dfa, REFUSED, TooLarge};
 use super::rule::{self, Alphabet, Automaton};
