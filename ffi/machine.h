@@ -154,6 +154,7 @@ enum { LW_TIME_STEP, LW_TIME_EXECUTION };
 typedef struct lw_component {
     const char *name;
     int moore;
+    int watches; /* it does nothing but watch over orders of skills, which it assumes to be kept */
     int first_value;
     int inputs; /* those that have to be checked */
     int outputs;

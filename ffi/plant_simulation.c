@@ -223,8 +223,8 @@ static lw_result lw_measured(double value)
 static const char *lw_verdict_words(int32_t verdict)
 {
     static const char *const words[] = {"ok", "handle", "argument", "domain", "operation", "assumption", "guarantee", "limit", "memory",
-                                        "internal"};
-    return verdict <= 0 && verdict >= LW_ERROR_INTERNAL ? words[-verdict] : "internal";
+                                        "internal", "order"};
+    return verdict <= 0 && verdict >= LW_ERROR_ORDER ? words[-verdict] : "internal";
 }
 
 /* The result of a name. */

@@ -58,7 +58,8 @@ enum {
     LW_ERROR_GUARANTEE = -6,  /* the machine broke a guarantee: a fault of the generator or of the compiler */
     LW_ERROR_LIMIT = -7,      /* the operation did not end within the step limit; the instance has been reset */
     LW_ERROR_MEMORY = -8,     /* no free place for an instance */
-    LW_ERROR_INTERNAL = -9    /* a fault of the generator */
+    LW_ERROR_INTERNAL = -9,   /* a fault of the generator */
+    LW_ERROR_ORDER = -10      /* a skill was called against an order, by the machine or by whoever calls it */
 };
 
 /* What an operation took. */

@@ -388,7 +388,7 @@ LW_INLINE int32_t lw_answer(int index, int started, const lw_state *before, lw_s
     }
     const lw_rule *broken = lw_broken(&component->assumptions, started, previous, current);
     if (broken != NULL) {
-        return lw_fail_rule(error, LW_ERROR_ASSUMPTION, broken);
+        return lw_fail_rule(error, component->watches ? LW_ERROR_ORDER : LW_ERROR_ASSUMPTION, broken);
     }
     int to = lw_respond(component, before->place[index], previous, current);
     if (to < 0) {

@@ -285,3 +285,41 @@ fn what_says_nothing_new_twice_is_a_finding() {
     assert_eq!(findings.len(), 1);
     assert_eq!(findings[0].code.id, "LW102");
 }
+
+#[test]
+fn skills_stand_one_a_line_and_orders_break_where_the_author_broke_them() {
+    becomes(
+        "skills Unit{component x:{left,right,}=left{Left->left;Right->right /* tail */, Stop->left} component camera{Inspect}
+component none{}
+order trays[R-1] at  reasonable:after Down,Up&Left until Up:never Left,Right deletes x.left->right,
+down&left->z.up
+order u: sequence((A,B)|((C)) (not A)* (A&B) not(B|C)|A&B|(D*)+|()*) order: at most 007 of A
+order long: sequence (Right? Down Grip Up Left Down Release Up Right? Down Grip Up Left Down Release Up Right? Down Grip Up Left Down Release Up)*}
+machine M { skills Unit at reasonable { Left = arm.call = left; Right = a and b } skills Other{A=true} skills None {} }",
+        "skills Unit {
+    component x: {left, right} = left {
+        Left -> left
+        Right -> right /* tail */
+        Stop -> left
+    }
+    component camera { Inspect }
+    component none {}
+    order trays [R-1] at reasonable: after Down, Up & Left until Up: never Left, Right
+        deletes x.left -> right,
+            down & left -> z.up
+    order u: sequence (A B | C (not A)* (A & B) not (B | C) | A & B | (D*)+ | ()*)
+    order: at most 7 of A
+    order long: sequence (Right? Down Grip Up Left Down Release Up Right? Down Grip Up Left Down Release Up Right? Down Grip Up Left
+        Down Release Up)*
+}
+machine M {
+    skills Unit at reasonable {
+        Left = arm.call = left
+        Right = a and b
+    }
+    skills Other { A = true }
+    skills None {}
+}
+",
+    );
+}

@@ -1,5 +1,7 @@
 //! Monitors of skill orders: the one of this process, the one in C and the one in Structured Text say the same, call by call.
 
+#[path = "order_monitor/automata.rs"]
+mod automata;
 #[path = "order_monitor/c.rs"]
 mod c;
 #[path = "structured_text/compiler.rs"]
@@ -31,3 +33,5 @@ mod structured_text;
 mod syntax;
 #[path = "order_monitor/tables.rs"]
 mod tables;
+#[path = "order_monitor/unit.rs"]
+mod unit;

@@ -180,6 +180,10 @@ fn damage() -> impl Strategy<Value = Damage> {
             "in",
             "array",
             "import",
+            "skills S {",
+            "order a: never",
+            "sequence (",
+            "deletes",
             "forall i in",
             "9007199254740993",
             "[R-1]",
@@ -275,6 +279,7 @@ proptest! {
     fn any_text_is_survived(text in "\\PC{0,200}", words in prop::collection::vec(prop::sample::select(vec![
         "contract A {", "machine M {", "line L {", "}", "{", "guarantee", "always", "(", ")", "if", "then", "else", "a", "=",
         "input a: bool", "0..3", "\n", "array[2] of", "[", "]", "/*", "\"", "forall i in", ":", "next", "action a: A {", "station",
+        "skills S {", "component c {", "order", "never", "sequence", "&", "|", "*", "deletes", "a -> a", "at", "skills S at valid {",
     ]), 0..40)) {
         survive(Path::new("test.lw"), &text);
         survive(Path::new("test.lw"), &words.join(" "));
@@ -318,6 +323,22 @@ fn deep_nesting_is_survived() {
                 "contract A {{ input a: {} bool }}",
                 "array[1] of ".repeat(n)
             ),
+            format!("skills S {{ order: sequence {}", "(".repeat(n)),
+            format!(
+                "skills S {{ component c {{ A }}\norder: sequence {}A{}* }}",
+                "(".repeat(n),
+                ")?".repeat(n)
+            ),
+            format!(
+                "skills S {{ component c {{ A }}\norder: sequence (A{}) }}",
+                "*".repeat(n)
+            ),
+            format!("skills S {{ order: {} }}", "never ".repeat(n)),
+            format!(
+                "machine M {{ skills S {{ order = {}a }} }}",
+                "if order then ".repeat(n)
+            ),
+            "skills S { ".repeat(n),
             "machine M { action a: A { ".repeat(n),
             "line L {\n station a: A {\n".repeat(n),
             format!("contract A {{ /* {}", "{".repeat(n)),
@@ -398,6 +419,15 @@ fn what_grows_when_it_is_written_out_is_bounded() {
 ",
         many(10_000, &|i| format!("const C{i} = D{i}
 ")),
+        format!(
+            "skills S {{\n component c {{\n{} }}\n{}}}",
+            many(10_000, &|i| format!("S{i}\n")),
+            many(10_000, &|i| format!("order: never T{i}\n"))
+        ),
+        format!("skills S {{ component c {{ A }}\norder: sequence ({})* }}", "A ".repeat(100_000)),
+        format!("skills S {{ component c {{ A }}\norder: sequence ({} A) }}", "A & ".repeat(10_000)),
+        format!("skills S {{ component c {{ A }}\norder: sequence {}A{} }}", "(".repeat(100), "){1000}".repeat(100)),
+        format!("skills S {{ component c {{ A }}\n order: never {} A }}", "A, ".repeat(100_000)),
         "x\n".repeat(20_000),
         "guarantee\n".repeat(20_000),
         "contract A {\n".repeat(5_000),

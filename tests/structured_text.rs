@@ -33,6 +33,8 @@ mod statements;
 mod support;
 #[path = "structured_text/syntax.rs"]
 mod syntax;
+#[path = "order_monitor/unit.rs"]
+mod unit;
 #[path = "structured_text/wide.rs"]
 mod wide;
 #[path = "structured_text/written.rs"]

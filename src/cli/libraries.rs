@@ -1,9 +1,11 @@
 //! Machines with their controllers: whether they fit together, and their station libraries.
 
+use super::closed;
 use super::output;
+use crate::algebra::closed::Closed;
 use crate::algebra::machine::of_machine;
 use crate::algebra::proof::prove;
-use crate::contract::machine::Machine;
+use crate::contract::machine::{Machine, Role};
 use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::game::Limits;
 use crate::mealy;
@@ -27,18 +29,33 @@ pub fn compose(controlled: &Controlled<'_>) -> Composition {
     composition::check(controlled.machine, &controlled.controllers)
 }
 
-/// What does not fit. The states of coordinators show who answers a wait where one action does; within a machine of machines a wait is
-/// answered by several, one after the other. There the proof has the last word.
+/// What does not fit. The states of coordinators show who answers a wait where one action does. Within a machine of machines a wait is
+/// answered by several, one after the other, and what watches over orders remembers what was called: there the proof has the last
+/// word, or all controllers together.
 pub fn misfits(controlled: &Controlled<'_>) -> Vec<Diagnostic> {
     let mut findings = compose(controlled).findings;
-    let doubt =
-        |f: &Diagnostic| f.code == codes::ASSUMPTION_OPEN && f.severity == Severity::Warning;
-    if controlled.machine.layers.inner.is_empty() || !findings.iter().any(doubt) {
+    let machine = controlled.machine;
+    let watched = machine.components.iter().any(|c| c.role == Role::Watch);
+    let doubt = |f: &Diagnostic| {
+        f.code == codes::ASSUMPTION_OPEN && (watched || f.severity == Severity::Warning)
+    };
+    let is_proved = watched || !machine.layers.inner.is_empty();
+    if !is_proved || !findings.iter().any(doubt) {
         return findings;
     }
-    let (system, claim) = of_machine(controlled.machine);
+    let (system, claim) = of_machine(machine);
     if prove(&system, &claim, &Limits::default()).is_ok_and(|proof| proof.holds()) {
         findings.retain(|f| !doubt(f));
+    } else if watched {
+        let closed = Closed::of_machine(machine, &controlled.controllers);
+        if let Ok(verdict) = closed.decide(&closed::bounded(&Limits::default()))
+            && verdict.undecided.is_empty()
+        {
+            findings.retain(|f| !doubt(f));
+            let open = verdict.open.iter();
+            let open = open.filter(|o| !closed::is_completion(&closed, o));
+            findings.extend(open.map(|o| closed::open(&closed, &machine.name, o, machine.span)));
+        }
     }
     findings
 }

@@ -31,7 +31,7 @@ impl<'a> Planned<'a> {
             jobs: components
                 .map(|c| match c.role {
                     Role::Coordinator => jobs.add_explicit(&c.specification, c.span),
-                    Role::Action => jobs.add(&c.specification, c.span),
+                    Role::Action | Role::Watch => jobs.add(&c.specification, c.span),
                 })
                 .collect(),
         }

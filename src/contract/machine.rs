@@ -157,12 +157,14 @@ pub struct Component {
 }
 
 /// The place of a component in the two layers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// The upper layer.
     Coordinator,
     /// The lower layer.
     Action,
+    /// Beside both: it is told which skills are called, and assumes that the orders of its set are kept. It does nothing.
+    Watch,
 }
 
 /// How long an action takes, in seconds, over the properties at the start of the operation.

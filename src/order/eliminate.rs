@@ -1,6 +1,6 @@
 //! From an automaton to a short regular expression.
 //!
-//! States are eliminated one after the other (Brzozowski and McCluskey, "Signal flow graph techniques for sequential circuit state
+//! States are eliminated one after the other (Brzozowski and `McCluskey`, "Signal flow graph techniques for sequential circuit state
 //! diagrams", 1963). The order decides how long the expression gets. Where there are few states, all orders are tried; else the state
 //! through which the least text would be copied goes first (Delgado and Morais, "Approximation to the smallest regular expression for a
 //! given regular language", 2004). What comes out is turned into an automaton again and compared.

@@ -212,7 +212,6 @@ pub(super) mod tests {
     pub const UP: usize = 2;
     pub const DOWN: usize = 3;
     pub const RELEASE: usize = 4;
-    pub const GRIP: usize = 5;
 
     pub fn rule(name: &str, kind: Kind) -> Rule {
         Rule {

@@ -1,7 +1,8 @@
 //! Rules as GR(1) safety over conditions that say when a skill is being called.
 //!
 //! A skill is *called* in the step in which its condition becomes true: in step 0 where it holds, later where it holds and did not hold in
-//! the step before. Each rule becomes a variable that holds what is known of the rule's automaton (nothing for a rule without memory), the
+//! the step before. A condition can also say when it begins anew: then what holds is a call even if it held before, as for operations, of
+//! which one may follow on itself. Each rule becomes a variable that holds what is known of the rule's automaton (nothing for a rule without memory), the
 //! formulas that define it step by step, and one formula that the rule is. A set of skills called in one step is one call: it is looked
 //! up in the automaton over sets that [`super::serial`] makes, so that every order of them has to be allowed.
 
@@ -14,6 +15,9 @@ use crate::gr1::{Domain, Expr, Formula, Owner, Side, Time, VarId, Variable};
 
 /// So many combinations of state and call a rule may have.
 const MOST_CASES: usize = 1 << 14;
+
+/// Behind the name of a formula about step 0.
+pub const AT_FIRST: &str = " at first";
 
 /// What one rule becomes.
 #[derive(Debug, Clone)]
@@ -28,8 +32,34 @@ pub struct Lowered {
     pub rule: Side,
 }
 
-/// Conditions for calls, by skill, over the variables that the formulas are to be about; none has next values.
-pub type Conditions<'a> = &'a [Expr];
+/// When a skill is called, over the variables that the formulas are to be about; none has next values.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Condition {
+    /// It is being called.
+    pub holds: Expr,
+    /// What holds in the next step is a call, whether or not it holds in this one.
+    pub anew: Expr,
+}
+
+impl Condition {
+    /// One that is a call where it becomes true, and nowhere else.
+    pub fn rising(holds: Expr) -> Self {
+        Self {
+            holds,
+            anew: Expr::FALSE,
+        }
+    }
+
+    /// The call, in the step after this one.
+    pub fn begins(&self) -> Expr {
+        let next = self.holds.substitute(&mut |v, _| Expr::Var(v, Time::Next));
+        let before = self.holds.clone().not().or(self.anew.clone());
+        next.and(before).simplify()
+    }
+}
+
+/// Conditions for calls, by skill.
+pub type Conditions<'a> = &'a [Condition];
 
 /// The rules of a level, those of the level itself among them: at the level reasonable one a skill that forbids its recall.
 pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
@@ -64,13 +94,10 @@ pub fn lower(
     let table = Cases::new(skills, &alphabet, &mut serial, &spoken)?;
     let states = serial.met();
     let at = (states > 1).then_some(variable);
-    let now = |skill: usize| when[skill].clone();
-    let rising = |skill: usize| {
-        let next = when[skill].substitute(&mut |v, _| Expr::Var(v, Time::Next));
-        next.and(when[skill].clone().not())
-    };
-    let formula = |expr: Expr| Formula {
-        name: format!("order {}", rule.name),
+    let now = |skill: usize| when[skill].holds.clone();
+    let rising = |skill: usize| when[skill].begins();
+    let formula = |expr: Expr, when: &str| Formula {
+        name: format!("order {}{when}", rule.name),
         requirement: rule.requirement.clone(),
         expr: expr.simplify(),
         span: rule.span,
@@ -99,7 +126,7 @@ pub fn lower(
     if let Some(at) = at {
         let first = table.next(0, &now);
         let first = Expr::now(at).equals(first);
-        lowered.definitions.initial.push(formula(first));
+        lowered.definitions.initial.push(formula(first, AT_FIRST));
         let mut later = table.next(states as Known - 1, &rising);
         for state in (0..states as Known - 1).rev() {
             let here = Expr::now(at).equals(Expr::Const(i64::from(state)));
@@ -107,11 +134,11 @@ pub fn lower(
             later = Expr::If(Box::new(here), Box::new(then), Box::new(later));
         }
         let later = Expr::next(at).equals(later);
-        lowered.definitions.safety.push(formula(later));
+        lowered.definitions.safety.push(formula(later, ""));
     }
     let first = table.allowed(0, &now);
     if first != Expr::TRUE {
-        lowered.rule.initial.push(formula(first));
+        lowered.rule.initial.push(formula(first, AT_FIRST));
     }
     let later = (0..states as Known).fold(Expr::TRUE, |all, state| {
         let allowed = table.allowed(state, &rising);
@@ -125,7 +152,7 @@ pub fn lower(
         }
     });
     if later != Expr::TRUE {
-        lowered.rule.safety.push(formula(later));
+        lowered.rule.safety.push(formula(later, ""));
     }
     Ok(lowered)
 }

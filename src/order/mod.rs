@@ -7,7 +7,7 @@
 //!
 //! # Meaning
 //!
-//! - A [`Call`] is one skill, or several at once. Two skills of one component are never called at once.
+//! - A [`supervisor::Call`] is one skill, or several at once. Two skills of one component are never called at once.
 //! - Every rule is an automaton over single skills that refuses at the first bad one: a safety automaton over prefixes, so that a monitor
 //!   can use it. Several rules together are the product of theirs.
 //! - Several skills called at once are allowed when every order of calling them one after the other is ([`Serialisation::Every`]); what is

@@ -12,7 +12,7 @@ pub enum Why {
     Rule(usize),
     /// The skill leads its component to where it is already, and recalls are forbidden.
     Recall,
-    /// These skills are never called at once.
+    /// Two of the skills are of one component, or more are called at once than the table has.
     Together,
     /// There is no such skill.
     Unknown,
@@ -59,9 +59,11 @@ impl Why {
         match self {
             Self::Rule(rule) => table.rules[rule].to_string(),
             Self::Recall => {
-                "a recall: the component is already where the skill leads it".to_owned()
+                "a recall: the component is where the skill leads it already".to_owned()
             }
-            Self::Together => "these skills are never called at once".to_owned(),
+            Self::Together => {
+                "two skills of one component, or more at once than this monitor knows".to_owned()
+            }
             Self::Unknown => "there is no such skill".to_owned(),
         }
     }

@@ -116,7 +116,7 @@ fn search(
     let singles = calls(supervisor.skills(), 1);
     let limit = MOST_ENTRIES / singles.len().max(1);
     let mut seen = BTreeSet::from([from.clone()]);
-    let mut found: Vec<(State, Option<(usize, Call)>)> = vec![(from.clone(), None)];
+    let mut found: Vec<Found<State>> = vec![(from.clone(), None)];
     let mut at = 0;
     while at < found.len() && found.len() < limit {
         let state = found[at].0.clone();
@@ -131,16 +131,19 @@ fn search(
             return Some(way);
         }
         for call in &singles {
-            if let Ok(Ok(after)) = supervisor.call(&state, *call) {
-                if seen.insert(after.clone()) {
-                    found.push((after, Some((at, *call))));
-                }
+            if let Ok(Ok(after)) = supervisor.call(&state, *call)
+                && seen.insert(after.clone())
+            {
+                found.push((after, Some((at, *call))));
             }
         }
         at += 1;
     }
     None
 }
+
+/// What was found, and by which call from where; nothing for the start.
+type Found<S> = (S, Option<(usize, Call)>);
 
 /// The shortest sequence of calls that one of two sets of rules allows and the other refuses.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -188,8 +191,8 @@ pub fn difference(
         }));
     }
     let mut numbers = BTreeMap::from([(start.clone(), 0_usize)]);
-    let mut found: Vec<((State, State), Option<(usize, Call)>)> = vec![(start, None)];
-    let way = |found: &[((State, State), Option<(usize, Call)>)], mut at: usize| {
+    let mut found: Vec<Found<(State, State)>> = vec![(start, None)];
+    let way = |found: &[Found<(State, State)>], mut at: usize| {
         let mut way = Vec::new();
         while let Some((before, call)) = found[at].1 {
             way.push(call);

@@ -23,22 +23,26 @@ impl Skills {
             match &mut rule.kind {
                 Kind::Never(events) => renumber(events, places),
                 Kind::After { from, until, never } => {
-                    [from, until, never]
-                        .into_iter()
-                        .for_each(|e| renumber(e, places));
+                    for events in [from, until, never] {
+                        renumber(events, places);
+                    }
                 }
                 Kind::Before { first, then } => {
-                    [first, then].into_iter().for_each(|e| renumber(e, places));
+                    for events in [first, then] {
+                        renumber(events, places);
+                    }
                 }
                 Kind::OnlyAfter { what, after } => {
-                    [what, after].into_iter().for_each(|e| renumber(e, places));
+                    for events in [what, after] {
+                        renumber(events, places);
+                    }
                 }
                 Kind::AtMost {
                     of, from, until, ..
                 } => {
-                    [of, from, until]
-                        .into_iter()
-                        .for_each(|e| renumber(e, places));
+                    for events in [of, from, until] {
+                        renumber(events, places);
+                    }
                 }
                 Kind::InARow(words) => {
                     for place in words.iter_mut().flatten() {
@@ -73,7 +77,9 @@ impl Regex {
                 skills.sort_unstable();
             }
             Self::Concat(parts) | Self::Either(parts) => {
-                parts.iter_mut().for_each(|p| p.renumber(places));
+                for part in parts {
+                    part.renumber(places);
+                }
             }
             Self::Repeat { of, .. } => of.renumber(places),
         }

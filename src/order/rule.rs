@@ -84,13 +84,11 @@ impl Alphabet {
     }
 
     fn letter(&self, event: &Event) -> usize {
-        match event.0.as_slice() {
-            [skill] => *skill,
-            _ => {
-                let place = self.at_once.binary_search(&mask(event));
-                self.skills + place.expect("an event of these rules; please report this")
-            }
+        if let [skill] = event.0.as_slice() {
+            return *skill;
         }
+        let place = self.at_once.binary_search(&mask(event));
+        self.skills + place.expect("an event of these rules; please report this")
     }
 
     /// For every letter, whether it is one of these events.

@@ -115,7 +115,7 @@ pub(super) fn recall(skills: &Skills, skill: usize) -> Option<Rule> {
     };
     Some(derived(
         format!("recall_{}", of.name),
-        format!("after {}{until}: never {}", names(&same), of.name),
+        &format!("after {}{until}: never {}", names(&same), of.name),
         Kind::After {
             from: events(&same),
             until: events(&other),
@@ -132,12 +132,12 @@ fn detour(skills: &Skills, word: &[usize]) -> Rule {
     let places = word.iter().map(|s| vec![Event(vec![*s])]).collect();
     derived(
         format!("detour_{}", names.join("_")),
-        format!("never {}", names.join(" then ")),
+        &format!("never {}", names.join(" then ")),
         Kind::InARow(vec![places]),
     )
 }
 
-fn derived(name: String, body: String, kind: Kind) -> Rule {
+fn derived(name: String, body: &str, kind: Kind) -> Rule {
     Rule {
         text: format!("order {name} at reasonable: {body}"),
         name,
@@ -260,9 +260,10 @@ fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Vec<bool>> {
                     continue;
                 }
                 let to = to as usize;
-                for i in 0..=situations.len() {
-                    if !reached[from][i] && (reached[to][i] || place[to] == Some(i)) {
-                        reached[from][i] = true;
+                let beyond = reached[to].clone();
+                for (i, (here, beyond)) in reached[from].iter_mut().zip(beyond).enumerate() {
+                    if !*here && (beyond || place[to] == Some(i)) {
+                        *here = true;
                         changed = true;
                     }
                 }

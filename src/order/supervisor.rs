@@ -2,7 +2,7 @@
 //!
 //! A [`Supervisor`] answers each call with the state after it or with why it is refused, in the sense of Ramadge and Wonham, "Supervisory
 //! control of a class of discrete event processes" (1987): it allows and forbids, and calls nothing itself. It works out states as they
-//! are asked for; [`super::automaton`] works out all of them.
+//! are asked for; [`super::fsm`] works out all of them.
 
 use super::dfa::{Dfa, REFUSED, TooLarge};
 use super::rule::{self, Alphabet, Automaton};
@@ -200,14 +200,12 @@ impl<'a> Supervisor<'a> {
         match &mut self.automata {
             Automata::Each(each) => {
                 for ((rule, serial), before) in each.iter_mut().zip(&state.known) {
-                    match serial.call(*before, &letters)? {
-                        Some(after) => known.push(after),
-                        None => {
-                            let order = serial.refusing(*before, &letters)?.unwrap_or_default();
-                            let order = without_events(order, self.skills);
-                            return Ok(Err(Refusal::Rule { rule: *rule, order }));
-                        }
-                    }
+                    let Some(after) = serial.call(*before, &letters)? else {
+                        let order = serial.refusing(*before, &letters)?.unwrap_or_default();
+                        let order = without_events(order, self.skills);
+                        return Ok(Err(Refusal::Rule { rule: *rule, order }));
+                    };
+                    known.push(after);
                 }
             }
             Automata::Together {
@@ -215,9 +213,8 @@ impl<'a> Supervisor<'a> {
                 parts,
                 states,
                 product,
-            } => match product.call(state.known[0], &letters)? {
-                Some(after) => known.push(after),
-                None => {
+            } => {
+                let Some(after) = product.call(state.known[0], &letters)? else {
                     let from = product.states(state.known[0])[0];
                     let (rule, order) = first_refusal(parts, &states[from as usize], &letters);
                     let order = without_events(order, self.skills);
@@ -225,8 +222,9 @@ impl<'a> Supervisor<'a> {
                         rule: rules[rule],
                         order,
                     }));
-                }
-            },
+                };
+                known.push(after);
+            }
         }
         let situation = self.moved(state, call);
         for &rule in &self.deleting {

@@ -135,7 +135,11 @@ impl Interpreter {
             let broken = first_broken(side, before.started, &before.values[c], &after.values[c]);
             broken.map_or(Ok(()), |f| Err(CallError::formula(component, f, party)))
         };
-        check(&specification.assumptions, Party::Plant, after)?;
+        check(
+            &specification.assumptions,
+            Party::of_assumptions(component),
+            after,
+        )?;
         let place = before.places[c];
         let (output, to) = match &self.controllers[c] {
             mealy::Controller::Machine(controller) => {

@@ -4,8 +4,9 @@
 //! from the same pieces.
 
 use super::{CallError, ErrorCode};
-use crate::contract::machine::{Component, Machine, PlantInput, PlantSource, RealExpr};
+use crate::contract::machine::{Component, Machine, PlantInput, PlantSource, RealExpr, Role};
 use crate::gr1::Formula;
+use crate::order::lower::AT_FIRST;
 
 /// A formula's text is cut to so many characters in a message.
 const LONGEST_TEXT: usize = 200;
@@ -17,18 +18,52 @@ pub enum Party {
     Plant,
     /// The machine: a guarantee.
     Machine,
+    /// Whoever calls skills, within the machine or from outside: an order.
+    Caller,
 }
 
-/// A rule's name, component first: `turn: gripped`.
+impl Party {
+    /// Who has to keep what a component assumes.
+    pub fn of_assumptions(component: &Component) -> Self {
+        match component.role {
+            Role::Watch => Self::Caller,
+            Role::Coordinator | Role::Action => Self::Plant,
+        }
+    }
+}
+
+/// A rule's name, component first: `turn: gripped`. An order is called the same in every step.
 pub fn rule(component: &Component, formula: &Formula) -> String {
-    format!("{}: {}", component.name, formula.name)
+    let name = match component.role {
+        Role::Watch => of_all_steps(&formula.name),
+        Role::Coordinator | Role::Action => &formula.name,
+    };
+    format!("{}: {name}", component.name)
 }
 
-/// ``turn: the plant broke the assumption `gripped`: command = turn -> grip``
+fn of_all_steps(name: &str) -> &str {
+    name.strip_suffix(AT_FIRST).unwrap_or(name)
+}
+
+/// ``turn: the plant broke the assumption `gripped`: command = turn -> grip``, or of an order
+/// ``PickAndPlace: the order `trays` is broken: after Down until Up: never Left, Right``
 pub fn broken(component: &Component, formula: &Formula, party: Party) -> String {
     let what = match party {
         Party::Plant => "the plant broke the assumption",
         Party::Machine => "the machine broke the guarantee",
+        Party::Caller => {
+            let name = of_all_steps(&formula.name);
+            let (what, called) = match name.strip_prefix("order ") {
+                Some(called) => ("the order ", called),
+                None => ("", name),
+            };
+            return format!(
+                "{}: {what}{} is broken: {}",
+                component.name,
+                named(called, formula.requirement.as_deref()),
+                cut(&formula.text)
+            );
+        }
     };
     format!("{}: {what} {}", component.name, cite(formula))
 }
@@ -49,9 +84,13 @@ fn cite(formula: &Formula) -> String {
 
 /// `` `gripped` (R-12)``
 fn name(formula: &Formula) -> String {
-    match &formula.requirement {
-        Some(requirement) => format!("`{}` ({requirement})", formula.name),
-        None => format!("`{}`", formula.name),
+    named(&formula.name, formula.requirement.as_deref())
+}
+
+fn named(name: &str, requirement: Option<&str>) -> String {
+    match requirement {
+        Some(requirement) => format!("`{name}` ({requirement})"),
+        None => format!("`{name}`"),
     }
 }
 
@@ -173,6 +212,7 @@ impl CallError {
             code: match party {
                 Party::Plant => ErrorCode::Assumption,
                 Party::Machine => ErrorCode::Guarantee,
+                Party::Caller => ErrorCode::Order,
             },
             rule: Some(rule(component, formula)),
             message: broken(component, formula, party),

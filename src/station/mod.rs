@@ -51,6 +51,8 @@ pub enum ErrorCode {
     Memory = -8,
     /// A fault of this program.
     Internal = -9,
+    /// A skill was called against an order, by the machine or by whoever calls it.
+    Order = -10,
 }
 
 /// An error that a controller answered with. The controller is as it was before the call, except after `Limit`, where it
@@ -60,7 +62,7 @@ pub enum ErrorCode {
 pub struct CallError {
     /// The code.
     pub code: ErrorCode,
-    /// The rule's name, component first, for `Assumption` and `Guarantee`: `turn: gripped`.
+    /// The rule's name, component first, for `Assumption`, `Guarantee` and `Order`: `turn: gripped`.
     pub rule: Option<String>,
     /// The whole text of `last_error`.
     pub message: String,
@@ -103,6 +105,7 @@ impl ErrorCode {
             Self::Limit,
             Self::Memory,
             Self::Internal,
+            Self::Order,
         ]
         .into_iter()
         .find(|code| *code as i32 == number)

@@ -4,6 +4,9 @@
 //! A tree is made from a list of numbers, each the answer to one choice, so that proptest shrinks trees by shrinking lists; once the
 //! list is at its end, every choice is the first one, which ends what is being made.
 
+#[path = "skills.rs"]
+mod skills;
+
 use linewright::source::Span;
 use linewright::syntax::ast::*;
 
@@ -374,7 +377,7 @@ impl<'n> Choices<'n> {
     }
 
     fn machine_item(&mut self) -> MachineItem {
-        match self.pick(15) {
+        match self.pick(16) {
             0 => MachineItem::Step(self.expr()),
             1 => MachineItem::IdlePower(self.expr()),
             2 => MachineItem::Power(self.expr()),
@@ -397,6 +400,7 @@ impl<'n> Choices<'n> {
                 value: self.expr(),
             },
             13 => MachineItem::Const(self.const_decl()),
+            14 => MachineItem::Skills(self.skill_calls()),
             _ => MachineItem::Type(self.type_decl()),
         }
     }
@@ -504,7 +508,7 @@ impl<'n> Choices<'n> {
     }
 
     fn item(&mut self) -> Item {
-        match self.pick(9) {
+        match self.pick(11) {
             0..=2 => Item::Contract(Contract {
                 header: self.header(),
                 moore: self.maybe(),
@@ -530,6 +534,7 @@ impl<'n> Choices<'n> {
             }
             6 => Item::Type(self.type_decl()),
             7 => Item::Const(self.const_decl()),
+            8 | 9 => Item::Skills(self.skill_set()),
             _ => Item::Define(self.define()),
         }
     }

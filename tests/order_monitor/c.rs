@@ -2,7 +2,8 @@
 
 use crate::random::Random;
 use crate::reference::some_call;
-use crate::tables::{pick_and_place, random};
+use crate::tables::random;
+use crate::unit::pick_and_place;
 use linewright::order::monitor::{Monitor, Verdict, Why};
 use linewright::order::table::Table;
 use linewright::station::emit::controller::Files;

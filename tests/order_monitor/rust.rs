@@ -2,7 +2,8 @@
 
 use crate::random::Random;
 use crate::reference::{Reference, some_call};
-use crate::tables::{pick_and_place, random};
+use crate::tables::random;
+use crate::unit::pick_and_place;
 use linewright::order::monitor::{Monitor, Refusal, Verdict, Why};
 use linewright::order::table::Table;
 
@@ -79,7 +80,7 @@ fn compare(table: &Table, steps: usize, seed: u64) {
                 Err(why) => Verdict::Refused(why),
             };
             assert_eq!(monitor.allows(call), wanted, "step {step}: {call:b}");
-            let made = if call.count_ones() == 1 && random.chance(50) {
+            let made = if call.is_power_of_two() && random.chance(50) {
                 monitor.call(call.trailing_zeros() as u8)
             } else {
                 monitor.call_at_once(call)

@@ -3,7 +3,8 @@
 use crate::document::text_of;
 use crate::interpreter::{Program, Variable};
 use crate::random::Random;
-use crate::tables::{pick_and_place, random};
+use crate::tables::random;
+use crate::unit::pick_and_place;
 use linewright::order::monitor::{Monitor, Verdict, Why};
 use linewright::order::table::Table;
 use linewright::station::monitor::structured_text::block;

@@ -4,6 +4,8 @@
 
 use crate::library::{as_functions, bundled, large, machines};
 use crate::support::{self, python_with};
+use crate::unit::pick_and_place;
+use linewright::station::monitor;
 use linewright::station::structured_text::{Block, block, block_of_tables};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -38,6 +40,7 @@ fn blocks() -> Vec<Block> {
             blocks.push(block(&as_functions(specification), specification));
         }
     }
+    blocks.push(monitor::structured_text::block(&pick_and_place(true)));
     blocks
 }
 
@@ -171,6 +174,8 @@ fn documents_are_valid_against_the_schema() {
         let document = block(&controlled.controller, &controlled.specification).to_plcopen();
         paths.push(write(format!("{}.xml", paths.len()), &document));
     }
+    let document = monitor::structured_text::block(&pick_and_place(true)).to_plcopen();
+    paths.push(write(format!("{}.xml", paths.len()), &document));
     assert!(paths.len() > 40, "{} documents", paths.len());
     validate(&paths).unwrap_or_else(|e| panic!("{e}"));
 

@@ -140,7 +140,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let skills = &chosen.skills;
     let kept = arguments.choice.options();
     let text = if arguments.by_component {
-        regions(skills, kept).and_then(|r| Ok(side_by_side(skills, kept, &r, emit)))
+        regions(skills, kept).map(|r| side_by_side(skills, kept, &r, emit))
     } else {
         Fsm::of(skills, kept, usize::from(arguments.at_once)).map(|f| flat(skills, kept, &f, emit))
     };
@@ -167,7 +167,7 @@ fn flat(skills: &Skills, options: Options, fsm: &Fsm, emit: Emit) -> String {
     match emit {
         Emit::Dot => dot::of(&skills.name, &graph(skills, fsm)),
         Emit::Svg => svg::of(&skills.name, &graph(skills, fsm)),
-        Emit::Json => json(Document {
+        Emit::Json => json(&Document {
             automaton: Some(automaton(skills, fsm)),
             ..document(skills, options)
         }),
@@ -179,7 +179,7 @@ fn side_by_side(skills: &Skills, options: Options, regions: &[Region], emit: Emi
     match emit {
         Emit::Dot => dot::of_regions(&skills.name, regions),
         Emit::Svg => svg::of_regions(&skills.name, regions),
-        Emit::Json => json(Document {
+        Emit::Json => json(&Document {
             regions: Some(regions.iter().map(region).collect()),
             ..document(skills, options)
         }),
@@ -187,8 +187,8 @@ fn side_by_side(skills: &Skills, options: Options, regions: &[Region], emit: Emi
     }
 }
 
-fn json(document: Document) -> String {
-    let text = serde_json::to_string_pretty(&document);
+fn json(document: &Document) -> String {
+    let text = serde_json::to_string_pretty(document);
     text.expect("a document of texts and numbers; please report this") + "\n"
 }
 

@@ -154,22 +154,18 @@ fn watch(
         if call.is_empty() {
             continue;
         }
-        let verdict = match names.get(call) {
-            Some(skill) => monitor.call(*skill),
-            None => match mask(call, &names) {
-                Some(mask) => monitor.call_at_once(mask),
-                None => {
-                    out.flush()?;
-                    let text = String::from_utf8_lossy(call);
-                    let wrong = program::call(&text, skills).err();
-                    let wrong =
-                        wrong.map_or_else(String::new, |w| format!("{}; {}", w.message, w.help));
-                    options
-                        .console()
-                        .remark(&format!("line {number}: {wrong}\n"))?;
-                    return Ok(ExitCode::CannotRun);
-                }
-            },
+        let verdict = if let Some(skill) = names.get(call) {
+            monitor.call(*skill)
+        } else if let Some(mask) = mask(call, &names) {
+            monitor.call_at_once(mask)
+        } else {
+            out.flush()?;
+            let text = String::from_utf8_lossy(call);
+            let wrong = program::call(&text, skills).err();
+            let wrong = wrong.map_or_else(String::new, |w| format!("{}; {}", w.message, w.help));
+            let said = format!("line {number}: {wrong}\n");
+            options.console().remark(&said)?;
+            return Ok(ExitCode::CannotRun);
         };
         let refused = !verdict.is_allowed();
         if refused {

@@ -191,13 +191,13 @@ struct Places<'l> {
 }
 
 impl<'l> Places<'l> {
-    /// Coordinators first, of all layers: they answer before anybody else.
+    /// Coordinators first, of all layers: they answer before anybody else. Those that watch come last, since they see all others.
     fn new(level: &'l Level, pieces: &'l [Piece<'l>]) -> Self {
         let all = pieces.iter().enumerate().flat_map(|(i, piece)| {
             let components = piece.components().iter().enumerate();
-            components.map(move |(k, c)| (c.role == Role::Action, i, k))
+            components.map(move |(k, c)| (c.role, i, k))
         });
-        let mut order: Vec<(bool, usize, usize)> = all.collect();
+        let mut order: Vec<(Role, usize, usize)> = all.collect();
         order.sort_unstable();
         let mut indices: Vec<Vec<usize>> = pieces
             .iter()

@@ -113,6 +113,7 @@ fn build<'a>(
     let (operations, performed) = operations(e, parts);
     jobs::check(e, parts, sources);
     declare_plant(e, parts);
+    orders::guarantee(e, parts, scope);
     let mut model = Machine {
         name: machine.header.name.text.clone(),
         doc: machine.header.doc.clone(),
@@ -168,6 +169,10 @@ fn build<'a>(
     model.refines = promises::refined(e, &mut wires, parts, scope, sources);
     model.orders = orders::orders(&mut wires, parts, scope);
     model.guarantees = promises::guarantees(&mut wires, parts, sources);
+    for watching in orders::watching(&mut wires, &model) {
+        orders::add(&mut model, watching);
+        parts.nested.push(None);
+    }
     e.tainted |= wires.tainted;
     e.findings.append(&mut wires.findings);
     let says_done = machine

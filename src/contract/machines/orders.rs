@@ -1,12 +1,21 @@
 //! The skills that a machine calls, and when: each set with one condition over wires a skill.
+//!
+//! The rules of a set stand in two places. Those about what one coordinator calls are guarantees of its contract, so that it is synthesized
+//! to keep them ([`guarantee`]). And all of them are assumptions of a component that does nothing but watch ([`watching`]): that they are
+//! kept is then proved like any other assumption, and checked by the library in every step.
 
 use super::Parts;
+use super::component::scope_of_wires;
 use crate::contract::elaborate::Elaborator;
-use crate::contract::machine::Orders;
+use crate::contract::machine::{Component, Machine, Orders, PlantSource, RealExpr, Role};
 use crate::contract::scope::Scope;
 use crate::contract::skills::{level, listed, near_or_all};
 use crate::diagnostics::{Diagnostic, codes};
-use crate::gr1::{Expr, Time};
+use crate::gr1::{
+    Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable, eval,
+};
+use crate::order::dfa::TooLarge;
+use crate::order::lower::{AT_FIRST, Condition, lower, rules_of};
 use crate::order::{Level, Skills};
 use crate::source::Span;
 use crate::syntax::ast::{self, MachineItem};
@@ -162,4 +171,301 @@ fn conditions(
     }
     let when: Option<Vec<Expr>> = bound.into_iter().map(|b| b?.1).collect();
     when
+}
+
+/// So many values of wires are tried to find out whether two skills can be called at once.
+const MOST_TRIED: u64 = 1 << 12;
+
+/// The rules about what one coordinator calls become guarantees of its contract. What is wrong is told later, by [`orders`].
+pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &Scope<'_>) {
+    let mut wires = scope_of_wires(e, parts);
+    let orders = orders(&mut wires, parts, scope);
+    if e.refused() || wires.refused() {
+        return;
+    }
+    let mut first = parts.plant.len();
+    for index in 0..parts.components.len() {
+        let (decl, specification) = &parts.components[index];
+        let outputs: Vec<VarId> = specification.outputs().collect();
+        let wire = first;
+        first += outputs.len();
+        if !decl.is_coordinator() {
+            continue;
+        }
+        let mut kept = Specification::clone(specification);
+        for orders in &orders {
+            // Over the coordinator's own variables; `None` for what others decide, too.
+            let own = |expr: &Expr| {
+                let mut all = true;
+                let over = expr.substitute(&mut |v, time| {
+                    let output = v.index().checked_sub(wire).and_then(|o| outputs.get(o));
+                    all &= output.is_some();
+                    Expr::Var(output.copied().unwrap_or(VarId(0)), time)
+                });
+                all.then_some(over)
+            };
+            let when = orders.when.iter();
+            let when: Vec<Option<Condition>> =
+                when.map(|w| own(w).map(Condition::rising)).collect();
+            // One that is too large is told where it watches.
+            let _ = add_rules(&mut kept, orders, &when, Party::Machine);
+        }
+        parts.components[index].1 = Arc::new(kept);
+    }
+}
+
+/// Whose business the rules are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Party {
+    /// They are guarantees.
+    Machine,
+    /// They are assumptions.
+    Plant,
+}
+
+/// Adds the rules, all of whose skills have a condition, to a specification. What defines their variables is guaranteed in any case.
+fn add_rules(
+    specification: &mut Specification,
+    orders: &Orders,
+    when: &[Option<Condition>],
+    party: Party,
+) -> Result<(), TooLarge> {
+    let never = || Condition::rising(Expr::FALSE);
+    let conditions: Vec<Condition> = { when.iter() }
+        .map(|w| w.clone().unwrap_or_else(never))
+        .collect();
+    for rule in rules_of(&orders.skills, orders.level) {
+        let variables = &specification.variables;
+        let id = VarId(variables.len() as u32);
+        let taken = |name: &str| variables.iter().any(|v| v.name == name);
+        let mut lowered = lower(&orders.skills, &rule, &conditions, id, taken)?;
+        if !lowered.speaks_of.iter().all(|s| when[*s].is_some()) {
+            continue;
+        }
+        specification.variables.extend(lowered.variable);
+        if party == Party::Machine {
+            // What no call of the first step could break need not be asked of it.
+            let broken = |f: &Formula| f.expr.clone().not();
+            lowered
+                .rule
+                .initial
+                .retain(|f| !is_never(&broken(f), specification));
+        }
+        extend(&mut specification.guarantees, lowered.definitions);
+        extend(side(specification, party), lowered.rule);
+    }
+    for pair in at_once(&orders.skills, when, specification) {
+        extend(side(specification, party), pair);
+    }
+    Ok(())
+}
+
+fn side(specification: &mut Specification, party: Party) -> &mut Side {
+    match party {
+        Party::Machine => &mut specification.guarantees,
+        Party::Plant => &mut specification.assumptions,
+    }
+}
+
+fn extend(side: &mut Side, more: Side) {
+    side.initial.extend(more.initial);
+    side.safety.extend(more.safety);
+}
+
+/// That two skills of one component are not called at once, where they could be.
+fn at_once(
+    skills: &Skills,
+    when: &[Option<Condition>],
+    specification: &Specification,
+) -> Vec<Side> {
+    let mut found = Vec::new();
+    for (b, second) in skills.skills.iter().enumerate() {
+        for (a, first) in skills.skills[..b].iter().enumerate() {
+            let (Some(x), Some(y)) = (&when[a], &when[b]) else {
+                continue;
+            };
+            let both = x.holds.clone().and(y.holds.clone()).simplify();
+            if first.component != second.component || is_never(&both, specification) {
+                continue;
+            }
+            let component = &skills.components[first.component];
+            let formula = |expr: Expr, when: &str| Formula {
+                name: format!("one skill of {} at a time{when}", component.name),
+                requirement: None,
+                expr: expr.simplify(),
+                span: component.span,
+                text: format!("never {} & {}", first.name, second.name),
+            };
+            let rising = x.begins().and(y.begins());
+            found.push(Side {
+                initial: vec![formula(both.not(), AT_FIRST)],
+                safety: vec![formula(rising.not(), "")],
+                ..Side::default()
+            });
+        }
+    }
+    found
+}
+
+/// Whether no values make it true, as far as they are few enough to be tried.
+fn is_never(expr: &Expr, specification: &Specification) -> bool {
+    let mut variables: Vec<VarId> = Vec::new();
+    expr.for_each_var(&mut |v, _| {
+        if !variables.contains(&v) {
+            variables.push(v);
+        }
+    });
+    let size = |v: &VarId| specification.variable(*v).domain.size();
+    let count = variables.iter().map(size).try_fold(1_u64, u64::checked_mul);
+    if count.is_none_or(|c| c > MOST_TRIED) {
+        return false;
+    }
+    let mut values = vec![0; specification.variables.len()];
+    for v in &variables {
+        values[v.index()] = specification.variable(*v).domain.low();
+    }
+    loop {
+        if eval::eval(expr, &values, &[]) != 0 {
+            return false;
+        }
+        let next = variables.iter().find(|v| {
+            let domain = &specification.variable(**v).domain;
+            let value = &mut values[v.index()];
+            *value = if *value == domain.high() {
+                domain.low()
+            } else {
+                *value + 1
+            };
+            *value != domain.low()
+        });
+        if next.is_none() {
+            return true;
+        }
+    }
+}
+
+/// The skills that are called by asking for an operation, and when one has ended: then the next one is a call of its own, also where it is
+/// the same again. `None` where no skill is called so.
+fn by_operation(model: &Machine, orders: &Orders) -> Option<(Expr, Vec<usize>)> {
+    let mut plant = model.plant.iter();
+    let operation = plant.position(|p| matches!(p.source, PlantSource::Operation))?;
+    let asks = |expr: &Expr| {
+        let mut asks = false;
+        expr.for_each_var(&mut |v, _| asks |= v.index() == operation);
+        asks
+    };
+    let skills: Vec<usize> = { 0..orders.when.len() }
+        .filter(|s| asks(&orders.when[*s]))
+        .collect();
+    let done = model.done.clone().filter(|_| !skills.is_empty())?;
+    Some((done, skills))
+}
+
+/// The input that says that the operation has ended, with a name that no skill has.
+fn ended_input(specification: &Specification, span: Span) -> Variable {
+    let mut name = "operation_ended".to_owned();
+    while specification.variables.iter().any(|v| v.name == name) {
+        name.push('_');
+    }
+    Variable {
+        name,
+        owner: Owner::Environment,
+        internal: false,
+        domain: Domain::Bool,
+        unit: String::new(),
+        span,
+    }
+}
+
+/// A component a set of skills, which watches that its orders are kept.
+pub(super) fn watching(wires: &mut Elaborator<'_>, model: &Machine) -> Vec<Component> {
+    let mut watching = Vec::new();
+    for orders in &model.orders {
+        let mut specification = Specification {
+            name: orders.skills.name.clone(),
+            timing: Timing::Mealy,
+            variables: Vec::new(),
+            assumptions: Side::default(),
+            guarantees: Side::default(),
+        };
+        for skill in &orders.skills.skills {
+            specification.variables.push(Variable {
+                name: skill.name.clone(),
+                owner: Owner::Environment,
+                internal: false,
+                domain: Domain::Bool,
+                unit: String::new(),
+                span: skill.span,
+            });
+        }
+        let mut bindings = orders.when.clone();
+        let inputs = 0..orders.skills.skills.len() as u32;
+        let mut when: Vec<Condition> = inputs
+            .map(|i| Condition::rising(Expr::now(VarId(i))))
+            .collect();
+        if let Some((ended, anew)) = by_operation(model, orders) {
+            let id = VarId(specification.variables.len() as u32);
+            specification
+                .variables
+                .push(ended_input(&specification, orders.span));
+            bindings.push(ended);
+            for skill in anew {
+                when[skill].anew = Expr::now(id);
+            }
+        }
+        let when: Vec<_> = when.into_iter().map(Some).collect();
+        if let Err(error) = add_rules(&mut specification, orders, &when, Party::Plant) {
+            wires.error_with(
+                codes::TOO_LARGE,
+                orders.span,
+                format!("the orders of `{}` are too large to be watched: {error}", orders.skills.name),
+                "fewer repetitions in a sequence, or several sets of fewer skills, make them smaller",
+            );
+            continue;
+        }
+        let mut name = orders.skills.name.clone();
+        while model.components.iter().any(|c| c.name == name) {
+            name.push('_');
+        }
+        watching.push(Component {
+            name,
+            contract: orders.skills.name.clone(),
+            role: Role::Watch,
+            specification: Arc::new(specification),
+            bindings,
+            active: None,
+            time: None,
+            watts: RealExpr::Number(0.0),
+            span: orders.span,
+        });
+    }
+    watching
+}
+
+/// Adds a component behind all others. The variables of the machine's own monitors stand behind the wires, and move on.
+pub(super) fn add(model: &mut Machine, component: Component) {
+    let before = model.wire_count();
+    let more = component.specification.outputs().count();
+    let moved = |formulas: &mut Vec<Formula>| {
+        for formula in formulas {
+            formula.expr = formula.expr.substitute(&mut |v, time| {
+                let behind = if v.index() < before { 0 } else { more };
+                Expr::Var(VarId((v.index() + behind) as u32), time)
+            });
+        }
+    };
+    for side in [
+        &mut model.guarantees.side,
+        &mut model.guarantees.definitions,
+    ] {
+        for formulas in [
+            &mut side.initial,
+            &mut side.invariants,
+            &mut side.safety,
+            &mut side.justice,
+        ] {
+            moved(formulas);
+        }
+    }
+    model.components.push(component);
 }

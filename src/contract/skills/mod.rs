@@ -14,8 +14,10 @@ use crate::syntax::ast::{self, SkillItem};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// So many names are listed in one message.
+/// So many names are listed in one message, ...
 const MOST_LISTED: usize = 12;
+/// ... and so many are compared with one that is unknown.
+const MOST_COMPARED: usize = 4 * MOST_SKILLS;
 
 struct Resolver<'a> {
     set: &'a ast::SkillSet,
@@ -95,13 +97,10 @@ impl<'a> Resolver<'a> {
                 self.findings.push(double(label, first));
             }
         }
-        let initial = match &decl.initial {
-            Some(initial) => self.situation_of(decl, initial),
-            None => {
-                self.no_initial(decl);
-                None
-            }
-        };
+        if decl.initial.is_none() {
+            self.no_initial(decl);
+        }
+        let initial = { decl.initial.as_ref() }.and_then(|i| self.situation_of(decl, i));
         self.components.push(Component {
             name: decl.name.text.clone(),
             doc: decl.doc.clone(),
@@ -262,7 +261,7 @@ pub(super) fn near_or_all<'n>(
     known: impl Iterator<Item = &'n str> + Clone,
     they_are: &str,
 ) -> String {
-    match nearest(name, known.clone()) {
+    match nearest(name, known.clone().take(MOST_COMPARED)) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("{they_are} {}", listed(known)),
     }

@@ -43,7 +43,11 @@ impl Resolver<'_> {
                 level,
                 kind,
                 deletions,
-                span: order.span,
+                // Without what a published model deletes for it.
+                span: Span {
+                    end: order.body.end,
+                    ..order.span
+                },
                 text: one_line(self.sources.text(order.body)),
             });
         }
@@ -237,9 +241,10 @@ impl Resolver<'_> {
             let known: Vec<&str> = { component.situations.iter() }
                 .map(String::as_str)
                 .collect();
-            let help = match known.is_empty() {
-                true => format!("`{}` is always in the same one: leave it out", name.text),
-                false => near_or_all(&label.text, known.into_iter(), "its situations are"),
+            let help = if known.is_empty() {
+                format!("`{}` is always in the same one: leave it out", name.text)
+            } else {
+                near_or_all(&label.text, known.into_iter(), "its situations are")
             };
             let message = format!("`{}` has no situation `{}`", name.text, label.text);
             self.error(codes::NAME_UNKNOWN, label.span, message, help);

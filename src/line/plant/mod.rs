@@ -524,6 +524,7 @@ impl<'a> Run<'a> {
                 ErrorCode::Assumption
                 | ErrorCode::Guarantee
                 | ErrorCode::Limit
+                | ErrorCode::Order
                 | ErrorCode::Domain => codes::LINE_VIOLATION,
                 _ => codes::LIBRARY_CALL,
             };
@@ -551,7 +552,11 @@ impl<'a> Run<'a> {
             self.violation_kinds.insert(kind, (self.findings.len(), 1));
             self.findings.push(
                 Diagnostic::error(code, self.line.nodes[node].span, message).with_help(
-                    "Compare what the rule asks for with the part's properties and the machine's bindings.",
+                    if error.code == ErrorCode::Order {
+                        "Let the station's operations come in an order that the rule allows, or mend what calls the skills: `linewright order complete` says what may come next."
+                    } else {
+                        "Compare what the rule asks for with the part's properties and the machine's bindings."
+                    },
                 ),
             );
         }

@@ -6,7 +6,7 @@ use super::splits::{Decisions, Way};
 use super::text::{comment, identifier, string, wrap};
 use super::walks::{Place, Walks};
 use super::{Names, table};
-use crate::contract::machine::{ActionTime, Component, Machine, RealExpr};
+use crate::contract::machine::{ActionTime, Component, Machine, RealExpr, Role};
 use crate::gr1::interval::{Interval, interval};
 use crate::gr1::{Domain, Expr, Formula, Side, Time, Timing, VarId, shown};
 use crate::mealy;
@@ -137,7 +137,8 @@ impl Emitter<'_> {
             mealy::Controller::Functions(functions) => self.functions(&mut out, functions),
         }
         self.bindings(&mut out);
-        self.side(&mut out, &k.specification.assumptions, Party::Plant);
+        let party = Party::of_assumptions(k);
+        self.side(&mut out, &k.specification.assumptions, party);
         self.side(&mut out, &k.specification.guarantees, Party::Machine);
         self.justice(&mut out);
         self.action(&mut out);
@@ -190,9 +191,10 @@ impl Emitter<'_> {
             }
         };
         format!(
-            "    {{ {}, {}, {}, {}, {},\n        {p}_input, {p}_output, {controller}, {p}_bind,\n        {},\n        {},\n        {}, {}, {}, {time}, {}, {} }},\n",
+            "    {{ {}, {}, {}, {}, {}, {},\n        {p}_input, {p}_output, {controller}, {p}_bind,\n        {},\n        {},\n        {}, {}, {}, {time}, {}, {} }},\n",
             string(&k.name),
             u8::from(specification.timing == Timing::Moore),
+            u8::from(k.role == Role::Watch),
             self.first_value,
             self.open_inputs().len(),
             specification.outputs().count(),
@@ -445,6 +447,7 @@ impl Emitter<'_> {
     fn side(&self, out: &mut String, side: &Side, party: Party) {
         let (word, title) = match party {
             Party::Plant => ("assumes", "What it assumes"),
+            Party::Caller => ("assumes", "The orders that it watches over"),
             Party::Machine => ("guarantees", "What it guarantees"),
         };
         let lists = [

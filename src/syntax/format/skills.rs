@@ -107,7 +107,7 @@ impl Printer<'_> {
                 self.words_and_events(&[("after ", from), (": never ", never)]);
             }
             OrderRule::After { from, until, never } => {
-                self.words_and_events(&[("after ", from), (" until ", until), (": never ", never)])
+                self.words_and_events(&[("after ", from), (" until ", until), (": never ", never)]);
             }
             OrderRule::Before { first, then } => {
                 self.words_and_events(&[("", first), (" before ", then)]);

@@ -32,7 +32,7 @@ static void alone(int thread)
 static void plausible(int32_t code, const char *what)
 {
     if (code > LW_OK || code == LW_ERROR_HANDLE || code == LW_ERROR_GUARANTEE || code == LW_ERROR_MEMORY ||
-        code == LW_ERROR_INTERNAL || code < LW_ERROR_INTERNAL) {
+        code == LW_ERROR_INTERNAL || code < LW_ERROR_ORDER) {
         fail("%s on an instance that several threads share: saw code %d", what, (int)code);
     }
 }

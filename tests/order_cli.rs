@@ -1,0 +1,300 @@
+//! Skill orders on the command line: documents, exit codes, the forms of programs, what is emitted. The READMEs show the rest.
+
+mod support;
+
+use serde_json::Value;
+use std::fs;
+use std::io::Write as _;
+use std::process::{Command, Output, Stdio};
+use support::linewright;
+
+const UNIT: &str = "examples/pick-and-place/unit.lw";
+
+fn at_root(arguments: &[&str]) -> Output {
+    linewright(support::root(), arguments)
+}
+
+fn document(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout)
+        .unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The document of `order check` on a program with this name and text.
+fn checked(name: &str, program: &str, more: &[&str]) -> (Value, Output) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    fs::write(&path, program).expect("a program");
+    let path = path.to_string_lossy();
+    let all = ["order", "check", &path, "--rules", UNIT, "--format", "json"];
+    let output = at_root(&[&all[..], more].concat());
+    (document(&output), output)
+}
+
+#[test]
+fn a_violation_has_its_step_its_rule_and_the_way_out() {
+    let (document, output) = checked("p.txt", "Right\nDown\n\n# still down\nLeft\n", &[]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(document["schema"], "linewright/order-check/1");
+    let program = &document["programs"][0];
+    assert_eq!(program["verdict"], "refused");
+    assert_eq!(program["calls"], 3);
+    let violation = &program["violation"];
+    assert_eq!(violation["step"], 3);
+    assert_eq!(violation["rule"], "trays");
+    assert_eq!(violation["detour"], serde_json::json!([["Up"]]));
+    assert_eq!(program["findings"][0]["code"], "LW317");
+    assert_eq!(program["findings"][0]["span"]["line"], 5);
+}
+
+/// All of these are the program `Right & Grip`, `Down`.
+#[test]
+fn a_program_is_text_or_a_table() {
+    for (name, program) in [
+        ("p.txt", "Right & Grip // at once\nDown\n"),
+        ("p.txt", "\u{feff}Right&Grip\r\nDown\r\n"),
+        ("p.csv", "Right,Grip\nDown,\n"),
+        ("p.csv", "skill;comment\nRight & Grip;both\nDown;then\n"),
+        ("p.csv", "step,skill\n1,Right\n1,Grip\n\n2,Down\n"),
+        (
+            "p.CSV",
+            "Step\tCalls\r\n10\tRight\r\n10\tGrip\r\n20\tDown\r\n",
+        ),
+    ] {
+        let (document, output) = checked(name, program, &[]);
+        assert_eq!(output.status.code(), Some(0), "{program}: {document}");
+        assert_eq!(document["programs"][0]["calls"], 2, "{program}");
+        assert_eq!(document["programs"][0]["verdict"], "accepted");
+    }
+}
+
+#[test]
+fn all_that_cannot_be_read_is_told_at_once() {
+    let (document, output) = checked("p.txt", "Rigth\nDown Grip\nUp & Up\nLeft &\nUp\n", &[]);
+    assert_eq!(output.status.code(), Some(2));
+    let program = &document["programs"][0];
+    assert_eq!(program["verdict"], "invalid");
+    let findings = program["findings"].as_array().expect("findings");
+    let told: Vec<String> = findings
+        .iter()
+        .map(|f| {
+            let place = &f["span"];
+            format!(
+                "{}:{} {} ({})",
+                place["line"], place["column"], f["message"], f["help"]
+            )
+        })
+        .collect();
+    insta::assert_snapshot!(told.join("\n"));
+    let (document, output) = checked("p.csv", "skill\nRigth\nUp\n", &[]);
+    assert_ne!(output.status.code(), Some(0));
+    assert_eq!(document["programs"][0]["findings"][0]["span"]["line"], 2);
+}
+
+#[test]
+fn rules_are_chosen_by_name_and_level() {
+    let program = "Down\nRight\n";
+    let codes = [
+        (vec![], 1),
+        (vec!["--rule", "transport"], 0),
+        (vec!["--no-rule", "trays"], 0),
+        (vec!["--level", "arbitrary"], 0),
+        (vec!["--level", "reasonable", "--rule", "transport"], 0),
+    ];
+    for (more, code) in codes {
+        let (_, output) = checked("p.txt", program, &more);
+        assert_eq!(output.status.code(), Some(code), "{more:?}");
+    }
+    let output = at_root(&["order", "fsm", UNIT, "--rule", "tray"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        error(&output).contains("did you mean `trays`?"),
+        "{}",
+        error(&output)
+    );
+}
+
+#[test]
+fn one_order_is_enough_where_that_is_asked_for() {
+    let program = "Right & Down\n";
+    let (_, every) = checked("p.txt", program, &[]);
+    let (_, some) = checked("p.txt", program, &["--some-order"]);
+    assert_eq!(
+        (every.status.code(), some.status.code()),
+        (Some(1), Some(0))
+    );
+}
+
+fn transitions(more: &[&str]) -> (usize, usize) {
+    let all = ["order", "fsm", UNIT, "--format", "json"];
+    let document = document(&at_root(&[&all[..], more].concat()));
+    let count = |of: &str| document["automaton"][of].as_array().map_or(0, Vec::len);
+    (count("states"), count("transitions"))
+}
+
+/// The figures of the paper, and those with every order.
+#[test]
+fn the_papers_figures() {
+    let rules: [&[&str]; 4] = [
+        &["--level", "arbitrary"],
+        &["--rule", "trays"],
+        &["--rule", "transport"],
+        &[],
+    ];
+    let of = |more: &[&str]| rules.map(|r| transitions(&[r, more].concat()));
+    assert_eq!(of(&[]), [(8, 64), (8, 40), (8, 52), (8, 32)]);
+    assert_eq!(of(&["--paper"]), [(8, 64), (8, 48), (8, 52), (8, 38)]);
+}
+
+#[test]
+fn an_automaton_is_written_in_every_form() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (form, start) in [
+        ("table", "PickAndPlace"),
+        ("json", "{"),
+        ("dot", "digraph"),
+        ("svg", "<svg"),
+    ] {
+        for more in [&[][..], &["--by-component"]] {
+            let path = folder.path().join(format!("{form}{}", more.len()));
+            let out = path.to_string_lossy();
+            let all = ["order", "fsm", UNIT, "--emit", form, "--out", &out];
+            let output = at_root(&[&all[..], more].concat());
+            assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+            let text = fs::read_to_string(&path).expect("it was written");
+            assert!(text.starts_with(start) || form == "table", "{form}: {text}");
+        }
+    }
+}
+
+/// What the program answers line by line to this input.
+fn monitored(input: &str, more: &[&str]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_linewright"))
+        .current_dir(support::root())
+        .args(["order", "monitor", UNIT])
+        .args(more)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let mut stdin = child.stdin.take().expect("a pipe");
+    // It may have ended at an unknown skill already.
+    let _ = stdin.write_all(input.as_bytes());
+    drop(stdin);
+    child.wait_with_output().expect("it ends")
+}
+
+#[test]
+fn a_monitor_answers_each_line_and_refuses_without_losing_its_place() {
+    let output = monitored("Down\nLeft # too early\nUp\nLeft & Grip\n", &[]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(
+        text(&output),
+        "Down: ok\nLeft: refused, trays: after Down until Up: never Left, Right\nUp: ok\nLeft & Grip: ok\n"
+    );
+    let output = monitored("Down\nLeft\nUp\n", &["--stop", "--format", "json"]);
+    let lines: Vec<String> = text(&output).lines().map(str::to_owned).collect();
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    let last: Value = serde_json::from_str(&lines[1]).expect("JSON");
+    assert_eq!(
+        (&last["line"], &last["allowed"]),
+        (&Value::from(2), &Value::from(false))
+    );
+    let output = monitored("Down\nDwon\nUp\n", &[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(text(&output), "Down: ok\n");
+    assert!(
+        error(&output).contains("did you mean `Down`?"),
+        "{}",
+        error(&output)
+    );
+}
+
+/// Whoever sends a call and waits gets the answer, although more is to come.
+#[test]
+fn an_answer_does_not_wait_for_the_next_call() {
+    use std::io::{BufRead as _, BufReader};
+    let mut child = Command::new(env!("CARGO_BIN_EXE_linewright"))
+        .current_dir(support::root())
+        .args(["order", "monitor", UNIT])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let mut stdin = child.stdin.take().expect("a pipe");
+    let mut answers = BufReader::new(child.stdout.take().expect("a pipe")).lines();
+    for call in ["Down", "Grip", "Up"] {
+        writeln!(stdin, "{call}").expect("it listens");
+        let answer = answers.next().expect("an answer").expect("text");
+        assert_eq!(answer, format!("{call}: ok"));
+    }
+    drop(stdin);
+    assert!(child.wait().expect("it ends").success());
+}
+
+#[test]
+fn differences_have_exit_codes() {
+    let diff = |more: &[&str]| {
+        let all = ["order", "diff", UNIT, UNIT, "--format", "json"];
+        at_root(&[&all[..], more].concat())
+    };
+    let same = diff(&["--at-once", "3"]);
+    assert_eq!(same.status.code(), Some(0));
+    assert_eq!(document(&same)["equal"], true);
+    let levels = diff(&["--other-level", "reasonable"]);
+    assert_eq!(levels.status.code(), Some(1));
+    let found = document(&levels);
+    assert_eq!(found["calls"], serde_json::json!([["Left"]]));
+    assert_eq!(found["allowed_by"], "first");
+    let other = at_root(&["order", "diff", UNIT, "examples/ice-lab/line.lw"]);
+    assert_eq!(other.status.code(), Some(2));
+}
+
+#[test]
+fn the_strongest_level_still_takes_the_intended_program() {
+    let output = at_root(&[
+        "order",
+        "strongest",
+        UNIT,
+        "--longest",
+        "3",
+        "--format",
+        "json",
+    ]);
+    assert_eq!(output.status.code(), Some(0));
+    let found = document(&output);
+    let kept: Vec<String> = { found["candidates"].as_array().expect("a list").iter() }
+        .filter(|c| c["verdict"] == "kept")
+        .map(|c| format!("    {}\n", c["text"].as_str().expect("a text")))
+        .collect();
+    assert!(kept.len() > 6, "{kept:?}");
+    // The rules go into the file as they are printed.
+    let folder = tempfile::tempdir().expect("a folder");
+    let unit = fs::read_to_string(support::root().join(UNIT)).expect("the unit");
+    let at = unit.find("    /// Do not hit").expect("the rules");
+    let stronger = format!("{}{}{}", &unit[..at], kept.concat(), &unit[at..]);
+    let path = folder.path().join("unit.lw");
+    fs::write(&path, stronger).expect("a file");
+    let rules = path.to_string_lossy();
+    for level in ["arbitrary", "valid", "reasonable"] {
+        let program = "examples/pick-and-place/intended.txt";
+        let output = at_root(&[
+            "order", "check", program, "--rules", &rules, "--level", level,
+        ]);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{level}: {}{}",
+            text(&output),
+            error(&output)
+        );
+    }
+}
