@@ -184,21 +184,22 @@ pub enum Kind {
         /// What must not be called meanwhile.
         never: Vec<Event>,
     },
-    /// `X before Y`: no `Y` until there has been an `X`.
+    /// `X before Y`: no `Y` until there has been an `X`. What is in both lists waits for nothing.
     Before {
         /// What has to come first.
         first: Vec<Event>,
         /// What waits for it.
         then: Vec<Event>,
     },
-    /// `X only after Y`: every `X` needs a `Y` of its own, since the last `X`.
+    /// `X only after Y`: every `X` needs a `Y` of its own, since the last `X`. An `X` that stands at the start has used up none.
     OnlyAfter {
         /// What needs it.
         what: Vec<Event>,
         /// What is needed.
         after: Vec<Event>,
     },
-    /// `at most N of X between Y and Z`: from a `Y` to the next `Z` there are at most so many.
+    /// `at most N of X between Y and Z`: from a `Y` to the next `Z` there are at most so many. The call that ends this is still counted, the
+    /// one that begins it is not.
     AtMost {
         /// How many.
         count: u32,
