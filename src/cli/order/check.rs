@@ -18,7 +18,9 @@ use std::fmt::Write as _;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
     linewright order check examples/pick-and-place/intended.txt
-    linewright order check examples/pick-and-place/crash.csv --rules examples/pick-and-place/unit.lw --level reasonable
+    linewright order check examples/pick-and-place/intended.txt --rules examples/pick-and-place/unit.lw --level reasonable
+
+    $ linewright order check examples/pick-and-place/crash.csv
 
 A program has a call a line: a skill, or `Left & Down` for skills that are called at once. In a .csv file the \
 skills of a line stand in its cells, or in a column `skill`. What follows # is a comment.")]

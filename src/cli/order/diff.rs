@@ -17,9 +17,11 @@ use serde::Serialize;
 /// The arguments of `order diff`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-    linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/printed/grammars.lw::ValidBoth
-    linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --level valid --other-level reasonable
-    linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --paper --at-once 2
+    linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/printed/grammars.lw::ValidFirst --rule trays
+
+    $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/printed/grammars.lw::ValidBoth
+    $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --level valid --other-level reasonable
+    $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --paper --at-once 2
 
 The two need the same skills; components and situations may differ. What is said of rules holds for A; B has the level of A \
 where nothing else is said, and all its rules. Exit code 0 where they allow the same calls, 1 where they do not.")]

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// The arguments of `order monitor`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-    linewright order monitor examples/pick-and-place/unit.lw < examples/pick-and-place/crash.txt
+    linewright order monitor examples/pick-and-place/unit.lw < examples/pick-and-place/intended.txt
     linewright order monitor examples/pick-and-place/unit.lw --emit c --out monitor
 
 Every line of standard input is a call: a skill, or `Left & Down` for skills that are called at once. Each is answered at once, in a \
