@@ -10,10 +10,14 @@ use super::supervisor::{Call, Options, Supervisor};
 use super::{Kind, Level, Skills};
 use crate::diagnostics::{Diagnostic, codes};
 
-/// What is wrong with the rules of these skills, at the level valid and then, where there is more, at the level reasonable.
+/// What is wrong with the rules of these skills, at the level valid and then, where a rule is kept there only, at the level reasonable.
 pub fn examine(skills: &Skills) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
-    for level in [Level::Valid, Level::Reasonable] {
+    let mut levels: Vec<Level> = skills.rules.iter().map(|r| r.level).collect();
+    levels.push(Level::Valid);
+    levels.sort_unstable();
+    levels.dedup();
+    for level in levels {
         let mut found = match at_level(skills, level) {
             Ok(found) => found,
             Err(error) => vec![too_large(skills, &error)],
@@ -40,8 +44,15 @@ fn too_large(skills: &Skills, error: &TooLarge) -> Diagnostic {
 }
 
 fn at_level(skills: &Skills, level: Level) -> Result<Vec<Diagnostic>, TooLarge> {
+    // What an event of several skills waits for is called at once.
+    let mut at_once = 1;
+    for rule in &skills.rules {
+        rule.kind
+            .for_each_event(&mut |e| at_once = e.0.len().max(at_once));
+    }
     let examined = Examined {
         skills,
+        at_once,
         options: Options {
             level,
             ..Options::default()
@@ -70,6 +81,8 @@ fn at_level(skills: &Skills, level: Level) -> Result<Vec<Diagnostic>, TooLarge> 
 
 struct Examined<'a> {
     skills: &'a Skills,
+    /// So many skills are called at once.
+    at_once: usize,
     options: Options,
 }
 
@@ -79,7 +92,7 @@ impl Examined<'_> {
     }
 
     fn fsm(&self, rules: &[usize]) -> Result<Fsm, TooLarge> {
-        Fsm::of(&self.only(rules), self.options, 1)
+        Fsm::of(&self.only(rules), self.options, self.at_once)
     }
 
     /// The rules without which the fault would not be there.
@@ -112,7 +125,7 @@ impl Examined<'_> {
                 Err(_) => return Ok(false),
             }
         }
-        Ok(program::allowed(&mut supervisor, &state, 1)?.is_empty())
+        Ok(program::allowed(&mut supervisor, &state, self.at_once)?.is_empty())
     }
 
     /// Nothing may be called at all.
@@ -169,13 +182,15 @@ impl Examined<'_> {
 
     /// Skills that no program ever calls, though no rule says `never` of them.
     fn never_called(&self, fsm: &Fsm, all: &[usize]) -> Result<Vec<Diagnostic>, TooLarge> {
-        let states = 0..fsm.states.len() as u32;
         let is_called = |fsm: &Fsm, skill: usize| {
-            { 0..fsm.states.len() as u32 }.any(|s| fsm.dfa.next(s, skill) != REFUSED)
+            let columns = fsm.calls.iter().enumerate();
+            let mut columns = columns.filter(|(_, call)| call.0 >> skill & 1 == 1);
+            let states = 0..fsm.states.len() as u32;
+            columns.any(|(c, _)| { states.clone() }.any(|s| fsm.dfa.next(s, c) != REFUSED))
         };
         let mut findings: Vec<Diagnostic> = Vec::new();
         for skill in 0..self.skills.skills.len() {
-            if states.clone().any(|s| fsm.dfa.next(s, skill) != REFUSED) {
+            if is_called(fsm, skill) {
                 continue;
             }
             let core = Self::core(all, |rules| Ok(!is_called(&self.fsm(rules)?, skill)))?;

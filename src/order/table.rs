@@ -48,7 +48,7 @@ pub struct Cited {
 }
 
 impl Table {
-    /// The table of an automaton that a supervisor was explored for.
+    /// The table of an automaton, by the supervisor that it was explored for.
     ///
     /// # Errors
     /// When one rule speaks of too many of the skills of one call.

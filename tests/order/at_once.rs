@@ -207,10 +207,11 @@ fn what_has_been_called_last_at_the_start_is_not_known() {
     agree([after(any(&[LEFT, UP]), any(&[UP]), any(&[GRIP]))]);
     agree([after(any(&[UP]), any(&[UP]), any(&[GRIP]))]);
     agree([at_most(0, any(&[GRIP]), any(&[LEFT]), any(&[UP, LEFT]))]);
-    // One of the two has been called last.
+    // One of the two has been called later than the other, whatever was called last.
     agree([
         after(any(&[LEFT]), any(&[UP]), any(&[GRIP])),
         after(any(&[UP]), any(&[LEFT]), any(&[GRIP])),
+        after(any(&[RELEASE]), Vec::new(), any(&[RIGHT])),
     ]);
 }
 
