@@ -459,7 +459,7 @@ fn many_orders_are_not_deep() {
 
 /// What is wrong with a set is wrong with the machines that call its skills, and with nothing else of the file.
 #[test]
-fn check_lists_no_set_and_blames_nobody_else() {
+fn check_lists_a_set_and_blames_nobody_else() {
     let folder = tempfile::tempdir().expect("a folder");
     let check = |text: &str| {
         std::fs::write(folder.path().join("a.lw"), text).expect("a file");
@@ -478,6 +478,7 @@ fn check_lists_no_set_and_blames_nobody_else() {
         (Some(0), &serde_json::json!([]))
     );
     assert_eq!(document["summary"]["findings"], 0);
+    assert_eq!(document["skills"][0]["verdict"], "consistent");
 
     let wrong = set
         .replace("}}}", "}")
@@ -489,6 +490,9 @@ fn check_lists_no_set_and_blames_nobody_else() {
     assert_eq!(code, Some(1));
     assert_eq!(document["contracts"][0]["verdict"], "realizable");
     assert_eq!(document["machines"][0]["verdict"], "invalid");
-    assert_eq!(document["findings"][0]["code"], "LW101");
-    assert_eq!(document["findings"].as_array().map(Vec::len), Some(1));
+    assert_eq!(document["skills"][0]["verdict"], "invalid");
+    let findings = &document["skills"][0]["findings"];
+    assert_eq!(findings[0]["code"], "LW101");
+    assert_eq!(findings.as_array().map(Vec::len), Some(1));
+    assert_eq!(document["findings"], serde_json::json!([]));
 }
