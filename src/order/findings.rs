@@ -10,6 +10,9 @@ use super::supervisor::{Call, Options, Supervisor};
 use super::{Kind, Level, Skills};
 use crate::diagnostics::{Diagnostic, codes};
 
+/// Rules whose automaton has more entries are not examined: fewer are found in a moment, also many times over.
+const MOST_EXAMINED: usize = 1 << 16;
+
 /// What is wrong with the rules of these skills, at the level valid and then, where a rule is kept there only, at the level reasonable.
 pub fn examine(skills: &Skills) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
@@ -92,7 +95,10 @@ impl Examined<'_> {
     }
 
     fn fsm(&self, rules: &[usize]) -> Result<Fsm, TooLarge> {
-        Fsm::of(&self.only(rules), self.options, self.at_once)
+        let skills = self.only(rules);
+        let mut supervisor = Supervisor::new(&skills, self.options)?;
+        let calls = calls(&skills, self.at_once);
+        Fsm::explore_within(&mut supervisor, calls, MOST_EXAMINED)
     }
 
     /// The rules without which the fault would not be there.
@@ -274,6 +280,8 @@ impl Examined<'_> {
             }
             let mut others = all.to_vec();
             others.remove(at);
+            // It is small enough to be compared, too.
+            self.fsm(&others)?;
             let (with, without) = (self.only(all), self.only(&others));
             let calls = calls(self.skills, 2);
             let whole = Apart {

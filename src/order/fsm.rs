@@ -81,7 +81,19 @@ impl Fsm {
     /// # Errors
     /// When the table would have more than [`MOST_ENTRIES`] entries.
     pub fn explore(supervisor: &mut Supervisor<'_>, calls: Vec<Call>) -> Result<Self, TooLarge> {
-        let limit = MOST_ENTRIES / calls.len().max(1);
+        Self::explore_within(supervisor, calls, MOST_ENTRIES)
+    }
+
+    /// The same with a limit of its own.
+    ///
+    /// # Errors
+    /// When the table would have more than so many entries.
+    pub fn explore_within(
+        supervisor: &mut Supervisor<'_>,
+        calls: Vec<Call>,
+        entries: usize,
+    ) -> Result<Self, TooLarge> {
+        let limit = entries / calls.len().max(1);
         let start = supervisor.start();
         let mut too_large = None;
         // What is complete is asked afterwards: exploring needs the supervisor for itself.
