@@ -75,9 +75,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
 }
 
 fn table(chosen: &Chosen, arguments: &Arguments) -> Result<Table, TooLarge> {
-    let skills = &chosen.skills;
-    let mut supervisor = Supervisor::new(skills, arguments.choice.options())?;
-    let calls = calls(skills, usize::from(arguments.at_once));
+    // A monitor names the rules that it keeps, and no others.
+    let level = arguments.choice.level.level();
+    let kept = chosen.skills.rules.iter().enumerate();
+    let kept: Vec<usize> = { kept.filter(|(_, r)| r.level <= level) }
+        .map(|(place, _)| place)
+        .collect();
+    let skills = chosen.skills.with_rules(&kept);
+    let mut supervisor = Supervisor::new(&skills, arguments.choice.options())?;
+    let calls = calls(&skills, usize::from(arguments.at_once));
     let fsm = Fsm::explore(&mut supervisor, calls)?;
     Table::of(&mut supervisor, &fsm)
 }
