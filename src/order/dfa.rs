@@ -285,6 +285,20 @@ impl Dfa {
     }
 }
 
+/// A state that a search found, with where from and by which label; nothing for the start.
+pub type Found<S, L> = (S, Option<(usize, L)>);
+
+/// The labels on the way from the start to what stands at a place.
+pub fn way<S, L: Copy>(found: &[Found<S, L>], mut at: usize) -> Vec<L> {
+    let mut way = Vec::new();
+    while let Some((from, label)) = found[at].1 {
+        way.push(label);
+        at = from;
+    }
+    way.reverse();
+    way
+}
+
 /// The labels of a shortest way from `start` to a state that is `wanted`; the least one where labels are given in ascending order.
 pub fn shortest<S: Clone + Ord, L: Copy>(
     start: S,
@@ -297,14 +311,7 @@ pub fn shortest<S: Clone + Ord, L: Copy>(
     while at < order.len() {
         let state = order[at].0.clone();
         if wanted(&state) {
-            let mut word = Vec::new();
-            let mut here = at;
-            while let Some((from, label)) = order[here].1 {
-                word.push(label);
-                here = from;
-            }
-            word.reverse();
-            return Some(word);
+            return Some(way(&order, at));
         }
         for (label, to) in successors(&state) {
             if seen.insert(to.clone()) {

@@ -1,9 +1,9 @@
 //! A program of calls, checked before it is loaded: the first call that is refused, why, and how it could go on.
 
-use super::dfa::TooLarge;
+use super::dfa::{Found, TooLarge, way};
 use super::fsm::{MOST_ENTRIES, calls};
 use super::supervisor::{Call, Refusal, State, Supervisor};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// What came of a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -116,19 +116,12 @@ fn search(
     let singles = calls(supervisor.skills(), 1);
     let limit = MOST_ENTRIES / singles.len().max(1);
     let mut seen = BTreeSet::from([from.clone()]);
-    let mut found: Vec<Found<State>> = vec![(from.clone(), None)];
+    let mut found: Vec<Found<State, Call>> = vec![(from.clone(), None)];
     let mut at = 0;
     while at < found.len() && found.len() < limit {
         let state = found[at].0.clone();
         if wanted(supervisor, &state) {
-            let mut way = Vec::new();
-            let mut here = at;
-            while let Some((before, call)) = found[here].1 {
-                way.push(call);
-                here = before;
-            }
-            way.reverse();
-            return Some(way);
+            return Some(way(&found, at));
         }
         for call in &singles {
             if let Ok(Ok(after)) = supervisor.call(&state, *call)
@@ -141,9 +134,6 @@ fn search(
     }
     None
 }
-
-/// What was found, and by which call from where; nothing for the start.
-type Found<S> = (S, Option<(usize, Call)>);
 
 /// The shortest sequence of calls that one of two sets of rules allows and the other refuses.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -190,17 +180,8 @@ pub fn difference(
             refusal: None,
         }));
     }
-    let mut numbers = BTreeMap::from([(start.clone(), 0_usize)]);
-    let mut found: Vec<Found<(State, State)>> = vec![(start, None)];
-    let way = |found: &[Found<(State, State)>], mut at: usize| {
-        let mut way = Vec::new();
-        while let Some((before, call)) = found[at].1 {
-            way.push(call);
-            at = before;
-        }
-        way.reverse();
-        way
-    };
+    let mut seen = BTreeSet::from([start.clone()]);
+    let mut found: Vec<Found<(State, State), Call>> = vec![(start, None)];
     let mut at = 0;
     while at < found.len() {
         let (a, b) = found[at].0.clone();
@@ -219,7 +200,7 @@ pub fn difference(
                     }));
                 }
             };
-            if numbers.contains_key(&pair) {
+            if seen.contains(&pair) {
                 continue;
             }
             if found.len() == limit {
@@ -230,7 +211,7 @@ pub fn difference(
             }
             // Asked as soon as it is found: behind a state found later, but as early, there may be a longer difference only.
             let end = ends(first, second, &pair);
-            numbers.insert(pair.clone(), found.len());
+            seen.insert(pair.clone());
             found.push((pair, Some((at, *call))));
             if let Some(first_allows) = end {
                 return Ok(Some(Difference {
