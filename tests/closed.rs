@@ -54,7 +54,7 @@ fn told(closed: &Closed<'_>, verdict: &Verdict) -> Found {
     for misrun in &verdict.misruns {
         assert_eq!(replay::misrun(closed, misrun), Ok(()));
         match &misrun.why {
-            Wrong::NeverBegins => found.never.insert(misrun.operation),
+            Wrong::NeverBegins(_) => found.never.insert(misrun.operation),
             Wrong::Order(_) => found.order.insert(misrun.operation),
             Wrong::Endless(_) => found.endless.insert(misrun.operation),
         };

@@ -17,6 +17,7 @@
 //! it was made of ([`contract::Contract`]), and questions about it are decided exactly on infinite runs ([`decide`]). The proof of a composition
 //! ([`proof`]) is another thing: it follows the strict semantics, in which nobody's guarantee counts on what others break later.
 
+pub mod caller;
 pub mod closed;
 pub mod compat;
 pub mod contract;

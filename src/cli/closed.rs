@@ -6,11 +6,13 @@ use crate::algebra::closed::{Closed, Misrun, Verdict, Wrong};
 use crate::algebra::machine::COMPLETES;
 use crate::algebra::proof::{Open, Proof};
 use crate::algebra::replay;
-use crate::contract::machine::Machine;
+use crate::algebra::system::FormulaRef;
+use crate::contract::machine::{Machine, Operation};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{Limit, Limits};
 use crate::gr1::{VarId, eval};
 use crate::source::Span;
+use crate::station::messages;
 use std::collections::BTreeSet;
 
 /// A composition with more nodes than this at once is not decided; what decides is never the clock.
@@ -59,12 +61,7 @@ pub fn operations(closed: &Closed<'_>, verdict: &Verdict) -> Vec<Diagnostic> {
 fn misrun(closed: &Closed<'_>, misrun: &Misrun) -> Diagnostic {
     let operation = &closed.machine.operations[misrun.operation];
     match &misrun.why {
-        Wrong::NeverBegins => Diagnostic::warning(
-            codes::OPERATION,
-            operation.span,
-            format!("the operation `{}` can never begin: an assumption of the coordinator forbids it everywhere", operation.name),
-        )
-        .with_help("weaken that assumption, or add an operation that leads to where it holds"),
+        Wrong::NeverBegins(by) => never_begins(closed, operation, by),
         Wrong::Order(steps) => order(closed, misrun.operation, steps),
         Wrong::Endless(run) => {
             let last = &run.cycle[0];
@@ -78,12 +75,44 @@ fn misrun(closed: &Closed<'_>, misrun: &Misrun) -> Diagnostic {
             Diagnostic::error(
                 codes::REQUEST_INCOMPLETE,
                 operation.span,
-                format!("the operation `{}` may never end: it can {waits} for ever", operation.name),
+                format!(
+                    "the operation `{}` may never end: it can {waits} for ever",
+                    operation.name
+                ),
             )
             .with_note(table(closed, &steps) + &lasso_end(run))
             .with_help("let the coordinator guarantee that it goes on once an action is executed")
         }
     }
+}
+
+fn never_begins(closed: &Closed<'_>, operation: &Operation, by: &[FormulaRef]) -> Diagnostic {
+    let told: Vec<String> = by.iter().map(|at| assumed(closed, *at)).collect();
+    let forbids = match told.as_slice() {
+        [] => "what is assumed of it forbids it everywhere".to_owned(),
+        [one] => format!("{one} forbids it everywhere"),
+        [several @ .., last] => format!("{} or {last} forbid it everywhere", several.join(", ")),
+    };
+    let mut finding = Diagnostic::warning(
+        codes::OPERATION,
+        operation.span,
+        format!(
+            "the operation `{}` can never begin: {forbids}",
+            operation.name
+        ),
+    );
+    for at in by {
+        let formula = replay::formula(&closed.system, &closed.claim, *at);
+        finding = finding.with_label(formula.span, "it is forbidden here");
+    }
+    finding
+        .with_help("weaken what forbids it, or add an operation that leads to where it is allowed")
+}
+
+fn assumed(closed: &Closed<'_>, at: FormulaRef) -> String {
+    let component = &closed.machine.components[at.part.unwrap_or_default()];
+    let formula = replay::formula(&closed.system, &closed.claim, at);
+    messages::assumed(component, formula)
 }
 
 fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnostic {

@@ -1,9 +1,12 @@
 //! Lines and their proofs: what `check` asks of a line before it runs.
 
 use super::algebra::words::{DischargeEntry, Told, entry};
+use super::asked;
+use super::libraries::Controlled;
 use crate::algebra::proof::prove;
 use crate::algebra::system::FormulaRef;
 use crate::contract::line::Line;
+use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{Limit, Limits, RuleKind};
 use crate::line::abstraction::Verdict;
@@ -30,8 +33,38 @@ pub struct Proof {
 }
 
 /// Proves a line, or says what keeps it from being true. The table of what rests on what takes longer than the verdict, and is made where it is
-/// wanted.
-pub fn examine(line: &Line, limits: &Limits, with_table: bool) -> Proof {
+/// wanted. `controlled` has the controllers of a machine, as far as they are there.
+pub fn examine<'a>(
+    line: &Line,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    limits: &Limits,
+    with_table: bool,
+) -> Proof {
+    let mut proof = examine_moves(line, limits, with_table);
+    // That every part is worked on rests on every operation being one that the station may be asked for.
+    let asked = asked::examine(line, controlled, limits);
+    if !asked.findings.is_empty() {
+        proof.verdict = "open";
+        proof.discharges.clear();
+        proof.undecided.clear();
+    } else if !asked.undecided.is_empty() && proof.verdict == "proved" {
+        proof.verdict = "safe";
+    }
+    proof.findings.extend(asked.findings);
+    for (station, limit) in asked.undecided {
+        let message = format!(
+            "whether {station} is asked only for what its machine allows was not decided: {limit}"
+        );
+        proof.findings.push(note(line, message, FEWER));
+        if proof.verdict == "safe" {
+            proof.undecided.push(format!("asked_rightly_at_{station}"));
+        }
+    }
+    proof
+}
+
+/// Whether parts move on, each operation being done.
+fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
     let own = Instant::now() + Duration::from_secs(SECONDS);
     let limits = Limits {
         deadline: Some(limits.deadline.map_or(own, |given| given.min(own))),

@@ -144,6 +144,14 @@ pub fn told_apart<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
     told
 }
 
+/// Whether two machines are one declaration with the same arguments: their controllers are the same.
+pub fn is_alike(one: &Machine, other: &Machine) -> bool {
+    let mut components = one.components.iter().zip(&other.components);
+    one.span == other.span
+        && one.components.len() == other.components.len()
+        && components.all(|(a, b)| a.specification == b.specification && a.bindings == b.bindings)
+}
+
 /// The machines of a line, each once, in the order of their first place in it.
 pub fn of_line(line: &Line) -> Vec<&Arc<Machine>> {
     let mut machines: Vec<&Arc<Machine>> = Vec::new();

@@ -5,6 +5,7 @@
 //! keeps it from running at all.
 
 pub mod algebra;
+mod asked;
 pub mod build;
 pub mod cache;
 pub mod check;

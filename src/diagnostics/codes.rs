@@ -139,6 +139,7 @@ codes! {
     LINE_CIRCLE = "LW408", "parts can wait for one another for ever";
     LINE_UNFINISHED = "LW409", "an order may stay unfinished for ever";
     LINE_UNDECIDED = "LW410", "a line is too large to be proved";
+    LINE_ASKS = "LW411", "a line may ask a station for what its machine forbids";
 
     COMPILER_MISSING = "LW501", "no C compiler was found";
     COMPILER_FAILED = "LW502", "the C compiler failed";

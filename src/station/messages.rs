@@ -52,15 +52,10 @@ pub fn broken(component: &Component, formula: &Formula, party: Party) -> String 
         Party::Plant => "the plant broke the assumption",
         Party::Machine => "the machine broke the guarantee",
         Party::Caller => {
-            let name = of_all_steps(&formula.name);
-            let (what, called) = match name.strip_prefix("order ") {
-                Some(called) => ("the order ", called),
-                None => ("", name),
-            };
             return format!(
-                "{}: {what}{} is broken: {}",
+                "{}: {} is broken: {}",
                 component.name,
-                named(called, formula.requirement.as_deref()),
+                order(formula),
                 cut(&formula.text)
             );
         }
@@ -71,11 +66,30 @@ pub fn broken(component: &Component, formula: &Formula, party: Party) -> String 
 /// ``the assumption `free` of `turn` has not held: always eventually free``, as the step limit names a justice assumption.
 pub fn silent(component: &Component, formula: &Formula) -> String {
     format!(
-        "the assumption {} of `{}` has not held: {}",
-        name(formula),
-        component.name,
+        "{} has not held: {}",
+        assumed(component, formula),
         cut(&formula.text)
     )
+}
+
+/// What a component assumes, as it is spoken of: ``the assumption `gripped` of `turn` `` or ``the order `trays` ``.
+pub fn assumed(component: &Component, formula: &Formula) -> String {
+    match Party::of_assumptions(component) {
+        Party::Caller => order(formula),
+        Party::Plant | Party::Machine => {
+            format!("the assumption {} of `{}`", name(formula), component.name)
+        }
+    }
+}
+
+/// ``the order `trays` (R-7)``; what is no declared order has a name that speaks for itself.
+fn order(formula: &Formula) -> String {
+    let name = of_all_steps(&formula.name);
+    let requirement = formula.requirement.as_deref();
+    match name.strip_prefix("order ") {
+        Some(declared) => format!("the order {}", named(declared, requirement)),
+        None => named(name, requirement),
+    }
 }
 
 fn cite(formula: &Formula) -> String {

@@ -13,7 +13,7 @@ pub mod emit;
 pub mod fmi;
 pub mod interpret;
 pub mod load;
-mod messages;
+pub(crate) mod messages;
 pub mod monitor;
 pub mod package;
 pub mod probe;

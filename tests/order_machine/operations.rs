@@ -7,6 +7,7 @@ use linewright::contract::machine::Machine;
 use linewright::station::interpret::Interpreter;
 use linewright::station::{Controller, ErrorCode};
 use serde_json::Value;
+use std::fmt::Write as _;
 use std::sync::Arc;
 
 const MOVER: &str = "import std.coordination.single
@@ -66,9 +67,13 @@ line Hall {
 ";
 
 fn mover() -> Controlled {
+    controlled(MOVER)
+}
+
+fn controlled(text: &str) -> Controlled {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("mover.lw");
-    std::fs::write(&path, MOVER).expect("a file can be written");
+    std::fs::write(&path, text).expect("a file can be written");
     of_lines(&[&path.display().to_string()]).swap_remove(0)
 }
 
@@ -112,13 +117,7 @@ fn every_operation_is_a_call() {
 
 #[test]
 fn the_caller_answers_for_them() {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("mover.lw"), MOVER).expect("a file can be written");
-    let arguments = ["check", "mover.lw", "--format", "json", "--no-timing"];
-    let output = linewright(folder.path(), &arguments);
-    let text = String::from_utf8(output.stdout).expect("a document");
-    assert_eq!(output.status.code(), Some(0), "{text}");
-    let document: Value = serde_json::from_str(&text).expect("a document");
+    let document = checked(MOVER);
     let table = document["machines"][0]["discharges"].as_array();
     let order = |line: &&Value| line.to_string().contains("order tidy\"");
     let line = { table.expect("a table").iter() }.find(order);
@@ -136,4 +135,121 @@ fn a_line_that_asks_against_an_order_is_told_so() {
     for said in ["LW405", "mover", "Arm: order tidy", "Crate 1", "(R-7)"] {
         assert!(text.contains(said), "{said}: {text}");
     }
+}
+
+/// What `check` says of a file, as a document.
+fn checked(text: &str) -> Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("mover.lw"), text).expect("a file can be written");
+    let arguments = ["check", "mover.lw", "--format", "json", "--no-timing"];
+    let output = linewright(folder.path(), &arguments);
+    serde_json::from_slice(&output.stdout).expect("a document")
+}
+
+/// The same mover with other orders, in a line that performs these sequences on as many types of parts.
+fn mover_with(orders: &str, tasks: &[&[&str]]) -> String {
+    let (head, rest) = MOVER.split_once("    order home").expect("its orders");
+    let (_, machine) = rest.split_once("\n}").expect("their end");
+    let (machine, _) = machine.split_once("line Hall").expect("its line");
+    let mut parts = String::new();
+    let mut performs = String::new();
+    for (number, task) in tasks.iter().enumerate() {
+        let _ = write!(
+            parts,
+            "    part Crate{number}\n    source dock{number}: Crate{number} every 60 s\n    route Crate{number}: dock{number} -> mover -> store\n"
+        );
+        let _ = writeln!(
+            performs,
+            "        perform {} on Crate{number}",
+            task.join(", ")
+        );
+    }
+    format!(
+        "{head}{orders}\n}}{machine}line Hall {{\n{parts}    product Crate0\n    sink store\n    station mover: Mover {{\n{performs}    }}\n}}\n"
+    )
+}
+
+/// The calls after which one is refused, by trying all sequences of so many tasks on the machine itself.
+fn refused_after(text: &str, tasks: &[&[&str]], most: usize) -> Option<Vec<String>> {
+    let mover = controlled(text);
+    let mut sequences: Vec<Vec<String>> = vec![Vec::new()];
+    let mut shortest: Option<Vec<String>> = None;
+    for _ in 0..most {
+        let longer = sequences.iter().flat_map(|before| {
+            tasks.iter().map(|task| {
+                let task = task.iter().map(|operation| (*operation).to_owned());
+                before.iter().cloned().chain(task).collect::<Vec<String>>()
+            })
+        });
+        sequences = longer.collect();
+        for sequence in &sequences {
+            let mut machine =
+                Interpreter::new(Arc::clone(&mover.machine), Arc::clone(&mover.controllers));
+            let refused = sequence.iter().position(|name| {
+                let operation = operation(&mover.machine, name);
+                machine.simulate(operation, &mut []).is_err()
+            });
+            if let Some(at) = refused
+                && shortest.as_ref().is_none_or(|known| at + 1 < known.len())
+            {
+                shortest = Some(sequence[..=at].to_vec());
+            }
+        }
+    }
+    shortest
+}
+
+#[test]
+fn a_line_is_proved_only_where_no_sequence_of_its_parts_is_refused() {
+    let orders = [
+        "",
+        "    order wear: at most 2 of Left\n",
+        "    order wear: at most 2 of Left between Right and Right\n",
+        "    order single: never Left twice in a row\n",
+        "    order home: Right before Left\n",
+        "    order sides: never Left, Right twice in a row\n",
+        "    order mirror: Right only after Left\n",
+        "    order locked: after Right until Left: never Right\n",
+    ];
+    let tasks: [&[&[&str]]; 5] = [
+        &[&["left"]],
+        &[&["left", "right"]],
+        &[&["right", "left", "left"]],
+        &[&["left", "right"], &["right", "left"]],
+        &[&["left", "left", "right"], &["right"]],
+    ];
+    let (mut proved, mut open) = (0, 0);
+    for orders in orders {
+        for tasks in tasks {
+            let text = mover_with(orders, tasks);
+            let document = checked(&text);
+            let line = &document["lines"][0];
+            let findings = line["findings"].as_array().expect("findings");
+            let mut asks = findings.iter().filter(|f| f["code"] == "LW411");
+            let refused = refused_after(&text, tasks, 4);
+            let told = format!("{orders}{tasks:?}: {refused:?}: {line}");
+            if let Some(sequence) = refused {
+                open += 1;
+                assert_eq!(line["proof"], "open", "{told}");
+                let asked = asks.next().unwrap_or_else(|| panic!("{told}")).to_string();
+                let last = format!("`{}`", sequence[sequence.len() - 1]);
+                assert!(asked.contains(&last), "{told}");
+            } else {
+                proved += 1;
+                assert_eq!(line["proof"], "proved", "{told}");
+                assert!(asks.next().is_none(), "{told}");
+            }
+        }
+    }
+    assert!(proved >= 10 && open >= 10, "{proved} proved, {open} not");
+}
+
+#[test]
+fn what_forbids_an_operation_for_ever_is_named() {
+    let text = MOVER
+        .replace("order tidy [R-7]: never", "order tidy [R-7]: at most 0 of")
+        .replace("Left, Right twice in a row", "Left");
+    let document = checked(&text).to_string();
+    let told = "the operation `left` can never begin: the order `tidy` (R-7) forbids it everywhere";
+    assert!(document.contains(told), "{document}");
 }

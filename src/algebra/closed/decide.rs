@@ -7,10 +7,12 @@ use super::rules::{Book, Duty, Owed};
 use super::{Closed, Form, Met, Misrun, Stuck, Verdict, Wrong, replay};
 use crate::algebra::machine::COMPLETES;
 use crate::algebra::proof::{Broken, Exports, Open};
+use crate::algebra::replay::formula;
 use crate::algebra::system::FormulaRef;
 use crate::game::{Lasso, Limit, Limits, Rule, RuleKind, Runs, Slip, Wanted};
-use crate::gr1::{Expr, Time};
-use std::collections::BTreeSet;
+use crate::gr1::{Expr, Time, VarId};
+use crate::source::Span;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A composition with more bits than this is not looked at: what it takes grows too fast, and a proof from contracts does without.
 const MOST_BITS: u32 = 90;
@@ -288,13 +290,11 @@ impl Asked<'_> {
             return Ok(None);
         };
         let keep = self.book.keep.clone();
-        let mut begins = false;
-        for never in watch.never_begins(machine, operation) {
-            let never = self.runs.add(never);
-            begins = begins || self.slip(keep.clone(), never)?.is_some();
-        }
-        if !begins {
-            return Ok(Some(Wrong::NeverBegins));
+        let never = watch.never_begins(machine, operation);
+        let never = never.map(|rule| self.runs.add(rule));
+        if !self.begins(&keep, never)? {
+            let by = self.forbidding(watch.operation, never)?;
+            return Ok(Some(Wrong::NeverBegins(by)));
         }
         let in_order = watch.in_order(machine, operation);
         let in_order = self.add(RuleKind::Invariant, in_order);
@@ -311,5 +311,60 @@ impl Asked<'_> {
         let runs = watch.runs(machine, operation);
         let ends = self.add(RuleKind::Justice, done.or(runs.not()).simplify());
         Ok(self.starved(ends)?.map(Wrong::Endless))
+    }
+
+    /// Whether some call, while these rules are kept, is not what two rules say of every call.
+    fn begins(&mut self, keep: &[usize], never: [usize; 2]) -> Result<bool, Limit> {
+        for broken in never {
+            let slip = Slip {
+                before: keep.to_vec(),
+                last: keep.to_vec(),
+                broken,
+            };
+            if self.runs.step(&slip)?.is_some() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// What keeps an operation from ever beginning: assumptions without one of which it could, or, where that is no single one, all that
+    /// speak of what is asked for. Of formulas that were made from one, the first stands for all.
+    fn forbidding(
+        &mut self,
+        asked: Option<VarId>,
+        never: [usize; 2],
+    ) -> Result<Vec<FormulaRef>, Limit> {
+        let mut groups: BTreeMap<(usize, Span), Vec<(FormulaRef, usize)>> = BTreeMap::new();
+        for (at, rule) in &self.book.kept {
+            let component = at.part.unwrap_or_default();
+            let formula = formula(&self.closed.system, &self.closed.claim, *at);
+            let group = groups.entry((component, formula.span));
+            group.or_default().push((*at, *rule));
+        }
+        let (mut single, mut speaking) = (Vec::new(), Vec::new());
+        for ((component, _), group) in &groups {
+            let first = group[0].0;
+            let mut left_out: Vec<usize> = group.iter().map(|(_, rule)| *rule).collect();
+            let mut keep = self.book.keep.clone();
+            if let Some([strict, loose]) = self.book.tables[*component] {
+                // A table has no row for what it takes to be excluded.
+                left_out.extend(strict);
+                keep.extend(loose);
+            }
+            keep.retain(|rule| !left_out.contains(rule));
+            if self.begins(&keep, never)? {
+                single.push(first);
+            }
+            let mut speaks = false;
+            for (_, rule) in group {
+                let expr = self.runs.rules()[*rule].expr.clone().simplify();
+                expr.for_each_var(&mut |v, _| speaks |= Some(v) == asked);
+            }
+            if speaks {
+                speaking.push(first);
+            }
+        }
+        Ok(if single.is_empty() { speaking } else { single })
     }
 }

@@ -23,6 +23,7 @@ mod watch;
 pub use table::States;
 pub use watch::Watch;
 
+use super::caller::Called;
 use super::machine::{of_machine, of_promise};
 use super::proof::{Claim, Exports, Open, latest};
 use super::system::{FormulaRef, Half, Part, System, formulas};
@@ -104,8 +105,8 @@ pub struct Misrun {
 /// What is wrong with an operation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Wrong {
-    /// No call can begin with it.
-    NeverBegins,
+    /// No call can begin with it: these assumptions keep it from that, each of them alone where there are several and one would do.
+    NeverBegins(Vec<FormulaRef>),
     /// In the last step of this run an action begins that is not the next one, or the operation is done too early.
     Order(Vec<Vec<i64>>),
     /// On this run it is never done.
@@ -174,6 +175,19 @@ impl<'a> Closed<'a> {
         promised: &Promised,
     ) -> Self {
         let (system, claim) = of_promise(machine, promised);
+        Self::new(machine, controllers, system, claim, None)
+    }
+
+    /// A machine that is called as a line calls it.
+    ///
+    /// # Panics
+    /// When there is not one controller a component.
+    pub fn of_called(
+        machine: &'a Machine,
+        controllers: &[&'a Controller],
+        called: &Called,
+    ) -> Self {
+        let (system, claim) = (called.system.clone(), called.claim.clone());
         Self::new(machine, controllers, system, claim, None)
     }
 

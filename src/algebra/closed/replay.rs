@@ -368,7 +368,7 @@ pub fn misrun(closed: &Closed<'_>, found: &Misrun) -> Result<(), String> {
     let wire = plant.position(|p| matches!(p.source, PlantSource::Operation));
     let runs = |values: &[i64]| wire.is_none_or(|w| values[w] == operation.value);
     match &found.why {
-        Wrong::NeverBegins => Ok(()),
+        Wrong::NeverBegins(_) => Ok(()),
         Wrong::Order(steps) => {
             closed.play(steps, Until::End)?;
             let last = steps.len() - 1;

@@ -47,6 +47,10 @@ pub(super) struct Book {
     pub rules: Vec<Rule>,
     /// What every step keeps in which nothing goes wrong.
     pub keep: Vec<usize>,
+    /// Of these, what components assume.
+    pub kept: Vec<(FormulaRef, usize)>,
+    /// By component: what its table says (of `keep`), and the same where the table knows its inputs. Nothing of one that goes in as its contract.
+    pub tables: Vec<Option<[[usize; 2]; 2]>>,
     /// What a step keeps whatever goes wrong in it.
     pub last: Vec<usize>,
     /// What the environment makes come true again and again.
@@ -64,7 +68,10 @@ pub(super) struct Book {
 impl Book {
     /// Writes everything down.
     pub fn new(closed: &Closed<'_>) -> Self {
-        let mut book = Self::default();
+        let mut book = Self {
+            tables: vec![None; closed.taking.len()],
+            ..Self::default()
+        };
         book.surroundings(closed);
         book.handed_on(closed);
         for component in 0..closed.taking.len() {
@@ -76,6 +83,7 @@ impl Book {
                 if at.kind != RuleKind::Justice {
                     let kept = book.add(rule(at.kind, &formula.expr));
                     book.keep.push(kept);
+                    book.kept.push((at, kept));
                 }
             }
         }
@@ -171,6 +179,7 @@ impl Book {
         self.keep.extend(strict);
         let loose = self.add_both(moves.or(table.covers().not()));
         self.last.extend(loose);
+        self.tables[component] = Some([strict, loose]);
         self.justice.push(Again::default());
     }
 

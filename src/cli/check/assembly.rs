@@ -12,6 +12,7 @@ use crate::cli::lines;
 use crate::cli::machines::{self, Planned};
 use crate::cli::outline::{Declaration, Kind};
 use crate::cli::pipeline::{CheckedContract, Jobs, Verdict};
+use crate::contract::machine::Machine;
 use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::game::Limits;
@@ -242,7 +243,13 @@ impl Assembly<'_> {
         let sound = !file.broken && !has_errors(findings);
         let known = self.loaded.library.lines.iter();
         let line = { known }.find(|l| sound && declaration.holds(l.span));
-        let proof = line.map(|line| lines::examine(line, &self.limits, self.verbose));
+        let controlled = |machine: &Machine| {
+            // One with arguments of its own has no controllers here.
+            let alike = |p: &&Planned<'_>| machines::is_alike(p.machine, machine);
+            self.machines.iter().find(alike)?.controlled(self.checked)
+        };
+        let proof =
+            { line }.map(|line| lines::examine(line, controlled, &self.limits, self.verbose));
         let verdict = proof.as_ref().map(|proof| proof.verdict);
         let proof = proof.unwrap_or_default();
         findings.extend(proof.findings);

@@ -24,7 +24,8 @@
 //! - *Numbers of orders.* A source on order has the next part as soon as the one before has left, no source stops after so many parts, and
 //!   stock does not run out. A run with fewer orders goes the same way as long as parts come in; then a part may be left over that waits for a
 //!   partner which was scrapped, or went another way.
-//! - *Violations.* The machines' contracts are proved by themselves; a part that is taken out because of one is not looked at.
+//! - *Violations.* The machines' contracts are proved by themselves; a part that is taken out because of one is not looked at. Whether stations
+//!   are asked only for operations that their machines allow is another question ([`crate::algebra::caller`]), and part of the line's verdict.
 //!
 //! A line in which parts of one type may go round in a circle is taken to send each of them out of it in the end; the claim is then that all
 //! places go on.

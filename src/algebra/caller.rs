@@ -1,0 +1,175 @@
+//! A machine and who calls it: what a line asks for, against what the machine hands on to its caller.
+//!
+//! A machine by itself may hand on what it assumes of the operations that it is asked for ([`super::proof::Exports`]). In a line these come in
+//! sequences, one a part, again and again and in any order of parts. With a part beside the components that calls so, nothing about them is
+//! handed on any more: it is shown, or there are parts after which it is not kept.
+
+use super::machine::of_machine;
+use super::proof::Claim;
+use super::system::{FormulaRef, Half, Part, System, formulas};
+use crate::contract::machine::{Machine, PlantSource};
+use crate::game::RuleKind;
+use crate::gr1::{Domain, Expr, Formula, Owner, Side, Timing, VarId, Variable};
+use crate::source::Span;
+
+/// A machine that is called, and what is to be shown of it.
+#[derive(Debug, Clone)]
+pub struct Called {
+    /// The machine's components, and who calls it.
+    pub system: System,
+    /// What is given beside; what is to be shown are the components' assumptions.
+    pub claim: Claim,
+    /// What its components assume of the operations that it is asked for. What is assumed of infinitely many calls is not among it.
+    pub asked: Vec<FormulaRef>,
+    /// Which operation is asked for.
+    pub operation: VarId,
+}
+
+impl Called {
+    /// A machine that is asked for one of these sequences of operations after the other, each given as indices into the machine's operations.
+    /// `None` where it assumes nothing about that.
+    pub fn of(machine: &Machine, sequences: &[Vec<usize>]) -> Option<Self> {
+        let done = machine.done.as_ref()?;
+        let mut plant = machine.plant.iter();
+        let operation = plant.position(|p| matches!(p.source, PlantSource::Operation))?;
+        let operation = VarId(operation as u32);
+        let (mut system, claim) = of_machine(machine);
+        let asked = asked(&system, operation);
+        if asked.is_empty() || sequences.iter().all(Vec::is_empty) {
+            return None;
+        }
+        // Nothing here is about what comes again and again.
+        for part in &mut system.parts {
+            part.assumptions.justice.clear();
+            part.guarantees.justice.clear();
+        }
+        let place = VarId(system.variables.len() as u32);
+        let count = sequences.iter().map(Vec::len).sum::<usize>() as i64;
+        system.variables.push(Variable {
+            name: system.fresh_name("place in the sequence"),
+            owner: Owner::System,
+            internal: true,
+            domain: Domain::Range {
+                low: 0,
+                high: count - 1,
+            },
+            unit: String::new(),
+            span: machine.span,
+        });
+        system.parts.push(Part {
+            name: "caller".to_owned(),
+            timing: Timing::Moore,
+            drives: vec![operation, place],
+            assumptions: Side::default(),
+            guarantees: Side::default(),
+            definitions: calls(machine, sequences, done, operation, place),
+        });
+        let claim = Claim {
+            goal: Side::default(),
+            ..claim
+        };
+        Some(Self {
+            system,
+            claim,
+            asked,
+            operation,
+        })
+    }
+
+    /// The operations that are asked for on a run, as indices into the machine's operations.
+    pub fn asked_for(&self, machine: &Machine, run: &[Vec<i64>]) -> Vec<usize> {
+        let is_done = |values: &[i64]| {
+            let done = machine.done.as_ref();
+            done.is_some_and(|d| crate::gr1::eval::holds(d, values, &[]))
+        };
+        let begins = (0..run.len()).filter(|at| *at == 0 || is_done(&run[at - 1]));
+        let value = |at: usize| run[at][self.operation.index()];
+        let operation = |at| machine.operations.iter().position(|o| o.value == value(at));
+        begins.filter_map(operation).collect()
+    }
+}
+
+/// Assumptions that speak of the operation that is asked for.
+fn asked(system: &System, operation: VarId) -> Vec<FormulaRef> {
+    let mut asked = Vec::new();
+    for (place, part) in system.parts.iter().enumerate() {
+        for (kind, index, formula) in formulas(&part.assumptions) {
+            let mut speaks = false;
+            let mut alone = true;
+            formula.expr.for_each_var(&mut |v, _| {
+                speaks |= v == operation;
+                alone &= v == operation || system.driver(v).is_some();
+            });
+            // What depends on the part as well stays the caller's.
+            if speaks && alone && kind != RuleKind::Justice {
+                asked.push(FormulaRef {
+                    part: Some(place),
+                    half: Half::Assumptions,
+                    kind,
+                    index,
+                });
+            }
+        }
+    }
+    asked
+}
+
+/// One sequence after the other: the place in them, and the operation that stands there.
+fn calls(
+    machine: &Machine,
+    sequences: &[Vec<usize>],
+    done: &Expr,
+    operation: VarId,
+    place: VarId,
+) -> Side {
+    let rule = |text: &str, expr: &Expr, span: Span| Formula {
+        name: "asked in sequences".to_owned(),
+        requirement: None,
+        expr: expr.simplify(),
+        span,
+        text: text.to_owned(),
+    };
+    let at = |value: usize| Expr::now(place).equals(Expr::Const(value as i64));
+    let then = |value: usize| Expr::next(place).equals(Expr::Const(value as i64));
+    let mut first = 0;
+    let (mut starts, mut ends) = (Vec::new(), Vec::new());
+    let (mut asks, mut moves) = (Expr::TRUE, Expr::TRUE);
+    for sequence in sequences.iter().filter(|s| !s.is_empty()) {
+        for (index, asked) in sequence.iter().enumerate() {
+            let here = at(first + index);
+            let value = machine.operations[*asked].value;
+            let asks_here = Expr::now(operation).equals(Expr::Const(value));
+            asks = asks.and(here.clone().implies(asks_here));
+            if index + 1 < sequence.len() {
+                moves = moves.and(here.implies(then(first + index + 1)));
+            } else {
+                ends.push(here);
+            }
+        }
+        starts.push(first);
+        first += sequence.len();
+    }
+    let any = |all: Vec<Expr>| all.into_iter().fold(Expr::FALSE, Expr::or);
+    let anew = any(starts.iter().map(|s| then(*s)).collect());
+    moves = moves.and(any(ends).implies(anew));
+    let stays = Expr::next(place).equals(Expr::now(place));
+    let moves = done
+        .clone()
+        .implies(moves)
+        .and(done.clone().not().implies(stays));
+    let span = machine.span;
+    Side {
+        initial: vec![rule(
+            "a sequence begins",
+            &any(starts.iter().map(|s| at(*s)).collect()),
+            span,
+        )],
+        invariants: vec![rule("the operation at the place in it", &asks, span)],
+        safety: vec![rule(
+            "the next one once an operation is done, and then any sequence",
+            &moves,
+            span,
+        )],
+        ..Side::default()
+    }
+}

@@ -1,0 +1,148 @@
+//! Whether a line asks its stations for operations as their machines assume it: orders of skills above all, which a machine that is called
+//! from outside hands on to its caller.
+
+use super::closed;
+use super::libraries::Controlled;
+use crate::algebra::caller::Called;
+use crate::algebra::closed::Closed;
+use crate::algebra::proof::{Broken, Open, decide};
+use crate::algebra::replay;
+use crate::contract::line::{Line, Node, NodeKind};
+use crate::contract::machine::Machine;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::game::{Limit, Limits};
+use crate::station::messages;
+use std::collections::BTreeSet;
+
+/// A sequence of operations is told in so many entries.
+const MOST_TOLD: usize = 8;
+
+/// What is known of the stations of a line.
+#[derive(Debug, Default)]
+pub struct Asked {
+    /// What may be asked for against what is assumed.
+    pub findings: Vec<Diagnostic>,
+    /// Stations of which that was not decided, and why.
+    pub undecided: Vec<(String, Limit)>,
+}
+
+/// Looks at every station. Where contracts alone do not show it, and `controlled` has the controllers of a machine, these may.
+pub fn examine<'a>(
+    line: &Line,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    limits: &Limits,
+) -> Asked {
+    let mut asked = Asked::default();
+    for node in &line.nodes {
+        let NodeKind::Station { machine, tasks, .. } = &node.kind else {
+            continue;
+        };
+        let sequences = tasks.iter().map(|task| {
+            let operations = task.operations.iter();
+            operations.map(|(operation, _)| *operation).collect()
+        });
+        // In the order of the operations: what two tasks ask for alike is asked for once.
+        let sequences: BTreeSet<Vec<usize>> = sequences.collect();
+        let sequences: Vec<Vec<usize>> = sequences.into_iter().collect();
+        let Some(called) = Called::of(machine, &sequences) else {
+            continue;
+        };
+        match open(&called, controlled(machine), limits) {
+            Ok(open) => {
+                let mut told = BTreeSet::new();
+                for open in &open {
+                    let formula = replay::formula(&called.system, &called.claim, open.what);
+                    if told.insert((open.what.part, formula.span)) {
+                        asked.findings.push(finding(node, machine, &called, open));
+                    }
+                }
+            }
+            Err(limit) => asked.undecided.push((node.name.clone(), limit)),
+        }
+    }
+    asked
+}
+
+/// What is assumed of calls and may not be kept.
+fn open(
+    called: &Called,
+    controlled: Option<Controlled<'_>>,
+    limits: &Limits,
+) -> Result<Vec<Open>, Limit> {
+    let about_calls = |mut open: Vec<Open>| {
+        open.retain(|o| called.asked.contains(&o.what));
+        open
+    };
+    let proof = decide(&called.system, &called.claim, limits)
+        .map(|proof| (proof.loops.is_empty(), about_calls(proof.open)));
+    if matches!(&proof, Ok((true, open)) if open.is_empty()) {
+        return Ok(Vec::new());
+    }
+    if let Some(controlled) = controlled {
+        let closed = Closed::of_called(controlled.machine, &controlled.controllers, called);
+        if let Ok(verdict) = closed.decide(&closed::bounded(limits))
+            && { called.asked.iter() }.all(|at| !verdict.undecided.contains(at))
+        {
+            return Ok(about_calls(verdict.open));
+        }
+    }
+    match proof {
+        Ok((_, open)) if !open.is_empty() => Ok(open),
+        Ok(_) => Err(Limit::Size),
+        Err(limit) => Err(limit),
+    }
+}
+
+fn finding(station: &Node, machine: &Machine, called: &Called, open: &Open) -> Diagnostic {
+    let formula = replay::formula(&called.system, &called.claim, open.what);
+    let component = &machine.components[open.what.part.unwrap_or_default()];
+    let run = match &open.why {
+        Broken::Trace(run) => run,
+        Broken::Lasso(lasso) => &lasso.prefix,
+    };
+    let asked: Vec<&str> = { called.asked_for(machine, run).into_iter() }
+        .map(|operation| machine.operations[operation].name.as_str())
+        .collect();
+    Diagnostic::warning(
+        codes::LINE_ASKS,
+        station.span,
+        format!(
+            "{} may be asked for what {} forbids: {}",
+            station.name,
+            messages::assumed(component, formula),
+            formula.text
+        ),
+    )
+    .with_label(formula.span, "this would be broken")
+    .with_note(format!(
+        "it comes to that when {} is asked for {}: the last of these is refused, and the part at work is taken out of the line",
+        station.name,
+        in_turn(&asked)
+    ))
+    .with_help(
+        "let the station perform other operations, or the same ones in another order; or weaken what forbids it",
+    )
+}
+
+/// `left, left, right`, or `left (3 times), right`.
+fn in_turn(operations: &[&str]) -> String {
+    let mut told: Vec<(&str, usize)> = Vec::new();
+    for name in operations {
+        match told.last_mut() {
+            Some((last, times)) if last == name => *times += 1,
+            _ => told.push((name, 1)),
+        }
+    }
+    let text = |(name, times): &(&str, usize)| match times {
+        1 => format!("`{name}`"),
+        2 => format!("`{name}` twice"),
+        times => format!("`{name}` {times} times"),
+    };
+    let left_out = told.len().saturating_sub(MOST_TOLD);
+    let mut texts: Vec<String> = Vec::new();
+    if left_out > 0 {
+        texts.push(format!("{left_out} others"));
+    }
+    texts.extend(told[left_out..].iter().map(text));
+    texts.join(", then ")
+}
