@@ -54,6 +54,26 @@ fn a_violation_has_its_step_its_rule_and_the_way_out() {
     assert_eq!(program["findings"][0]["span"]["line"], 5);
 }
 
+/// Whatever a command finds, its document says first what it is, of which skills, and at which level.
+#[test]
+fn documents_begin_alike() {
+    let program = "examples/pick-and-place/intended.txt";
+    for (command, rest) in [
+        ("check", vec![program, "--rules", UNIT]),
+        ("complete", vec![UNIT]),
+        ("fsm", vec![UNIT]),
+        ("regex", vec![UNIT]),
+        ("strongest", vec![UNIT]),
+    ] {
+        let all = ["order", command, "--format", "json", "--level", "valid"];
+        let output = at_root(&[&all[..], &rest].concat());
+        let start = format!(
+            "{{\n  \"schema\": \"linewright/order-{command}/1\",\n  \"skills\": \"PickAndPlace\",\n  \"level\": \"valid\",\n"
+        );
+        assert!(text(&output).starts_with(&start), "{}", text(&output));
+    }
+}
+
 /// All of these are the program `Right & Grip`, `Down`.
 #[test]
 fn a_program_is_text_or_a_table() {

@@ -2,7 +2,6 @@
 
 use super::rules::{self, Chosen};
 use super::{Choice, program, words};
-use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::select::Selection;
@@ -41,9 +40,8 @@ pub struct Arguments {
 
 #[derive(Serialize)]
 struct Document {
-    schema: String,
-    skills: String,
-    level: &'static str,
+    #[serde(flatten)]
+    head: rules::Head,
     programs: Vec<Entry>,
 }
 
@@ -106,9 +104,11 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let sources = &chosen.loaded.library.sources;
     match options.format {
         Format::Json => console.document(&Document {
-            schema: schema("order-check"),
-            skills: chosen.skills.name.clone(),
-            level: arguments.choice.level.level().word(),
+            head: rules::Head::of(
+                "order-check",
+                &chosen.skills,
+                arguments.choice.level.level(),
+            ),
             programs: entries,
         })?,
         Format::Sarif => console.document(&sarif::document(sources, &all))?,

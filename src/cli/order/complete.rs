@@ -1,7 +1,6 @@
 //! `linewright order complete`: what may come next.
 
 use super::{Choice, program, rules, words};
-use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::select::Selection;
@@ -36,9 +35,8 @@ pub struct Arguments {
 
 #[derive(Serialize)]
 struct Document {
-    schema: String,
-    skills: String,
-    level: &'static str,
+    #[serde(flatten)]
+    head: rules::Head,
     situation: Vec<(String, String)>,
     complete: bool,
     allowed: Vec<Vec<String>>,
@@ -93,9 +91,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Ok((allowed, refused)) => {
             let complete = supervisor.is_complete(&state);
             let document = Document {
-                schema: schema("order-complete"),
-                skills: skills.name.clone(),
-                level: arguments.choice.level.level().word(),
+                head: rules::Head::of("order-complete", skills, arguments.choice.level.level()),
                 situation: { skills.components.iter().zip(&state.situation) }
                     .filter_map(|(c, s)| Some((c.name.clone(), c.situations.get(*s)?.clone())))
                     .collect(),

@@ -1,7 +1,6 @@
 //! `linewright order fsm`: the automaton of the rules.
 
 use super::{Choice, rules};
-use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::output;
@@ -63,9 +62,8 @@ pub enum Emit {
 
 #[derive(Serialize)]
 struct Document {
-    schema: String,
-    skills: String,
-    level: &'static str,
+    #[serde(flatten)]
+    head: rules::Head,
     serialisation: &'static str,
     paper: bool,
     rules: Vec<String>,
@@ -209,9 +207,7 @@ fn document(skills: &Skills, options: Options) -> Document {
     });
     let rules = skills.rules.iter().filter(|r| r.level <= options.level);
     Document {
-        schema: schema("order-fsm"),
-        skills: skills.name.clone(),
-        level: options.level.word(),
+        head: rules::Head::of("order-fsm", skills, options.level),
         serialisation: match options.serialisation {
             crate::order::Serialisation::Every => "every",
             crate::order::Serialisation::Some => "some",

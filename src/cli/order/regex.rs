@@ -1,7 +1,6 @@
 //! `linewright order regex`: what may be called, as a regular expression.
 
 use super::{Choice, rules};
-use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::select::Selection;
@@ -32,9 +31,8 @@ pub struct Arguments {
 
 #[derive(Serialize)]
 struct Document {
-    schema: String,
-    skills: String,
-    level: &'static str,
+    #[serde(flatten)]
+    head: rules::Head,
     whole: bool,
     regex: String,
     states: usize,
@@ -64,9 +62,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let console = options.console();
     if options.format == Format::Json {
         console.document(&Document {
-            schema: schema("order-regex"),
-            skills: skills.name.clone(),
-            level: arguments.choice.level.level().word(),
+            head: rules::Head::of("order-regex", skills, arguments.choice.level.level()),
             whole: arguments.whole,
             regex,
             states,

@@ -1,13 +1,15 @@
 //! `FILE[::NAME]`: which set of rules is meant, and which of its rules.
 
 use super::Choice;
+use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::files::Loaded;
 use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::diagnostics::nearest;
-use crate::order::Skills;
 use crate::order::dfa::TooLarge;
+use crate::order::{Level, Skills};
+use serde::Serialize;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -17,6 +19,25 @@ pub struct Chosen {
     pub loaded: Loaded,
     /// The skills, with the rules that were asked for.
     pub skills: Skills,
+}
+
+/// What the documents of these commands begin with.
+#[derive(Debug, Serialize)]
+pub struct Head {
+    schema: String,
+    skills: String,
+    level: &'static str,
+}
+
+impl Head {
+    /// The head of a command's document about these skills at this level.
+    pub fn of(command: &str, skills: &Skills, level: Level) -> Self {
+        Self {
+            schema: schema(command),
+            skills: skills.name.clone(),
+            level: level.word(),
+        }
+    }
 }
 
 /// Loads the one set of rules that is meant. Where the file has errors, they are printed and the exit code is given instead.

@@ -1,7 +1,6 @@
 //! `linewright order strongest`: the recalls and detours that can be left out.
 
 use super::{Choice, rules, words};
-use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::select::Selection;
@@ -41,9 +40,8 @@ pub struct Arguments {
 
 #[derive(Serialize)]
 struct Document {
-    schema: String,
-    skills: String,
-    level: &'static str,
+    #[serde(flatten)]
+    head: rules::Head,
     states: usize,
     transitions: usize,
     candidates: Vec<CandidateEntry>,
@@ -98,9 +96,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let console = options.console();
     if options.format == Format::Json {
         console.document(&Document {
-            schema: schema("order-strongest"),
-            skills: skills.name.clone(),
-            level: arguments.choice.level.level().word(),
+            head: rules::Head::of("order-strongest", skills, arguments.choice.level.level()),
             states: fsm.states.len(),
             transitions: fsm.transitions().len(),
             candidates: entries(&found, skills),
