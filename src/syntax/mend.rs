@@ -143,6 +143,13 @@ pub fn is_component(rest: &str) -> bool {
     end > 0 && name[end..].trim_start().starts_with(':')
 }
 
+/// Whether this follows a word that somebody takes for a name, `line -> left` or `line = c.a`: no declaration begins so, and the word is
+/// no name, but that is not for want of a brace.
+fn is_meant_as_name(rest: &str) -> bool {
+    let rest = rest.trim_start();
+    rest.starts_with("->") || rest.starts_with([',', ';', '=', '}'])
+}
+
 /// How long the name and the blanks are between the word `skills`, which this follows, and the brace of a set of skills. Nothing but a set
 /// has a name between the two: no expression holds two names side by side.
 fn skills_head(rest: &str) -> Option<usize> {
@@ -242,8 +249,8 @@ impl Scanner<'_> {
     fn word(&mut self, word: &str, offset: usize) {
         let rest = &self.text[offset + word.len()..];
         let begins_item = match word {
-            "contract" | "moore" | "line" | "import" => true,
-            "machine" => !is_component(rest),
+            "contract" | "moore" | "line" | "import" => !is_meant_as_name(rest),
+            "machine" => !is_component(rest) && !is_meant_as_name(rest),
             "skills" => is_skill_set(rest),
             _ => false,
         };

@@ -104,6 +104,9 @@ fn too_deep(file: FileId, offset: usize) -> Diagnostic {
 /// What is wrong with a piece that matched no item. `context` is the `bad_*` rule that took it.
 pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) -> Diagnostic {
     let text = piece.trim_end();
+    if let Some(finding) = skills::explain(file, start, text, context) {
+        return finding;
+    }
     let first: String = after_comments(text)
         .chars()
         .take_while(|c| c.is_alphanumeric() || *c == '_')
@@ -143,9 +146,6 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         && let Err(error) = Grammar::parse(rule, text)
     {
         return finding_of(file, start, text, &error);
-    }
-    if let Some(finding) = skills::explain(file, start, text, context) {
-        return finding;
     }
     let operator = word_at(text);
     if operator == "=" {
@@ -356,7 +356,11 @@ fn finding_of(
     };
     let (expected, hint) = match &error.variant {
         ErrorVariant::ParsingError { positives, .. } => {
-            (expectations(positives), skills::hint(&word, positives))
+            let around = (&text[..at], &text[at + word.len()..]);
+            (
+                expectations(positives),
+                skills::hint(&word, around, positives),
+            )
         }
         ErrorVariant::CustomError { message } => (message.clone(), None),
     };
@@ -375,10 +379,7 @@ fn finding_of(
     if let Some(hint) = hint {
         return finding.with_help(hint);
     }
-    if (RESERVED.contains(&word.as_str()) || ITEMS.contains(&word.as_str()))
-        && !expected.contains("an expression")
-        && expected.contains("a name")
-    {
+    if is_reserved(&word) && !expected.contains("an expression") && expected.contains("a name") {
         return finding.with_help(format!(
             "expected {expected}; `{word}` is a word of the language and cannot be a name"
         ));
@@ -415,6 +416,11 @@ fn unit_meant(word: &str) -> Option<&'static str> {
         "kilogram" | "kilograms" | "kilo" => "kg",
         _ => return nearest(word, mend::UNITS.iter().copied()),
     })
+}
+
+/// Whether a word cannot be a name.
+fn is_reserved(word: &str) -> bool {
+    RESERVED.contains(&word) || ITEMS.contains(&word)
 }
 
 /// Words that take all that follows.

@@ -1,45 +1,120 @@
 //! What is said of skills and orders that do not parse.
 
-use super::{Rule, after_comments, word_at};
+use super::{Rule, after_comments, is_reserved, word_at};
 use crate::diagnostics::{Diagnostic, codes, nearest};
 use crate::source::{FileId, Span};
 
-/// What is wrong with a piece of a component that is no skill.
+/// Words that may follow the name of a skill or of an order.
+const FOLLOWING: [&str; 11] = [
+    "before",
+    "only",
+    "until",
+    "then",
+    "twice",
+    "between",
+    "and",
+    "deletes",
+    "at",
+    "order",
+    "component",
+];
+
+/// What is wrong with a piece of a component that is no skill, or with what a machine says of a skill that has no name.
 pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> Option<Diagnostic> {
-    let code = after_comments(text);
-    let word = sign_at(code);
-    if context != Rule::bad_skill || word.is_empty() {
+    if !matches!(context, Rule::bad_skill | Rule::bad_skill_call) {
         return None;
     }
+    let code = after_comments(text);
+    // `Left -> then`: the skill itself was read.
+    let target = { code.strip_prefix("->") }.map(after_comments);
+    let code = target.filter(|t| is_word(&word_at(t))).unwrap_or(code);
+    let word = sign_at(code);
     let at = start + text.len() - code.len();
-    let span = Span::new(file, at, at + word.len());
-    let message = format!("`{word}` does not fit here");
-    Some(
-        Diagnostic::error(codes::SYNTAX, span, message).with_help(
-            "a skill is written with the situation that it leads to: `Left -> left`; commas or new lines stand between skills",
-        ),
-    )
+    let finding = Diagnostic::error(
+        codes::SYNTAX,
+        Span::new(file, at, at + word.len()),
+        format!("`{word}` does not fit here"),
+    );
+    if is_word(&word) {
+        return Some(finding.with_help(no_name(&word)));
+    }
+    if context == Rule::bad_skill_call || word.is_empty() {
+        return None;
+    }
+    Some(finding.with_help(
+        "a skill is written with the situation that it leads to: `Left -> left`; commas or new lines stand between skills",
+    ))
 }
 
-/// What to do instead, where something stands that does not follow events, or operands of a regular expression.
-pub(super) fn hint(word: &str, expected: &[Rule]) -> Option<String> {
+/// What to do instead, where something stands that does not follow events, or operands of a regular expression, or is no name. The text
+/// before and behind it says how it is meant.
+pub(super) fn hint(word: &str, (before, after): (&str, &str), expected: &[Rule]) -> Option<String> {
     if expected.contains(&Rule::k_order)
         && let Some(near) = nearest(word, ["component", "order"].into_iter())
     {
         return Some(format!("did you mean `{near}`?"));
     }
-    if !expected.contains(&Rule::ampersand) {
-        return None;
-    }
+    let in_regex = expected.contains(&Rule::element);
     let list = expected.contains(&Rule::comma);
+    let behind_operand = [Rule::ampersand, Rule::bar]
+        .iter()
+        .any(|r| expected.contains(r));
     let hint = match word {
-        "or" | "|" | "and" if list => {
+        "or" | "|" | "and" if list && behind_operand => {
             "a list of which any is meant is written with commas, `Left, Right`; what is called at once with `&`, `Left & Right`"
         }
-        "*" | "+" | "?" | "{" if !list => "put brackets around what is repeated: `(Left & Down)*`",
+        "and" | "," if expected.contains(&Rule::arrow) && behind_operand => {
+            "situations of several components are written with `&`: `left & down -> right`"
+        }
+        "or" if in_regex && behind_operand => {
+            "between alternatives there is a `|`: `(Left | Right)`"
+        }
+        "and" | "then" if in_regex && behind_operand => {
+            "skills that follow each other stand side by side, `(Left Right)`; between skills that are called at once there is an `&`"
+        }
+        "*" | "+" | "?" | "{" if expected.contains(&Rule::ampersand) && !list => {
+            "put brackets around what is repeated: `(Left & Down)*`"
+        }
+        _ if !is_word(word) || !(in_regex || expected.contains(&Rule::word)) => return None,
+        _ if last_word(before) == "at" => return Some(no_level(word)),
+        _ if in_regex || is_meant_as_name(after) => return Some(no_name(word)),
         _ => return None,
     };
     Some(hint.to_owned())
+}
+
+/// Whether a word of the language cannot be a name among skills, where the letters of temporal operators mean nothing.
+fn is_word(word: &str) -> bool {
+    is_reserved(word) && !["GF", "G", "F", "X", "O"].contains(&word)
+}
+
+fn no_name(word: &str) -> String {
+    // All words of the language are written in small letters.
+    let (first, rest) = word.split_at(1);
+    format!(
+        "expected a name; `{word}` is a word of the language and cannot be a name: write `{}{rest}` or `{word}_`",
+        first.to_ascii_uppercase()
+    )
+}
+
+fn no_level(word: &str) -> String {
+    format!("expected a level, such as `at reasonable`; `{word}` is a word of the language")
+}
+
+/// Whether what stands behind a word is what stands behind a name: in `order home never Left` a sign is missing before the word.
+fn is_meant_as_name(after: &str) -> bool {
+    let next = word_at(after_comments(after));
+    !next.starts_with(|c: char| c.is_alphanumeric() || c == '_')
+        || FOLLOWING.contains(&next.as_str())
+}
+
+fn last_word(text: &str) -> &str {
+    let text = text.trim_end();
+    let start = text.rfind(|c: char| !c.is_alphanumeric() && c != '_');
+    // The sign may have several bytes.
+    start.map_or(text, |s| {
+        text[s..].trim_start_matches(|c: char| !c.is_alphanumeric() && c != '_')
+    })
 }
 
 /// The phrase for a rule.
