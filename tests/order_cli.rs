@@ -95,24 +95,27 @@ fn a_program_is_text_or_a_table() {
     }
 }
 
-#[test]
-fn all_that_cannot_be_read_is_told_at_once() {
-    let (document, output) = checked("p.txt", "Rigth\nDown Grip\nUp & Up\nLeft &\nUp\n", &[]);
-    assert_eq!(output.status.code(), Some(2));
+/// What is told of a program that cannot be read.
+fn invalid(name: &str, program: &str) -> String {
+    let (document, output) = checked(name, program, &[]);
+    assert_eq!(output.status.code(), Some(2), "{document}");
     let program = &document["programs"][0];
     assert_eq!(program["verdict"], "invalid");
     let findings = program["findings"].as_array().expect("findings");
-    let told: Vec<String> = findings
-        .iter()
-        .map(|f| {
-            let place = &f["span"];
-            format!(
-                "{}:{} {} ({})",
-                place["line"], place["column"], f["message"], f["help"]
-            )
-        })
-        .collect();
-    insta::assert_snapshot!(told.join("\n"));
+    let told = findings.iter().map(|f| {
+        let place = &f["span"];
+        format!(
+            "{}:{} {} ({})",
+            place["line"], place["column"], f["message"], f["help"]
+        )
+    });
+    told.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn all_that_cannot_be_read_is_told_at_once() {
+    let program = "Rigth\nDown Grip\nUp & Up\nLeft &\nUp\n";
+    insta::assert_snapshot!(invalid("p.txt", program));
     let (document, output) = checked("p.csv", "skill\nRigth\nUp\n", &[]);
     assert_ne!(output.status.code(), Some(0));
     assert_eq!(document["programs"][0]["findings"][0]["span"]["line"], 2);
@@ -195,7 +198,7 @@ fn an_automaton_is_written_in_every_form() {
 }
 
 /// What the program answers line by line to this input.
-fn monitored(input: &str, more: &[&str]) -> Output {
+fn monitored(input: impl AsRef<[u8]>, more: &[&str]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_linewright"))
         .current_dir(support::root())
         .args(["order", "monitor", UNIT])
@@ -206,8 +209,8 @@ fn monitored(input: &str, more: &[&str]) -> Output {
         .spawn()
         .expect("it starts");
     let mut stdin = child.stdin.take().expect("a pipe");
-    // It may have ended at an unknown skill already.
-    let _ = stdin.write_all(input.as_bytes());
+    // With `--stop` it may have ended already.
+    let _ = stdin.write_all(input.as_ref());
     drop(stdin);
     child.wait_with_output().expect("it ends")
 }
@@ -228,14 +231,37 @@ fn a_monitor_answers_each_line_and_refuses_without_losing_its_place() {
         (&last["line"], &last["allowed"]),
         (&Value::from(2), &Value::from(false))
     );
-    let output = monitored("Down\nDwon\nUp\n", &[]);
-    assert_eq!(output.status.code(), Some(2));
-    assert_eq!(text(&output), "Down: ok\n");
-    assert!(
-        error(&output).contains("did you mean `Down`?"),
-        "{}",
-        error(&output)
-    );
+}
+
+/// A line that is no call is refused like a call, and the next one is read.
+#[test]
+fn a_monitor_goes_on_behind_what_it_cannot_read() {
+    let lines = "\u{feff}Down\nLfet\nL\u{1b}ft & \nDown & Down\n\u{a0}Up\u{a0}\nLeft\n";
+    let output = monitored(lines, &[]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(error(&output), "");
+    insta::assert_snapshot!(text(&output));
+
+    let documents = |input: &[u8], more: &[&str]| -> Vec<Value> {
+        let output = monitored(input, &[&["--format", "json"], more].concat());
+        assert_eq!(output.status.code(), Some(1), "{}", error(&output));
+        let lines: Vec<String> = text(&output).lines().map(str::to_owned).collect();
+        let read = |l: &String| serde_json::from_str(l).expect("JSON");
+        lines.iter().map(read).collect()
+    };
+    let found = documents(b"Down\n\nL\xffft\nLfet\nUp\n", &[]);
+    let wanted = serde_json::json!([
+        { "line": 1, "allowed": true },
+        { "line": 3, "allowed": false, "why": "this is no text in UTF-8: send the names of skills in UTF-8" },
+        { "line": 4, "allowed": false, "why": "there is no skill `Lfet`: did you mean `Left`?" },
+        { "line": 5, "allowed": true },
+    ]);
+    assert_eq!(Value::from(found), wanted);
+    let found = documents(b"Down\nL\xffft\nUp\n", &["--stop"]);
+    assert_eq!(found.len(), 2, "{found:?}");
+    let long = "Left ".repeat(1 << 16);
+    let output = monitored(long.as_bytes(), &[]);
+    assert!(text(&output).len() < 1 << 13, "{}", text(&output).len());
 }
 
 /// Whoever sends a call and waits gets the answer, although more is to come.

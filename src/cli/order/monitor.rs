@@ -6,6 +6,7 @@ use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::output;
 use crate::cli::select::Selection;
+use crate::order::Skills;
 use crate::order::dfa::TooLarge;
 use crate::order::fsm::{Fsm, calls};
 use crate::order::monitor::{Monitor, Verdict};
@@ -18,14 +19,19 @@ use std::collections::HashMap;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+/// A line that is no call is looked at and answered with up to this.
+const LONGEST_CALL: usize = 1 << 12;
+
 /// The arguments of `order monitor`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
     linewright order monitor examples/pick-and-place/unit.lw < examples/pick-and-place/intended.txt
     linewright order monitor examples/pick-and-place/unit.lw --emit c --out monitor
 
-Every line of standard input is a call: a skill, or `Left & Down` for skills that are called at once. Each is answered at once, in a \
-line of its own: the call, and `ok` or why it is refused. A call that is refused counts as not made. Exit code 1 where one was refused.")]
+Every line of standard input is a call: a skill, or `Left & Down` for skills that are called at once. What follows # or // is a \
+comment. Each call is answered at once, in a line of its own: the call, and `ok` or why it is refused; with --format json \
+`{\"line\":3,\"allowed\":true}`. A call that is refused counts as not made, and so does a line that is no call: it is refused, and the \
+next one is read. Exit code 1 where one was refused.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
@@ -39,7 +45,7 @@ pub struct Arguments {
     /// Know so many skills at once at most [default: one of each component]
     #[arg(long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
-    /// End at the first call that is refused
+    /// End at the first line that is refused
     #[arg(long)]
     pub stop: bool,
     /// Which rules are kept.
@@ -131,7 +137,7 @@ fn emitted(
     Ok(ExitCode::Success)
 }
 
-/// Answers line by line. Nothing is allocated for a line once the longest has been seen.
+/// Answers line by line. Nothing is allocated for a call that is allowed once the longest line has been seen.
 fn watch(
     table: &Table,
     chosen: &Chosen,
@@ -156,28 +162,30 @@ fn watch(
             break;
         }
         number += 1;
-        let call = without_comment(&line);
+        let text = without_mark(&line, number);
+        let call = without_comment(text);
         if call.is_empty() {
             continue;
         }
-        let verdict = if let Some(skill) = names.get(call) {
-            monitor.call(*skill)
+        let answer = if let Some(skill) = names.get(call) {
+            Answer::of(monitor.call(*skill), table)
         } else if let Some(mask) = mask(call, &names) {
-            monitor.call_at_once(mask)
+            Answer::of(monitor.call_at_once(mask), table)
         } else {
-            out.flush()?;
-            let text = String::from_utf8_lossy(call);
-            let wrong = program::call(&text, skills).err();
-            let wrong = wrong.map_or_else(String::new, |w| format!("{}; {}", w.message, w.help));
-            let said = format!("line {number}: {wrong}\n");
-            options.console().remark(&said)?;
-            return Ok(ExitCode::CannotRun);
+            match spelled_out(call, skills) {
+                Ok(mask) => Answer::of(monitor.call_at_once(mask), table),
+                Err(wrong) => Answer::NoCall(wrong),
+            }
         };
-        let refused = !verdict.is_allowed();
+        let refused = !matches!(answer, Answer::Allowed);
         if refused {
             result = ExitCode::Findings;
         }
-        let mut written = answer(&mut out, call, number, verdict, table, json);
+        let mut written = if json {
+            answer.write_json(&mut out, number)
+        } else {
+            answer.write(&mut out, call, number)
+        };
         // Who waits for the answer gets it; who sends much at once is not slowed down.
         if input.buffer().is_empty() {
             written = written.and_then(|()| out.flush());
@@ -215,27 +223,74 @@ fn mask(call: &[u8], names: &HashMap<&[u8], u8>) -> Option<u64> {
     })
 }
 
-fn answer(
-    out: &mut impl Write,
-    call: &[u8],
-    number: u64,
-    verdict: Verdict,
-    table: &Table,
-    json: bool,
-) -> io::Result<()> {
-    match (verdict, json) {
-        (Verdict::Allowed, false) => {
-            out.write_all(call)?;
-            out.write_all(b": ok\n")
-        }
-        (Verdict::Allowed, true) => writeln!(out, "{{\"line\":{number},\"allowed\":true}}"),
-        (Verdict::Refused(why), false) => {
-            out.write_all(call)?;
-            writeln!(out, ": refused, {}", why.text(table))
-        }
-        (Verdict::Refused(why), true) => {
-            let why = serde_json::Value::from(why.text(table));
-            writeln!(out, "{{\"line\":{number},\"allowed\":false,\"why\":{why}}}")
+/// The text of a line, without the mark that some editors and shells put before the first one.
+fn without_mark(line: &[u8], number: u64) -> &[u8] {
+    let mark = if number == 1 { "\u{feff}" } else { "" };
+    line.strip_prefix(mark.as_bytes()).unwrap_or(line)
+}
+
+/// What is called by a line that is not just names and `&`: blanks may be others than those of ASCII. Else what is wrong with it.
+fn spelled_out(call: &[u8], skills: &Skills) -> Result<u64, String> {
+    if call.len() > LONGEST_CALL {
+        let longer = format!("this line is longer than {LONGEST_CALL} bytes");
+        return Err(format!("{longer}: write each call on a line of its own"));
+    }
+    let Ok(text) = str::from_utf8(call) else {
+        return Err("this is no text in UTF-8: send the names of skills in UTF-8".to_owned());
+    };
+    match program::call(text, skills) {
+        Ok(call) => Ok(call.0),
+        Err(wrong) => Err(format!("{}: {}", wrong.message, wrong.help)),
+    }
+}
+
+/// What is said of a line.
+enum Answer {
+    Allowed,
+    /// The call is refused, and why.
+    Refused(String),
+    /// It is no call, and why.
+    NoCall(String),
+}
+
+impl Answer {
+    fn of(verdict: Verdict, table: &Table) -> Self {
+        match verdict {
+            Verdict::Allowed => Self::Allowed,
+            Verdict::Refused(why) => Self::Refused(why.text(table)),
         }
     }
+
+    fn write(&self, out: &mut impl Write, call: &[u8], number: u64) -> io::Result<()> {
+        match self {
+            Self::Allowed => {
+                out.write_all(call)?;
+                out.write_all(b": ok\n")
+            }
+            Self::Refused(why) => {
+                out.write_all(call)?;
+                writeln!(out, ": refused, {why}")
+            }
+            // Whatever was sent must not do anything to a terminal.
+            Self::NoCall(why) => {
+                let call = &call[..call.len().min(LONGEST_CALL)];
+                let call = printable(&String::from_utf8_lossy(call));
+                writeln!(out, "{call}: refused, line {number}: {}", printable(why))
+            }
+        }
+    }
+
+    fn write_json(&self, out: &mut impl Write, number: u64) -> io::Result<()> {
+        match self {
+            Self::Allowed => writeln!(out, "{{\"line\":{number},\"allowed\":true}}"),
+            Self::Refused(why) | Self::NoCall(why) => {
+                let why = serde_json::Value::from(why.as_str());
+                writeln!(out, "{{\"line\":{number},\"allowed\":false,\"why\":{why}}}")
+            }
+        }
+    }
+}
+
+fn printable(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
 }
