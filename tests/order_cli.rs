@@ -84,6 +84,10 @@ fn a_program_is_text_or_a_table() {
         ("p.csv", "skill;comment\nRight & Grip;both\nDown;then\n"),
         ("p.csv", "step,skill\n1,Right\n1,Grip\n\n2,Down\n"),
         (
+            "p.csv",
+            "\u{feff}\n;\nstep;skill\n1;Right\n01;Grip\n;\n2;Down\n",
+        ),
+        (
             "p.CSV",
             "Step\tCalls\r\n10\tRight\r\n10\tGrip\r\n20\tDown\r\n",
         ),
@@ -112,6 +116,49 @@ fn invalid(name: &str, program: &str) -> String {
     told.collect::<Vec<_>>().join("\n")
 }
 
+/// Rows of one call stand together, and are in the order in which they are called.
+#[test]
+fn steps_that_come_again_or_go_back_are_told() {
+    let programs = [
+        // Again, and again.
+        "step,skill\n1,Right\n1,Grip\n2,Down\n1,Up\n1,Release\n2,Up\n",
+        // Back, and a name that is none.
+        "step;skill\n10;Right\n 9;Down\n11;Dwon\n",
+        // Names of steps have no order, but do not come again either.
+        "step;skill\nb;Right\na;Down\nb;Up\n",
+        // The same number, and the same skill twice.
+        "step;skill\n1;Right\n01;Grip\n1;Right\n",
+        // Not which step.
+        "step;skill\n1;Right\n;Grip\n2;Down\n",
+        // What stands before the dot counts.
+        "step;skill\n1.9;Right\n1.10;Down\n2.1;Grip\n1.11;Up\n",
+        // What is wrong in a step is no matter of the one before.
+        "step;skill\n1;Right\n2;Rihgt\n2;Right\n",
+    ];
+    let told = programs.map(|p| format!("{p}{}\n", invalid("p.csv", p)));
+    insta::assert_snapshot!(told.join("\n"));
+    let (document, output) = checked(
+        "p.csv",
+        "step;skill\n-1;Right\n2;Down\n2;Grip\n10;Up\nA;Left\n3;Down\n",
+        &[],
+    );
+    assert_eq!(output.status.code(), Some(0), "{document}");
+    assert_eq!(document["programs"][0]["calls"], 5);
+}
+
+#[test]
+fn a_table_without_a_header_says_how_to_write_one() {
+    let programs = [
+        "1;Left\n2;Rigth\n3;Up\n",
+        "\n1,Left\n",
+        "no;action\n1;Left\n",
+        "Lfet;Down\n",
+        "Left;before all\nDown;\n",
+    ];
+    let told = programs.map(|p| format!("{p}{}\n", invalid("p.csv", p)));
+    insta::assert_snapshot!(told.join("\n"));
+}
+
 #[test]
 fn all_that_cannot_be_read_is_told_at_once() {
     let program = "Rigth\nDown Grip\nUp & Up\nLeft &\nUp\n";
@@ -119,6 +166,31 @@ fn all_that_cannot_be_read_is_told_at_once() {
     let (document, output) = checked("p.csv", "skill\nRigth\nUp\n", &[]);
     assert_ne!(output.status.code(), Some(0));
     assert_eq!(document["programs"][0]["findings"][0]["span"]["line"], 2);
+}
+
+/// What is missing is shown with skills that there are.
+#[test]
+fn help_names_skills_that_there_are() {
+    let said = |component: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(
+            folder.path().join("a.lw"),
+            format!("skills A {{ component x {{ Turn Stop }} {component} }}\n"),
+        )
+        .expect("a file");
+        error(&linewright(
+            folder.path(),
+            &["order", "complete", "a.lw", ""],
+        ))
+    };
+    let wanted =
+        "a skill is missing: write `Turn`, or `Turn & Wait` for skills that are called at once";
+    assert!(said("component y { Wait }").contains(wanted));
+    assert!(
+        said("")
+            .trim_end()
+            .ends_with("a skill is missing: write `Turn`")
+    );
 }
 
 #[test]
