@@ -168,6 +168,38 @@ fn all_that_cannot_be_read_is_told_at_once() {
     assert_eq!(document["programs"][0]["findings"][0]["span"]["line"], 2);
 }
 
+/// A program that is not there is told before rules are looked for beside it.
+#[test]
+fn a_program_that_is_not_there_is_told_first() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let check =
+        |arguments: &[&str]| linewright(folder.path(), &[&["order", "check"], arguments].concat());
+    let output = check(&["nosuch.txt"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = error(&output);
+    assert!(
+        said.starts_with("error[LW001]: nosuch.txt cannot be read"),
+        "{said}"
+    );
+    assert!(!said.contains("--rules"), "{said}");
+    let found = document(&check(&["nosuch.txt", "--format", "json"]));
+    assert_eq!(found["schema"], "linewright/order-check/1");
+    assert_eq!(found["findings"][0]["code"], "LW001");
+
+    // The rules beside another one are taken, and where there are none, both are told.
+    fs::write(folder.path().join("p.txt"), "Right\n").expect("a program");
+    let said = error(&check(&["nosuch.txt", "p.txt"]));
+    let (program, rules) = (said.find("nosuch.txt cannot"), said.find("--rules FILE"));
+    assert!(program.is_some() && program < rules, "{said}");
+    fs::copy(support::root().join(UNIT), folder.path().join("unit.lw")).expect("a copy");
+    let output = check(&["nosuch.txt", "p.txt"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        text(&output),
+        "nosuch.txt: cannot be read\np.txt: accepted, 1 call (valid)\n"
+    );
+}
+
 /// What is missing is shown with skills that there are.
 #[test]
 fn help_names_skills_that_there_are() {

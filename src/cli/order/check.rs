@@ -9,6 +9,7 @@ use crate::diagnostics::{Diagnostic, codes, json, sarif};
 use crate::order::picture::names;
 use crate::order::program::{Checked, Violation, check};
 use crate::order::supervisor::Supervisor;
+use crate::source::SourceMap;
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -21,8 +22,14 @@ use std::fmt::Write as _;
 
     $ linewright order check examples/pick-and-place/crash.csv
 
-A program has a call a line: a skill, or `Left & Down` for skills that are called at once. In a .csv file the \
-skills of a line stand in its cells, or in a column `skill`. What follows # is a comment.")]
+A program is a text file with a call a line: a skill, or `Left & Down` for skills that are called at once. What follows # or // \
+is a comment.
+
+In a .csv file the skills of a row stand in its cells and are called at once. Where other columns stand beside them, the first row is \
+a header with a column `skill`, and a column `step` where rows with the same step, one behind the other, are one call. Steps do not \
+come again, and their numbers do not go back.
+
+Exit code 1 where a program is refused, 2 where one cannot be read.")]
 pub struct Arguments {
     /// Programs to check
     #[arg(required = true, value_name = "PROGRAM")]
@@ -71,9 +78,16 @@ struct ViolationEntry {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    // Each is read once: it may be a pipe.
+    let programs: Vec<(&str, Read)> = { arguments.programs.iter() }
+        .map(|name| (name.as_str(), read(name)))
+        .collect();
     let selection = match &arguments.rules {
         Some(rules) => rules.clone(),
-        None => rules::beside(&arguments.programs[0])?,
+        None => match beside(&programs, options)? {
+            Ok(selection) => selection,
+            Err(code) => return Ok(code),
+        },
     };
     let mut chosen = match rules::choose(&selection, &arguments.choice, options)? {
         Ok(chosen) => chosen,
@@ -83,8 +97,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut text = String::new();
     let mut all = Vec::new();
     let mut code = ExitCode::Success;
-    for name in &arguments.programs {
-        match one(name, &mut chosen, arguments) {
+    for (name, read) in programs {
+        match one(name, read, &mut chosen, arguments) {
             Ok((entry, told, findings)) => {
                 if entry.verdict == "invalid" {
                     code = code.and(ExitCode::CannotRun);
@@ -120,10 +134,46 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(code)
 }
 
+/// The text of a program, or why there is none.
+type Read = Result<String, Box<Diagnostic>>;
+
+fn read(name: &str) -> Read {
+    std::fs::read_to_string(name).map_err(|error| {
+        let message = format!("{name} cannot be read: {error}");
+        let finding = Diagnostic::error(codes::FILE_UNREADABLE, None, message);
+        Box::new(finding.with_help("give a file of calls in UTF-8: a skill a line"))
+    })
+}
+
+/// The rules beside the first program that can be read. Without one, or without rules, programs that cannot be read are told here, since
+/// they may be why.
+fn beside(
+    programs: &[(&str, Read)],
+    options: &GlobalOptions,
+) -> anyhow::Result<Result<Selection, ExitCode>> {
+    let unreadable: Vec<Diagnostic> = { programs.iter() }
+        .filter_map(|(_, read)| read.as_ref().err())
+        .map(|finding| (**finding).clone())
+        .collect();
+    let sources = SourceMap::default();
+    let Some((first, _)) = programs.iter().find(|(_, read)| read.is_ok()) else {
+        options
+            .console()
+            .failed("order-check", &sources, &unreadable)?;
+        return Ok(Err(options.exit_code(&unreadable)));
+    };
+    let found = rules::beside(first);
+    if found.is_err() {
+        options.console().findings(&sources, &unreadable)?;
+    }
+    found.map(Ok)
+}
+
 type Told = (Entry, String, Vec<Diagnostic>);
 
 fn one(
     name: &str,
+    read: Read,
     chosen: &mut Chosen,
     arguments: &Arguments,
 ) -> Result<Told, crate::order::dfa::TooLarge> {
@@ -135,16 +185,13 @@ fn one(
         completion: None,
         findings: Vec::new(),
     };
-    let read = match std::fs::read_to_string(name) {
-        Ok(read) => read,
-        Err(error) => {
-            let message = format!("{name} cannot be read: {error}");
-            let finding = Diagnostic::error(codes::FILE_UNREADABLE, None, message)
-                .with_help("give a file of calls: a skill a line");
-            return Ok((entry, format!("{name}: cannot be read\n"), vec![finding]));
+    let text = match read {
+        Ok(text) => text,
+        Err(finding) => {
+            return Ok((entry, format!("{name}: cannot be read\n"), vec![*finding]));
         }
     };
-    let file = chosen.loaded.library.sources.add(name, read);
+    let file = chosen.loaded.library.sources.add(name, text);
     let skills = &chosen.skills;
     let program = program::read(&chosen.loaded.library.sources, file, skills);
     entry.calls = program.calls.len();
