@@ -200,6 +200,66 @@ fn a_program_that_is_not_there_is_told_first() {
     );
 }
 
+/// A set of skills `Small` with these orders, in a file of its own: what a command says of it.
+fn small(orders: &str, command: &[&str]) -> Output {
+    let folder = tempfile::tempdir().expect("a folder");
+    let set = format!(
+        "skills Small {{\n    component x {{ Left, Right }}\n    component y {{ Grip }}\n    {orders}\n}}\n"
+    );
+    fs::write(folder.path().join("small.lw"), set).expect("a file");
+    let all = [&["order", command[0], "small.lw"], &command[1..]].concat();
+    linewright(folder.path(), &all)
+}
+
+/// What is printed goes into a file again, or it is said that it does not.
+#[test]
+fn an_expression_goes_back_into_a_file() {
+    for (orders, why) in [
+        ("order: at most 2 of Grip", None),
+        (
+            "order: at most 250 of Grip",
+            Some("nested more than 200 levels deep (LW002)"),
+        ),
+        (
+            "order: at most 12 of Left\n    order: at most 12 of Right",
+            Some("more than 10000 skills (LW112)"),
+        ),
+    ] {
+        let output = small(orders, &["regex"]);
+        assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+        match why {
+            None => assert_eq!(error(&output), ""),
+            Some(why) => assert!(error(&output).contains(why), "{}", error(&output)),
+        }
+        let sequence = format!("order: sequence ({})", text(&output).trim());
+        let again = small(&sequence, &["regex"]);
+        assert_eq!(again.status.code() == Some(0), why.is_none(), "{orders}");
+        if why.is_none() {
+            assert_eq!(text(&again), text(&output));
+        }
+    }
+}
+
+/// A sequence that cannot be ended because of the other rules.
+#[test]
+fn an_expression_for_no_program_is_said_to_be_that() {
+    let orders = "order begin: sequence (Left Grip)\n    order end: never Grip";
+    let output = small(orders, &["regex", "--whole"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(text(&output), "not (Left | Right | Grip)\n");
+    assert!(
+        error(&output).starts_with("no program is complete"),
+        "{}",
+        error(&output)
+    );
+    let sequence = format!("order: sequence ({})", text(&output).trim());
+    assert_eq!(
+        text(&small(&sequence, &["regex", "--whole"])),
+        text(&output)
+    );
+    assert_eq!(text(&small(orders, &["regex"])), "Left?\n");
+}
+
 /// What is missing is shown with skills that there are.
 #[test]
 fn help_names_skills_that_there_are() {

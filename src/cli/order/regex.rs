@@ -4,8 +4,10 @@ use super::{Choice, rules};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::select::Selection;
-use crate::order::eliminate;
+use crate::contract;
+use crate::diagnostics::Severity;
 use crate::order::fsm::Fsm;
+use crate::order::{Regex, Skills, eliminate};
 use clap::Args;
 use serde::Serialize;
 
@@ -15,13 +17,17 @@ use serde::Serialize;
     linewright order regex examples/pick-and-place/unit.lw
     linewright order regex examples/pick-and-place/printed/grammars.lw::Reasonable --whole
 
-The expression is over single skills, one after the other, as `sequence` takes it in a file. Every beginning of one of its \
-words is one of its words too, so that a monitor can use it, but for --whole.")]
+The expression is over single skills, one after the other, as `sequence` takes it in a file: `sequence (...)`. Where it is too long \
+or nested too deep for that, a remark says so.
+
+Every beginning of a program that it describes is described by it, too, so that a monitor can use it. With --whole it describes \
+programs that may end where they do. Where there are none, since every program is left in the middle of a sequence, `not (...)` with \
+all skills is printed, which nothing that is called fits, a remark says so, and the exit code is 1.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// Only programs that may end where they do: no sequence is in the middle of a word
+    /// Only programs that may end where they do: none is left in the middle of a sequence
     #[arg(long)]
     pub whole: bool,
     /// Which rules are kept.
@@ -53,13 +59,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             dfa.prefix_closed()
         };
         let regex = eliminate::regex(&dfa)?;
-        Ok((regex.text(skills), dfa.minimal().states()))
+        Ok((regex, dfa.minimal().states()))
     });
-    let (regex, states) = match found {
+    let (found, states) = match found {
         Ok(found) => found,
         Err(error) => return rules::gave_up(&error, options),
     };
     let console = options.console();
+    let regex = found.text(skills);
+    let kept_out = too_much(&regex, skills);
     if options.format == Format::Json {
         console.document(&Document {
             head: rules::Head::of("order-regex", skills, arguments.choice.level.level()),
@@ -70,5 +78,29 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     } else {
         console.result(&format!("{regex}\n"))?;
     }
+    if let Some(why) = kept_out {
+        console.remark(&format!(
+            "this expression cannot be put into a file as a `sequence`: {why}; fewer rules (--rule NAME, --no-rule NAME) make a shorter one\n"
+        ))?;
+    }
+    if found == Regex::Nothing {
+        console.remark(
+            "no program is complete: whatever is called, it is left in the middle of a sequence; nothing fits this expression\n",
+        )?;
+        return Ok(ExitCode::Findings);
+    }
     Ok(ExitCode::Success)
+}
+
+/// Why an expression would be refused in a file, if it would.
+fn too_much(regex: &str, skills: &Skills) -> Option<String> {
+    let names: Vec<&str> = skills.skills.iter().map(|s| s.name.as_str()).collect();
+    let set = format!(
+        "skills Again {{ component all {{ {} }} order: sequence ({regex}) }}",
+        names.join(", ")
+    );
+    let nothing_else = |_: &str, _: &str| Err(String::new());
+    let (_, findings) = contract::load(&[(String::new(), set)], &nothing_else);
+    let refused = findings.into_iter().find(|f| f.severity == Severity::Error);
+    refused.map(|f| format!("{} ({})", f.message, f.code.id))
 }
