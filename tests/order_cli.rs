@@ -211,6 +211,38 @@ fn small(orders: &str, command: &[&str]) -> Output {
     linewright(folder.path(), &all)
 }
 
+/// Each is an option of the command.
+#[test]
+fn what_is_advised_where_it_is_too_large_is_there() {
+    let large = "order many: sequence (.* Left .{20})";
+    for (command, options) in [
+        (&["regex"][..], &["--rule NAME"][..]),
+        (&["fsm"], &["--rule NAME", "--at-once N", "--by-component"]),
+        (&["fsm", "--by-component"], &["--rule NAME"]),
+        (&["complete"], &["--rule NAME"]),
+        (
+            &["complete", "--at-once", "2"],
+            &["--rule NAME", "--at-once N"],
+        ),
+        (&["monitor"], &["--rule NAME", "--at-once N"]),
+        (&["monitor", "--at-once", "1"], &["--rule NAME"]),
+        (&["strongest"], &["--rule NAME", "--longest N"]),
+    ] {
+        let output = small(large, command);
+        assert_eq!(output.status.code(), Some(3), "{command:?}");
+        let said = error(&output);
+        for option in [
+            "--rule NAME",
+            "--at-once N",
+            "--by-component",
+            "--longest N",
+        ] {
+            let wanted = options.contains(&option);
+            assert_eq!(said.contains(option), wanted, "{command:?}: {said}");
+        }
+    }
+}
+
 /// What is printed goes into a file again, or it is said that it does not.
 #[test]
 fn an_expression_goes_back_into_a_file() {

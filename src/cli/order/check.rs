@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 });
                 all.extend(findings);
             }
-            Err(error) => return rules::gave_up(&error, options),
+            Err(error) => return rules::gave_up(&error, Some("fewer skills in one call"), options),
         }
     }
     let console = options.console();

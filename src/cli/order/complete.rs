@@ -68,7 +68,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     }
     let mut supervisor = match Supervisor::new(skills, arguments.choice.options()) {
         Ok(supervisor) => supervisor,
-        Err(error) => return rules::gave_up(&error, options),
+        Err(error) => {
+            return rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options);
+        }
     };
     let mut state = supervisor.start();
     for call in &history {
@@ -84,7 +86,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                     .failed("order-complete", sources, &findings)?;
                 return Ok(ExitCode::Findings);
             }
-            Err(error) => return rules::gave_up(&error, options),
+            Err(error) => {
+                return rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options);
+            }
         }
     }
     match next(&mut supervisor, &state, arguments) {
@@ -106,7 +110,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             }
             Ok(ExitCode::Success)
         }
-        Err(error) => rules::gave_up(&error, options),
+        Err(error) => rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options),
     }
 }
 

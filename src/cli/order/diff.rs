@@ -95,7 +95,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     });
     let found = match found {
         Ok(found) => found,
-        Err(error) => return rules::gave_up(&error, options),
+        Err(error) => {
+            return rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options);
+        }
     };
     let titles = titles(&first, &second, arguments);
     let console = options.console();

@@ -144,7 +144,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
     let text = match text {
         Ok(text) => text,
-        Err(error) => return rules::gave_up(&error, options),
+        Err(error) => {
+            let besides = if arguments.by_component {
+                None
+            } else {
+                Some("fewer skills at once (--at-once N), or each rule by itself (--by-component)")
+            };
+            return rules::gave_up(&error, besides, options);
+        }
     };
     let console = options.console();
     match &arguments.out {

@@ -72,7 +72,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
     let table = match table(&chosen, arguments) {
         Ok(table) => table,
-        Err(error) => return rules::gave_up(&error, options),
+        Err(error) => {
+            return rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options);
+        }
     };
     match arguments.emit {
         Some(emit) => emitted(&table, emit, arguments.out.as_deref(), &chosen, options),

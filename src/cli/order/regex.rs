@@ -63,7 +63,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     });
     let (found, states) = match found {
         Ok(found) => found,
-        Err(error) => return rules::gave_up(&error, options),
+        Err(error) => return rules::gave_up(&error, None, options),
     };
     let console = options.console();
     let regex = found.text(skills);

@@ -120,10 +120,25 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
     }
 }
 
-/// What is said where an automaton is too large.
-pub fn gave_up(error: &TooLarge, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    options.console().remark(&format!(
-        "gave up: {error}; fewer rules (--rule NAME), or fewer skills at once (--at-once N), make it smaller\n"
-    ))?;
+/// What else helps a command that calls so many skills at once.
+pub fn fewer_at_once(most: u8) -> Option<&'static str> {
+    (most > 1).then_some("fewer skills at once (--at-once N)")
+}
+
+/// What is said where an automaton is too large. Fewer rules help every command; `besides` says what else helps this one.
+pub fn gave_up(
+    error: &TooLarge,
+    besides: Option<&str>,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
+    let advice = match besides {
+        Some(besides) => {
+            format!("fewer rules (--rule NAME, --no-rule NAME), or {besides}, make it smaller")
+        }
+        None => "fewer rules (--rule NAME, --no-rule NAME) make it smaller".to_owned(),
+    };
+    options
+        .console()
+        .remark(&format!("gave up: {error}; {advice}\n"))?;
     Ok(ExitCode::GaveUp)
 }

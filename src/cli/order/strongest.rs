@@ -84,7 +84,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     });
     let (found, fsm) = match found {
         Ok(found) => found,
-        Err(error) => return rules::gave_up(&error, options),
+        Err(error) => {
+            return rules::gave_up(&error, Some("shorter detours (--longest N)"), options);
+        }
     };
     for name in &arguments.drop {
         let known = found.candidates.iter().any(|c| c.rule.name == *name);
