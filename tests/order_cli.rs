@@ -74,6 +74,42 @@ fn documents_begin_alike() {
     }
 }
 
+/// Each command that fails at the file of rules says so as itself.
+#[test]
+fn mistakes_in_a_file_are_told_by_the_command() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    write("a.lw", "skills A { component x { next } }\n");
+    write("p.txt", "Left\n");
+    for (command, rest) in [
+        ("check", vec!["p.txt", "--rules", "a.lw"]),
+        ("complete", vec!["a.lw"]),
+        ("diff", vec!["a.lw", "a.lw"]),
+        ("fsm", vec!["a.lw"]),
+        ("monitor", vec!["a.lw"]),
+        ("regex", vec!["a.lw"]),
+        ("strongest", vec!["a.lw"]),
+    ] {
+        let all = ["order", command, "--format", "json"];
+        let output = linewright(folder.path(), &[&all[..], &rest].concat());
+        assert_eq!(output.status.code(), Some(2), "{command}");
+        let found = document(&output);
+        let schema = format!("linewright/order-{command}/1");
+        assert_eq!(found["schema"], schema.as_str());
+        assert_eq!(found["findings"][0]["code"], "LW002");
+    }
+}
+
+#[test]
+fn situations_that_are_not_there_are_told_with_their_component() {
+    for useful in ["z.lft", "gripper.left"] {
+        let output = at_root(&["order", "strongest", UNIT, "--useful", useful]);
+        assert_eq!(output.status.code(), Some(2));
+        let wanted = format!("there is no situation `{useful}`: they are x.left, x.right, z.up");
+        assert!(error(&output).contains(&wanted), "{}", error(&output));
+    }
+}
+
 /// All of these are the program `Right & Grip`, `Down`.
 #[test]
 fn a_program_is_text_or_a_table() {

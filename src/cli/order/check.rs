@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             Err(code) => return Ok(code),
         },
     };
-    let mut chosen = match rules::choose(&selection, &arguments.choice, options)? {
+    let mut chosen = match rules::choose("order-check", &selection, &arguments.choice, options)? {
         Ok(chosen) => chosen,
         Err(code) => return Ok(code),
     };

@@ -68,7 +68,7 @@ struct Document {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let first = match rules::choose(&arguments.first, &arguments.choice, options)? {
+    let first = match rules::choose("order-diff", &arguments.first, &arguments.choice, options)? {
         Ok(chosen) => chosen,
         Err(code) => return Ok(code),
     };
@@ -79,7 +79,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         paper: false,
         ..arguments.choice
     };
-    let second = match rules::choose(&arguments.second, &other, options)? {
+    let second = match rules::choose("order-diff", &arguments.second, &other, options)? {
         Ok(chosen) => chosen,
         Err(code) => return Ok(code),
     };

@@ -127,7 +127,7 @@ struct RegionTransition {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let chosen = match rules::choose(&arguments.rules, &arguments.choice, options)? {
+    let chosen = match rules::choose("order-fsm", &arguments.rules, &arguments.choice, options)? {
         Ok(chosen) => chosen,
         Err(code) => return Ok(code),
     };

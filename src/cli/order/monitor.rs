@@ -66,7 +66,12 @@ pub enum Emit {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let chosen = match rules::choose(&arguments.rules, &arguments.choice, options)? {
+    let chosen = match rules::choose(
+        "order-monitor",
+        &arguments.rules,
+        &arguments.choice,
+        options,
+    )? {
         Ok(chosen) => chosen,
         Err(code) => return Ok(code),
     };

@@ -46,7 +46,7 @@ struct Document {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let chosen = match rules::choose(&arguments.rules, &arguments.choice, options)? {
+    let chosen = match rules::choose("order-regex", &arguments.rules, &arguments.choice, options)? {
         Ok(chosen) => chosen,
         Err(code) => return Ok(code),
     };

@@ -40,23 +40,25 @@ impl Head {
     }
 }
 
-/// Loads the one set of rules that is meant. Where the file has errors, they are printed and the exit code is given instead.
+/// Loads the one set of rules that is meant. Where the file has errors, they are printed as this command's and the exit code is given
+/// instead.
 pub fn choose(
+    command: &str,
     selection: &Selection,
     choice: &Choice,
     options: &GlobalOptions,
 ) -> anyhow::Result<Result<Chosen, ExitCode>> {
-    let loaded = match selection.load_alone("order", options)? {
+    let loaded = match selection.load_alone(command, options)? {
         Ok(loaded) => loaded,
         Err(code) => return Ok(Err(code)),
     };
     let describe = |s: &Arc<Skills>| (s.name.clone(), s.span);
     let named: Vec<_> = loaded.library.skills.iter().map(describe).collect();
-    let picked = selection.pick(&loaded, "skills", &named, |(n, s)| (n, *s))?;
+    let picked = selection.pick(&loaded, "set of skills", &named, |(n, s)| (n, *s))?;
     let [(name, span)] = picked.as_slice() else {
         let names: Vec<&str> = picked.iter().map(|(n, _)| n.as_str()).collect();
         anyhow::bail!(
-            "{path} declares several skills: write one of {} behind {path}::",
+            "{path} declares several sets of skills: write one of {} behind {path}::",
             names.join(", "),
             path = selection.path
         );

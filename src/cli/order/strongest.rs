@@ -66,7 +66,12 @@ struct LostEntry {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let chosen = match rules::choose(&arguments.rules, &arguments.choice, options)? {
+    let chosen = match rules::choose(
+        "order-strongest",
+        &arguments.rules,
+        &arguments.choice,
+        options,
+    )? {
         Ok(chosen) => chosen,
         Err(code) => return Ok(code),
     };
@@ -113,8 +118,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
 fn pattern(text: &str, skills: &Skills) -> anyhow::Result<Pattern> {
     let mut pattern = Vec::new();
     for label in text.split('&').map(str::trim) {
+        let written = label;
         let (of, label) = match label.split_once('.') {
-            Some((component, label)) => (Some(component), label),
+            Some((component, label)) => (Some(component.trim()), label.trim()),
             None => (None, label),
         };
         let components = skills.components.iter().enumerate();
@@ -125,11 +131,11 @@ fn pattern(text: &str, skills: &Skills) -> anyhow::Result<Pattern> {
         match places.as_slice() {
             [place] => pattern.push(*place),
             [] => {
-                let all = skills.components.iter().flat_map(|c| &c.situations);
-                let all: Vec<&str> = all.map(String::as_str).collect();
+                let all = { skills.components.iter() }
+                    .flat_map(|c| c.situations.iter().map(|s| format!("{}.{s}", c.name)));
                 anyhow::bail!(
-                    "there is no situation `{label}`: they are {}",
-                    all.join(", ")
+                    "there is no situation `{written}`: they are {}",
+                    all.collect::<Vec<_>>().join(", ")
                 );
             }
             _ => anyhow::bail!(
