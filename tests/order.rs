@@ -10,6 +10,7 @@
 //! | `at_once` | events of several skills in every place of a rule, what stands at the start, deleted transitions, calls of three skills |
 //! | `equivalence` | random rules: words, their regular expression, smaller automata |
 //! | `programs` | random programs: the first violation, the shortest way on, the shortest difference |
+//! | `findings` | what is said to be wrong with random rules is, and what no rule excludes no other does either |
 //! | `orders` | up to six skills at once against all orders; the order that a refusal names |
 
 #[path = "order/at_once.rs"]
@@ -18,6 +19,8 @@ mod at_once;
 mod equivalence;
 #[path = "order/expression.rs"]
 mod expression;
+#[path = "order/findings.rs"]
+mod findings;
 #[path = "order/naive.rs"]
 mod naive;
 #[path = "order/orders.rs"]

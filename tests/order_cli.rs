@@ -5,6 +5,7 @@ mod support;
 use serde_json::Value;
 use std::fs;
 use std::io::Write as _;
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use support::linewright;
 
@@ -429,11 +430,16 @@ fn an_automaton_is_written_in_every_form() {
     }
 }
 
-/// What the program answers line by line to this input.
+/// What the program answers line by line to this input, by the rules of the unit.
 fn monitored(input: impl AsRef<[u8]>, more: &[&str]) -> Output {
+    watched(&support::root().join(UNIT), input, more)
+}
+
+/// The same by other rules.
+fn watched(rules: &Path, input: impl AsRef<[u8]>, more: &[&str]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_linewright"))
-        .current_dir(support::root())
-        .args(["order", "monitor", UNIT])
+        .args(["order", "monitor"])
+        .arg(rules)
         .args(more)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -573,6 +579,106 @@ fn the_strongest_level_still_takes_the_intended_program() {
             "{level}: {}{}",
             text(&output),
             error(&output)
+        );
+    }
+}
+
+/// A set of so many components with two skills each, `A0` and `B0` and so on, in a file of its own.
+fn many(components: usize, orders: &[String]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let component = |i| {
+        format!(
+            "    component c{i}: {{a, b}} = a {{\n        A{i} -> a\n        B{i} -> b\n    }}\n"
+        )
+    };
+    let components: String = (0..components).map(component).collect();
+    let orders = orders.iter().enumerate();
+    let orders: Vec<String> = { orders }
+        .map(|(i, order)| format!("    order r{i}: {order}\n"))
+        .collect();
+    let text = format!("skills Many {{\n{components}{}}}\n", orders.concat());
+    fs::write(folder.path().join("many.lw"), text).expect("a file");
+    folder
+}
+
+/// What no rule speaks of does not count.
+#[test]
+fn a_rule_about_three_of_64_skills_is_a_small_one() {
+    let folder = many(32, &["after A0 until B0: never A1".to_owned()]);
+    let run = |arguments: &[&str]| linewright(folder.path(), arguments);
+    let checked = run(&["check", "many.lw", "--no-timing"]);
+    assert!(text(&checked).contains("consistent"), "{}", text(&checked));
+    assert!(!error(&checked).contains("LW112"), "{}", error(&checked));
+    let expression = run(&["order", "regex", "many.lw"]);
+    assert!(text(&expression).len() < 200, "{}", text(&expression));
+    let c = run(&[
+        "order",
+        "monitor",
+        "many.lw",
+        "--emit",
+        "c",
+        "--at-once",
+        "1",
+    ]);
+    assert_eq!(c.status.code(), Some(0), "{}", error(&c));
+}
+
+/// The rules answer themselves where there is no table of them.
+#[test]
+fn rules_without_a_table_are_watched_all_the_same() {
+    let orders: Vec<String> = (0..31)
+        .map(|i| format!("after A{i} until B{i}: never A{}", i + 1))
+        .collect();
+    let folder = many(32, &orders);
+    let emitted = linewright(
+        folder.path(),
+        &["order", "monitor", "many.lw", "--emit", "c"],
+    );
+    assert_eq!(emitted.status.code(), Some(3), "{}", error(&emitted));
+    // All components stand at `a`: what the rules forbid is allowed once the one before has been called to `b`.
+    let watched = watched(
+        &folder.path().join("many.lw"),
+        "A5\nB4\nA5\nA5 & B9\nA5 & B5\n",
+        &[],
+    );
+    assert_eq!(watched.status.code(), Some(1));
+    let said = text(&watched);
+    let lines: Vec<&str> = said.lines().collect();
+    assert_eq!(lines.len(), 5, "{said}");
+    assert!(
+        lines[0].starts_with("A5: refused, r4: after A4 until B4: never A5"),
+        "{said}"
+    );
+    assert_eq!(&lines[1..4], ["B4: ok", "A5: ok", "A5 & B9: ok"]);
+    assert!(
+        lines[4].starts_with("A5 & B5: refused, two skills"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_time_limit_ends_every_search() {
+    let order = |i: usize| {
+        let next = i + 1;
+        let most = i + 5;
+        format!("at most {most} of A{i}, B{i} between A{next} and B{next}")
+    };
+    let orders: Vec<String> = (0..6).map(order).collect();
+    let folder = many(8, &orders);
+    let run = |arguments: &[&str]| linewright(folder.path(), arguments);
+    for command in [&["fsm", "--at-once", "1"][..], &["regex"], &["strongest"]] {
+        let limited = ["--timeout", "0.01"];
+        let output = run(&[&["order", command[0], "many.lw"], &command[1..], &limited].concat());
+        assert_eq!(
+            output.status.code(),
+            Some(3),
+            "{command:?}: {}",
+            error(&output)
+        );
+        let said = error(&output);
+        assert!(
+            said.contains("the time limit was reached; --timeout SECONDS"),
+            "{said}"
         );
     }
 }

@@ -1,23 +1,17 @@
 //! Finite automata over the letters `0..letters`, deterministic and without a state for what is refused.
 //!
-//! They are small (a rule has a handful of states), so everything is plain: breadth-first exploration of whatever can be stepped,
-//! partition refinement for the smallest automaton (Moore, "Gedanken-experiments on sequential machines", 1956), the product for
-//! comparing two.
+//! Breadth-first exploration of whatever can be stepped, partition refinement for the smallest automaton (Hopcroft, "An n log n algorithm for
+//! minimizing states in a finite automaton", 1971), the product for comparing two.
 
-use std::collections::{BTreeMap, BTreeSet};
+use super::bound::{Bound, TooLarge};
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::hash::Hash;
+
+/// After so many states it is asked whether the time is over.
+const STATES_A_LOOK: usize = 64;
 
 /// What stands in place of a state where a letter is refused.
 pub const REFUSED: u32 = u32::MAX;
-
-/// Something would have more states than is sensible.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("there would be more than {limit} {what}")]
-pub struct TooLarge {
-    /// What there would be too much of: `states`.
-    pub what: &'static str,
-    /// How many there may be.
-    pub limit: usize,
-}
 
 /// A deterministic automaton. States are numbered in the order in which they are found from the start, letters ascending.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,33 +39,37 @@ impl Dfa {
     /// refused; `complete` says whether a word may end.
     ///
     /// # Errors
-    /// When there are more than `limit` states.
-    pub fn explore<S: Clone + Ord>(
+    /// When there are more states than `bound` allows, or the time is over.
+    pub fn explore<S: Clone + Eq + Hash>(
         letters: usize,
         start: S,
-        limit: usize,
+        bound: impl Into<Bound>,
         step: impl FnMut(&S, usize) -> Option<S>,
         complete: impl Fn(&S) -> bool,
     ) -> Result<Self, TooLarge> {
-        Self::explore_all(letters, &[start], limit, step, complete).map(|found| found.dfa)
+        Self::explore_all(letters, &[start], bound, step, complete).map(|found| found.dfa)
     }
 
     /// The same from several starts, the first of which becomes state 0.
     ///
     /// # Errors
-    /// When there are more than `limit` states.
-    pub fn explore_all<S: Clone + Ord>(
+    /// When there are more states than `bound` allows, or the time is over.
+    pub fn explore_all<S: Clone + Eq + Hash>(
         letters: usize,
         starts: &[S],
-        limit: usize,
+        bound: impl Into<Bound>,
         mut step: impl FnMut(&S, usize) -> Option<S>,
         complete: impl Fn(&S) -> bool,
     ) -> Result<Explored<S>, TooLarge> {
-        let mut numbers: BTreeMap<S, u32> = BTreeMap::new();
+        let Bound {
+            states: limit,
+            until,
+        } = bound.into();
+        let mut numbers: FxHashMap<S, u32> = FxHashMap::default();
         let mut states: Vec<S> = Vec::new();
         let mut number = |state: S, states: &mut Vec<S>| match numbers.get(&state) {
             Some(number) => Ok(*number),
-            None if states.len() == limit => Err(TooLarge {
+            None if states.len() == limit => Err(TooLarge::Count {
                 what: "states",
                 limit,
             }),
@@ -91,6 +89,9 @@ impl Dfa {
         let mut next = Vec::new();
         let mut at = 0;
         while at < states.len() {
+            if at.is_multiple_of(STATES_A_LOOK) {
+                until.check()?;
+            }
             for letter in 0..letters {
                 next.push(match step(&states[at], letter) {
                     Some(to) => number(to, &mut states)?,
@@ -216,31 +217,7 @@ impl Dfa {
     #[must_use]
     pub fn minimal(&self) -> Self {
         let states = self.states();
-        let mut class: Vec<u32> = self.complete.iter().map(|c| u32::from(*c)).collect();
-        let mut count = 0;
-        loop {
-            let mut numbers: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
-            let refined: Vec<u32> = (0..states)
-                .map(|state| {
-                    let mut key = vec![class[state]];
-                    key.extend((0..self.letters).map(|letter| {
-                        let to = self.next(state as u32, letter);
-                        if to == REFUSED {
-                            REFUSED
-                        } else {
-                            class[to as usize]
-                        }
-                    }));
-                    let number = numbers.len() as u32;
-                    *numbers.entry(key).or_insert(number)
-                })
-                .collect();
-            class = refined;
-            if numbers.len() == count {
-                break;
-            }
-            count = numbers.len();
-        }
+        let (class, count) = self.classes();
         let mut member = vec![0; count];
         for state in (0..states).rev() {
             member[class[state] as usize] = state as u32;
@@ -252,6 +229,80 @@ impl Dfa {
         let complete = |c: &u32| self.is_complete(member[*c as usize]);
         Self::explore(self.letters, class[0], states, step, complete)
             .expect("no more states than before; please report this")
+    }
+
+    /// For every state the number of its class, and how many there are: states of one class have the same words and the same refusals.
+    fn classes(&self) -> (Vec<u32>, usize) {
+        let states = self.states();
+        // What is refused leads to one state more.
+        let sink = states as u32;
+        let to = |state: usize, letter: usize| match self.next[state * self.letters + letter] {
+            REFUSED => sink,
+            to => to,
+        };
+        // The states before each, letter by letter; the sink is before itself, and splits nothing off by that.
+        let places = states + 1;
+        let mut first = vec![0_u32; self.letters * places + 1];
+        for state in 0..states {
+            for letter in 0..self.letters {
+                first[letter * places + to(state, letter) as usize + 1] += 1;
+            }
+        }
+        for at in 1..first.len() {
+            first[at] += first[at - 1];
+        }
+        let mut before = vec![0_u32; states * self.letters];
+        let mut filled = first.clone();
+        for state in 0..states {
+            for letter in 0..self.letters {
+                let at = &mut filled[letter * places + to(state, letter) as usize];
+                before[*at as usize] = state as u32;
+                *at += 1;
+            }
+        }
+        let kind = |state: usize| match self.complete.get(state) {
+            None => 2,
+            Some(complete) => usize::from(*complete),
+        };
+        let mut partition = Partition::new(places, kind);
+        let mut waiting: Vec<u32> = (0..partition.blocks.len() as u32).collect();
+        let mut waits = vec![true; waiting.len()];
+        while let Some(splitter) = waiting.pop() {
+            waits[splitter as usize] = false;
+            let members = partition.members(splitter).to_vec();
+            for letter in 0..self.letters {
+                for &member in &members {
+                    let at = letter * places + member as usize;
+                    let (from, until) = (first[at] as usize, first[at + 1] as usize);
+                    for &state in &before[from..until] {
+                        partition.mark(state);
+                    }
+                }
+                partition.split(|old, new, new_is_smaller| {
+                    waits.push(false);
+                    // Of a block that waits both halves do, of any other the smaller one is enough.
+                    let next = if waits[old as usize] || new_is_smaller {
+                        new
+                    } else {
+                        old
+                    };
+                    waits[next as usize] = true;
+                    waiting.push(next);
+                });
+            }
+        }
+        // By their least states.
+        let mut numbers: Vec<Option<u32>> = vec![None; partition.blocks.len()];
+        let mut count = 0;
+        let class = (0..states).map(|state| {
+            let block = partition.block_of[state] as usize;
+            *numbers[block].get_or_insert_with(|| {
+                count += 1;
+                count - 1
+            })
+        });
+        let class: Vec<u32> = class.collect();
+        (class, count as usize)
     }
 
     /// The shortest word that is in one of the languages and not in the other, the least among those of its length. `None` where the
@@ -285,6 +336,88 @@ impl Dfa {
     }
 }
 
+/// Elements in blocks that are split.
+struct Partition {
+    /// The elements, block by block; those of a block that are marked come first.
+    elements: Vec<u32>,
+    /// Where each element stands.
+    place: Vec<u32>,
+    block_of: Vec<u32>,
+    /// Where each block begins and ends, and how many of it are marked.
+    blocks: Vec<[u32; 3]>,
+    /// Blocks with marked elements.
+    touched: Vec<u32>,
+}
+
+impl Partition {
+    /// One block for each kind that there is.
+    fn new(elements: usize, kind: impl Fn(usize) -> usize) -> Self {
+        let mut order: Vec<u32> = (0..elements as u32).collect();
+        order.sort_by_key(|e| kind(*e as usize));
+        let mut partition = Self {
+            place: vec![0; elements],
+            block_of: vec![0; elements],
+            blocks: Vec::new(),
+            touched: Vec::new(),
+            elements: order,
+        };
+        let mut last = None;
+        for at in 0..elements {
+            let element = partition.elements[at] as usize;
+            if last != Some(kind(element)) {
+                last = Some(kind(element));
+                partition.blocks.push([at as u32, at as u32, 0]);
+            }
+            let block = partition.blocks.len() - 1;
+            partition.blocks[block][1] = at as u32 + 1;
+            partition.block_of[element] = block as u32;
+            partition.place[element] = at as u32;
+        }
+        partition
+    }
+
+    fn members(&self, block: u32) -> &[u32] {
+        let [begin, end, _] = self.blocks[block as usize];
+        &self.elements[begin as usize..end as usize]
+    }
+
+    fn mark(&mut self, element: u32) {
+        let number = self.block_of[element as usize];
+        let [begin, _, marked] = &mut self.blocks[number as usize];
+        let (at, to) = (self.place[element as usize], *begin + *marked);
+        if at < to {
+            return;
+        }
+        if *marked == 0 {
+            self.touched.push(number);
+        }
+        *marked += 1;
+        let other = self.elements[to as usize];
+        self.elements.swap(at as usize, to as usize);
+        self.place[element as usize] = to;
+        self.place[other as usize] = at;
+    }
+
+    /// Splits blocks of which some are marked and some are not; the marked ones become a block of their own. Nothing is marked then. `seen` is
+    /// told of the old block, the new one, and whether that is the smaller half.
+    fn split(&mut self, mut seen: impl FnMut(u32, u32, bool)) {
+        for old in std::mem::take(&mut self.touched) {
+            let [begin, end, marked] = self.blocks[old as usize];
+            self.blocks[old as usize][2] = 0;
+            if begin + marked == end {
+                continue;
+            }
+            let new = self.blocks.len() as u32;
+            self.blocks[old as usize][0] = begin + marked;
+            self.blocks.push([begin, begin + marked, 0]);
+            for at in begin..begin + marked {
+                self.block_of[self.elements[at as usize] as usize] = new;
+            }
+            seen(old, new, marked <= end - begin - marked);
+        }
+    }
+}
+
 /// A state that a search found, with where from and by which label; nothing for the start.
 pub type Found<S, L> = (S, Option<(usize, L)>);
 
@@ -300,13 +433,13 @@ pub fn way<S, L: Copy>(found: &[Found<S, L>], mut at: usize) -> Vec<L> {
 }
 
 /// The labels of a shortest way from `start` to a state that is `wanted`; the least one where labels are given in ascending order.
-pub fn shortest<S: Clone + Ord, L: Copy>(
+pub fn shortest<S: Clone + Eq + Hash, L: Copy>(
     start: S,
     successors: impl Fn(&S) -> Vec<(L, S)>,
     wanted: impl Fn(&S) -> bool,
 ) -> Option<Vec<L>> {
     let mut order = vec![(start.clone(), None)];
-    let mut seen = BTreeSet::from([start]);
+    let mut seen = FxHashSet::from_iter([start]);
     let mut at = 0;
     while at < order.len() {
         let state = order[at].0.clone();
@@ -380,7 +513,7 @@ mod tests {
         let counter = Dfa::explore(1, 0_u32, 10, |n, _| Some(n + 1), |_| true);
         assert_eq!(
             counter.map(|d| d.states()),
-            Err(TooLarge {
+            Err(TooLarge::Count {
                 what: "states",
                 limit: 10
             })

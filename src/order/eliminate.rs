@@ -6,7 +6,8 @@
 //! given regular language", 2004). What comes out is turned into an automaton again and compared.
 
 use super::Regex;
-use super::dfa::{Dfa, REFUSED, TooLarge};
+use super::bound::{TooLarge, Until};
+use super::dfa::{Dfa, REFUSED};
 use super::regex::automaton;
 use super::rule::MOST_STATES;
 
@@ -116,14 +117,15 @@ fn class(parts: Vec<Regex>, letters: usize) -> Regex {
 /// A short expression with the words of an automaton.
 ///
 /// # Errors
-/// When there are more than [`MOST_ELIMINATED`] states, or it would be longer than [`MOST_SIZE`], or is too large to be compared.
+/// When there are more than [`MOST_ELIMINATED`] states, or it would be longer than [`MOST_SIZE`], or is too large to be compared, or when the
+/// time is over.
 ///
 /// # Panics
 /// When the expression does not have the words of the automaton, which would be a fault of this module.
-pub fn regex(dfa: &Dfa) -> Result<Regex, TooLarge> {
+pub fn regex(dfa: &Dfa, until: Until) -> Result<Regex, TooLarge> {
     let dfa = dfa.clone().trimmed().minimal();
     if dfa.states() > MOST_ELIMINATED {
-        return Err(TooLarge {
+        return Err(TooLarge::Count {
             what: "states to make a regular expression of",
             limit: MOST_ELIMINATED,
         });
@@ -135,9 +137,9 @@ pub fn regex(dfa: &Dfa) -> Result<Regex, TooLarge> {
         shortest(&graph, &left, &mut best);
         best.expect("some order; please report this")
     } else {
-        lightest_first(graph, left)?
+        lightest_first(graph, left, until)?
     };
-    let again = automaton(&found, dfa.letters(), MOST_STATES)?;
+    let again = automaton(&found, dfa.letters(), until.within(MOST_STATES))?;
     assert!(
         again.difference(&dfa).is_none(),
         "the regular expression has other words than the automaton; please report this"
@@ -166,15 +168,16 @@ fn shortest(graph: &Graph, left: &[usize], best: &mut Option<Regex>) {
     }
 }
 
-fn lightest_first(mut graph: Graph, mut left: Vec<usize>) -> Result<Regex, TooLarge> {
+fn lightest_first(mut graph: Graph, mut left: Vec<usize>, until: Until) -> Result<Regex, TooLarge> {
     while !left.is_empty() {
+        until.check()?;
         let weights = left.iter().enumerate();
         let lightest = weights.min_by_key(|(_, state)| graph.weight(**state, &left));
         let (place, _) = lightest.expect("some are left; please report this");
         let state = left.remove(place);
         graph.eliminate(state, &left);
         if graph.between.iter().map(Regex::size).sum::<usize>() > MOST_SIZE + graph.between.len() {
-            return Err(TooLarge {
+            return Err(TooLarge::Count {
                 what: "skills and operators in the regular expression",
                 limit: MOST_SIZE,
             });
@@ -194,7 +197,7 @@ mod tests {
         let mut skills = pick_and_place();
         skills.rules = rules.iter().map(|r| skills.rules[*r].clone()).collect();
         let fsm = Fsm::of(&skills, Options::default(), 1).expect("it is small");
-        let regex = regex(&fsm.one_by_one()).expect("it is short");
+        let regex = regex(&fsm.one_by_one(), Until::default()).expect("it is short");
         regex.text(&skills)
     }
 

@@ -3,7 +3,8 @@
 //! The rules that are to blame are found by leaving out one after the other for as long as the fault stays (deletion, as for the cores of
 //! contracts): none of those that are named can be left out.
 
-use super::dfa::{REFUSED, TooLarge};
+use super::bound::{TooLarge, Until};
+use super::dfa::REFUSED;
 use super::fsm::{Fsm, calls};
 use super::program::{self, Apart};
 use super::supervisor::{Call, Options, Supervisor};
@@ -11,20 +12,23 @@ use super::{Kind, Level, Skills};
 use crate::diagnostics::{Diagnostic, codes};
 
 /// Rules whose automaton has more entries are not examined: fewer are found in a moment, also many times over.
-const MOST_EXAMINED: usize = 1 << 16;
+const MOST_EXAMINED: usize = 1 << 18;
+
+/// So many entries of two automata are compared to find out which rules exclude nothing, all rules taken together.
+const MOST_COMPARED: usize = 1 << 22;
 
 /// What is wrong with the rules of these skills, at the level valid and then, where a rule is kept there only, at the level reasonable.
-pub fn examine(skills: &Skills) -> Vec<Diagnostic> {
+pub fn examine(skills: &Skills, until: Until) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     let mut levels: Vec<Level> = skills.rules.iter().map(|r| r.level).collect();
     levels.push(Level::Valid);
     levels.sort_unstable();
     levels.dedup();
     for level in levels {
-        let mut found = match at_level(skills, level) {
-            Ok(found) => found,
-            Err(error) => vec![too_large(skills, &error)],
-        };
+        let mut found = Vec::new();
+        if let Err(error) = at_level(skills, level, until, &mut found) {
+            found.push(too_large(skills, &error));
+        }
         found.retain(|f| {
             let is_same = |o: &Diagnostic| o.code == f.code && o.span == f.span;
             !findings.iter().any(is_same)
@@ -46,7 +50,13 @@ fn too_large(skills: &Skills, error: &TooLarge) -> Diagnostic {
     .with_help("fewer rules, or fewer repetitions in a sequence, let them be examined")
 }
 
-fn at_level(skills: &Skills, level: Level) -> Result<Vec<Diagnostic>, TooLarge> {
+/// Pushes what is found, up to where it gets too large.
+fn at_level(
+    skills: &Skills,
+    level: Level,
+    until: Until,
+    findings: &mut Vec<Diagnostic>,
+) -> Result<(), TooLarge> {
     // What an event of several skills waits for is called at once.
     let mut at_once = 1;
     for rule in &skills.rules {
@@ -58,6 +68,7 @@ fn at_level(skills: &Skills, level: Level) -> Result<Vec<Diagnostic>, TooLarge> 
         at_once,
         options: Options {
             level,
+            until,
             ..Options::default()
         },
     };
@@ -65,21 +76,21 @@ fn at_level(skills: &Skills, level: Level) -> Result<Vec<Diagnostic>, TooLarge> 
         .filter(|r| skills.rules[*r].level <= level)
         .collect();
     if all.is_empty() || skills.skills.is_empty() {
-        return Ok(Vec::new());
+        return Ok(());
     }
     let fsm = examined.fsm(&all)?;
-    let mut findings = Vec::new();
     if let Some(nothing) = examined.nothing(&all)? {
         // All else follows from that.
-        return Ok(vec![nothing]);
+        findings.push(nothing);
+        return Ok(());
     }
     findings.extend(examined.dead_end(&fsm, &all)?);
-    findings.extend(examined.never_called(&fsm, &all)?);
+    examined.never_at_once(&all, findings)?;
+    examined.never_called(&fsm, &all, findings)?;
     if findings.is_empty() {
         findings.extend(examined.unfinished(&fsm, &all)?);
     }
-    findings.extend(examined.redundant(&all)?);
-    Ok(findings)
+    examined.redundant(&all, findings)
 }
 
 struct Examined<'a> {
@@ -96,7 +107,7 @@ impl Examined<'_> {
 
     fn fsm(&self, rules: &[usize]) -> Result<Fsm, TooLarge> {
         let skills = self.only(rules);
-        let mut supervisor = Supervisor::new(&skills, self.options)?;
+        let mut supervisor = Supervisor::new(&skills, self.options)?.lean();
         let calls = calls(&skills, self.at_once);
         Fsm::explore_within(&mut supervisor, calls, MOST_EXAMINED)
     }
@@ -180,21 +191,25 @@ impl Examined<'_> {
             );
             return Ok(Some(self.labelled(finding, &core).with_help(format!(
                 "there the unit is {}: let one of the rules allow a way out, or forbid what leads there",
-                self.skills.situation(&fsm.states[state as usize].situation)
+                self.skills.situation(&self.situation(&word))
             ))));
         }
         Ok(None)
     }
 
     /// Skills that no program ever calls, though no rule says `never` of them.
-    fn never_called(&self, fsm: &Fsm, all: &[usize]) -> Result<Vec<Diagnostic>, TooLarge> {
+    fn never_called(
+        &self,
+        fsm: &Fsm,
+        all: &[usize],
+        findings: &mut Vec<Diagnostic>,
+    ) -> Result<(), TooLarge> {
         let is_called = |fsm: &Fsm, skill: usize| {
             let columns = fsm.calls.iter().enumerate();
             let mut columns = columns.filter(|(_, call)| call.0 >> skill & 1 == 1);
             let states = 0..fsm.states.len() as u32;
             columns.any(|(c, _)| { states.clone() }.any(|s| fsm.dfa.next(s, c) != REFUSED))
         };
-        let mut findings: Vec<Diagnostic> = Vec::new();
         for skill in 0..self.skills.skills.len() {
             if is_called(fsm, skill) {
                 continue;
@@ -230,7 +245,54 @@ impl Examined<'_> {
                 "let `{name}` be called somewhere, or say `never {name}` if that is meant"
             )));
         }
-        Ok(findings)
+        Ok(())
+    }
+
+    /// Skills at once that a rule tells apart and itself never allows, since it refuses one of them by itself, or all of them after one.
+    fn never_at_once(&self, all: &[usize], findings: &mut Vec<Diagnostic>) -> Result<(), TooLarge> {
+        for rule in all {
+            let of = &self.skills.rules[*rule];
+            let mut events: Vec<Call> = Vec::new();
+            if matches!(of.kind, Kind::Never(_) | Kind::InARow(_))
+                || matches!(of.kind, Kind::AtMost { count: 0, .. })
+            {
+                continue;
+            }
+            of.kind.for_each_event(&mut |event| {
+                let call = event.0.iter().fold(0, |mask, skill| mask | 1 << skill);
+                if event.0.len() > 1 && !events.contains(&Call(call)) {
+                    events.push(Call(call));
+                }
+            });
+            if events.is_empty() {
+                continue;
+            }
+            let fsm = self.fsm(&[*rule])?;
+            for event in events {
+                let columns = fsm.calls.iter().enumerate();
+                let mut columns = columns.filter(|(_, call)| call.0 & event.0 == event.0);
+                let states = 0..fsm.states.len() as u32;
+                if columns.any(|(c, _)| { states.clone() }.any(|s| fsm.dfa.next(s, c) != REFUSED)) {
+                    continue;
+                }
+                let text = event.text(self.skills);
+                let finding = Diagnostic::error(
+                    codes::ORDER_CONTRADICTION,
+                    of.span,
+                    format!(
+                        "the rule `{}` contradicts itself{}: `{text}` can never be called",
+                        of.name,
+                        self.at()
+                    ),
+                );
+                findings.push(finding.with_note(
+                    "a call of several skills counts as each of them and as all of them at once, one after the other in every order",
+                ).with_help(format!(
+                    "speak of `{text}` or of its skills in one rule, not of both; or write `never {text}` if that is meant"
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// A sequence that can no longer be finished, since other rules are in its way.
@@ -248,7 +310,7 @@ impl Examined<'_> {
             let checked = program::check(&mut supervisor, &word)?;
             Ok(checked.violation.is_none()
                 && !checked.unfinished.is_empty()
-                && checked.completion.is_none())
+                && checked.completion?.is_none())
         })?;
         let (whose, _) = self.named(&core);
         let contradict = if core.len() == 1 {
@@ -271,8 +333,7 @@ impl Examined<'_> {
     }
 
     /// Rules that forbid nothing which the others do not forbid already.
-    fn redundant(&self, all: &[usize]) -> Result<Vec<Diagnostic>, TooLarge> {
-        let mut findings = Vec::new();
+    fn redundant(&self, all: &[usize], findings: &mut Vec<Diagnostic>) -> Result<(), TooLarge> {
         for (at, rule) in all.iter().enumerate() {
             // A rule of a lower level has been asked there.
             if self.skills.rules[*rule].level < self.options.level {
@@ -280,17 +341,16 @@ impl Examined<'_> {
             }
             let mut others = all.to_vec();
             others.remove(at);
-            // It is small enough to be compared, too.
-            self.fsm(&others)?;
             let (with, without) = (self.only(all), self.only(&others));
             let calls = calls(self.skills, 2);
             let whole = Apart {
                 whole: true,
                 one_way: false,
+                entries: MOST_COMPARED / all.len(),
             };
-            let mut first = Supervisor::new(&with, self.options)?;
-            let mut second = Supervisor::new(&without, self.options)?;
-            if program::difference(&mut first, &mut second, &calls, whole)?.is_none() {
+            let first = Supervisor::new(&with, self.options)?;
+            let second = Supervisor::new(&without, self.options)?;
+            if program::difference(&first, &second, &calls, whole)?.is_none() {
                 let rule = &self.skills.rules[*rule];
                 let beside = if others.is_empty() && self.options.level == Level::Valid {
                     "it forbids nothing"
@@ -307,11 +367,23 @@ impl Examined<'_> {
                 ));
             }
         }
-        Ok(findings)
+        Ok(())
     }
 
     fn initial(&self) -> Vec<usize> {
         self.skills.components.iter().map(|c| c.initial).collect()
+    }
+
+    /// Where the components stand after these calls.
+    fn situation(&self, word: &[Call]) -> Vec<usize> {
+        let mut situation = self.initial();
+        for skill in word.iter().flat_map(|call| call.skills()) {
+            let skill = &self.skills.skills[skill];
+            if let Some(effect) = skill.effect {
+                situation[skill.component] = effect;
+            }
+        }
+        situation
     }
 
     fn at(&self) -> String {

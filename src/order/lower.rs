@@ -6,7 +6,7 @@
 //! formulas that define it step by step, and one formula that the rule is. A set of skills called in one step is one call: it is looked
 //! up in the automaton over sets that [`super::serial`] makes, so that every order of them has to be allowed.
 
-use super::dfa::TooLarge;
+use super::bound::{TooLarge, Until};
 use super::rule::{self, Alphabet};
 use super::serial::{Known, Serial};
 use super::strongest::recall;
@@ -88,7 +88,7 @@ pub fn lower(
     taken: impl Fn(&str) -> bool,
 ) -> Result<Lowered, TooLarge> {
     let alphabet = Alphabet::of(skills);
-    let automaton = rule::automaton(rule, skills, &alphabet)?;
+    let automaton = rule::automaton(rule, skills, &alphabet, Until::default())?;
     let mut serial = Serial::new(automaton, Serialisation::Every);
     let spoken = speaks_of(skills, &alphabet, &serial);
     let table = Cases::new(skills, &alphabet, &mut serial, &spoken)?;
@@ -289,7 +289,7 @@ impl Cases {
 }
 
 fn too_many() -> TooLarge {
-    TooLarge {
+    TooLarge::Count {
         what: "combinations of what is known of a rule and what is called",
         limit: MOST_CASES,
     }

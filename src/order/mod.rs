@@ -22,6 +22,7 @@
 //!
 //! Nothing here knows of syntax, contracts or machines.
 
+pub mod bound;
 pub mod dfa;
 pub mod eliminate;
 pub mod findings;

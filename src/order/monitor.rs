@@ -2,8 +2,10 @@
 //!
 //! It is an interlock: a call that is refused changes nothing, as if it had not been made. No call allocates.
 
+use super::bound::TooLarge;
 use super::layout::Layout;
-use super::table::Table;
+use super::supervisor::{Call, Refusal as Refused, State, Supervisor};
+use super::table::{Cited, Table};
 
 /// Why a call is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -55,9 +57,9 @@ impl Verdict {
 
 impl Why {
     /// What is said about it: the rule with its name, or what is wrong with the call.
-    pub fn text(self, table: &Table) -> String {
+    pub fn text(self, rules: &[Cited]) -> String {
         match self {
-            Self::Rule(rule) => table.rules[rule].to_string(),
+            Self::Rule(rule) => rules[rule].to_string(),
             Self::Recall => {
                 "a recall: the component is where the skill leads it already".to_owned()
             }
@@ -186,6 +188,54 @@ impl<'a> Monitor<'a> {
                 }
                 Err(_) => self.layout.code(Why::Together),
             },
+        }
+    }
+}
+
+/// A monitor of rules whose table would be too large: it works out what a call leads to when it is made, and remembers that. So a call that has
+/// not been seen in a state takes longer, and allocates.
+#[derive(Debug, Clone)]
+pub struct Unfolding<'a> {
+    supervisor: Supervisor<'a>,
+    /// So many skills may be called at once.
+    at_once: u32,
+    state: State,
+}
+
+impl<'a> Unfolding<'a> {
+    /// A monitor before the first call, for calls of up to so many skills at once.
+    pub fn new(supervisor: &Supervisor<'a>, at_once: u32) -> Self {
+        let supervisor = supervisor.clone().lean();
+        Self {
+            state: supervisor.start(),
+            supervisor,
+            at_once,
+        }
+    }
+
+    /// All skills of a mask are called at once; none of an empty one.
+    pub fn call_at_once(&mut self, skills: u64) -> Verdict {
+        let known = self.supervisor.skills().skills.len() as u32;
+        if skills == 0 {
+            return Verdict::Allowed;
+        }
+        if known < 64 && skills >> known != 0 {
+            return Verdict::Refused(Why::Unknown);
+        }
+        if skills.count_ones() > self.at_once {
+            return Verdict::Refused(Why::Together);
+        }
+        match self.supervisor.call(&self.state, Call(skills)) {
+            Ok(Ok(after)) => {
+                self.state = after;
+                Verdict::Allowed
+            }
+            Ok(Err(refusal)) => Verdict::Refused(match refusal {
+                Refused::SameComponent { .. } => Why::Together,
+                Refused::Recall { .. } => Why::Recall,
+                Refused::Rule { rule, .. } | Refused::Deleted { rule } => Why::Rule(rule),
+            }),
+            Err(TooLarge::Count { .. } | TooLarge::Late) => Verdict::Refused(Why::Together),
         }
     }
 }

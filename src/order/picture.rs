@@ -4,7 +4,8 @@
 //! By component every component and every rule is a region of its own, side by side (Harel, "Statecharts", 1987). That is the sum of their
 //! states and not the product: a call is allowed where every region allows it.
 
-use super::dfa::{REFUSED, TooLarge};
+use super::bound::TooLarge;
+use super::dfa::REFUSED;
 use super::fsm::Fsm;
 use super::rule::{self, Alphabet};
 use super::supervisor::{Call, Options};
@@ -81,7 +82,7 @@ pub fn regions(skills: &Skills, options: Options) -> Result<Vec<Region>, TooLarg
     }
     let alphabet = Alphabet::of(skills);
     for rule in skills.rules.iter().filter(|r| r.level <= options.level) {
-        let automaton = rule::automaton(rule, skills, &alphabet)?;
+        let automaton = rule::automaton(rule, skills, &alphabet, options.until)?;
         regions.push(Region {
             title: rule.name.clone(),
             graph: of_rule(skills, &alphabet, &automaton),

@@ -1,9 +1,10 @@
 //! A program of calls, checked before it is loaded: the first call that is refused, why, and how it could go on.
 
-use super::dfa::{Found, TooLarge, way};
+use super::bound::TooLarge;
+use super::dfa::{Found, way};
 use super::fsm::{MOST_ENTRIES, calls};
 use super::supervisor::{Call, Refusal, State, Supervisor};
-use std::collections::BTreeSet;
+use rustc_hash::FxHashSet;
 
 /// What came of a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,9 +17,13 @@ pub struct Checked {
     pub state: State,
     /// Rules that are in the middle of a sequence there, by their places.
     pub unfinished: Vec<usize>,
-    /// The shortest calls with which it would be complete; `None` where it is, or never can be.
-    pub completion: Option<Vec<Call>>,
+    /// The shortest calls with which it would be complete; `None` where it is, or never can be. An error where that would be too much to be
+    /// found out.
+    pub completion: Sought,
 }
+
+/// The shortest calls after which something is so, if there are any.
+pub type Sought = Result<Option<Vec<Call>>, TooLarge>;
 
 /// A call that is refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,8 +34,8 @@ pub struct Violation {
     pub call: Call,
     /// Why.
     pub refusal: Refusal,
-    /// The shortest calls after which it is allowed; `None` where there are none.
-    pub detour: Option<Vec<Call>>,
+    /// The shortest calls after which it is allowed; `None` where there are none. An error where that would be too much to be found out.
+    pub detour: Sought,
     /// What may be called in its place, single skills and as many at once as the call has.
     pub instead: Vec<Call>,
 }
@@ -56,14 +61,14 @@ pub fn check(supervisor: &mut Supervisor<'_>, program: &[Call]) -> Result<Checke
                     allowed: step,
                     violation: Some(violation),
                     unfinished: Vec::new(),
-                    completion: None,
+                    completion: Ok(None),
                     state,
                 });
             }
         }
     }
     let completion = if supervisor.is_complete(&state) {
-        None
+        Ok(None)
     } else {
         completion(supervisor, &state)
     };
@@ -94,15 +99,21 @@ pub fn allowed(
     Ok(allowed)
 }
 
-/// The shortest calls, of single skills, after which a call is allowed. `None` where there are none, or too many states were looked at.
-pub fn detour(supervisor: &mut Supervisor<'_>, from: &State, call: Call) -> Option<Vec<Call>> {
+/// The shortest calls, of single skills, after which a call is allowed. `None` where there are none.
+///
+/// # Errors
+/// When too many states would be looked at, or the time is over.
+pub fn detour(supervisor: &mut Supervisor<'_>, from: &State, call: Call) -> Sought {
     search(supervisor, from, |supervisor, state| {
         matches!(supervisor.call(state, call), Ok(Ok(_)))
     })
 }
 
-/// The shortest calls, of single skills, after which a program may end.
-pub fn completion(supervisor: &mut Supervisor<'_>, from: &State) -> Option<Vec<Call>> {
+/// The shortest calls, of single skills, after which a program may end. `None` where there are none.
+///
+/// # Errors
+/// When too many states would be looked at, or the time is over.
+pub fn completion(supervisor: &mut Supervisor<'_>, from: &State) -> Sought {
     search(supervisor, from, |supervisor, state| {
         supervisor.is_complete(state)
     })
@@ -112,27 +123,35 @@ fn search(
     supervisor: &mut Supervisor<'_>,
     from: &State,
     mut wanted: impl FnMut(&mut Supervisor<'_>, &State) -> bool,
-) -> Option<Vec<Call>> {
+) -> Sought {
     let singles = calls(supervisor.skills(), 1);
     let limit = MOST_ENTRIES / singles.len().max(1);
-    let mut seen = BTreeSet::from([from.clone()]);
+    let until = supervisor.options().until;
+    let mut seen = FxHashSet::from_iter([supervisor.essence(from)]);
     let mut found: Vec<Found<State, Call>> = vec![(from.clone(), None)];
     let mut at = 0;
-    while at < found.len() && found.len() < limit {
+    while at < found.len() {
+        if found.len() >= limit {
+            return Err(TooLarge::Count {
+                what: "states",
+                limit,
+            });
+        }
+        until.check()?;
         let state = found[at].0.clone();
         if wanted(supervisor, &state) {
-            return Some(way(&found, at));
+            return Ok(Some(way(&found, at)));
         }
         for call in &singles {
             if let Ok(Ok(after)) = supervisor.call(&state, *call)
-                && seen.insert(after.clone())
+                && seen.insert(supervisor.essence(&after))
             {
                 found.push((after, Some((at, *call))));
             }
         }
         at += 1;
     }
-    None
+    Ok(None)
 }
 
 /// The shortest sequence of calls that one of two sets of rules allows and the other refuses.
@@ -147,12 +166,24 @@ pub struct Difference {
 }
 
 /// What counts as a difference.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Apart {
     /// Also programs that the one lets end and the other does not.
     pub whole: bool,
     /// Only what the first allows and the second refuses.
     pub one_way: bool,
+    /// So many calls of pairs of states are looked at.
+    pub entries: usize,
+}
+
+impl Default for Apart {
+    fn default() -> Self {
+        Self {
+            whole: false,
+            one_way: false,
+            entries: MOST_ENTRIES,
+        }
+    }
 }
 
 /// Tells two sets of rules over the same skills apart.
@@ -160,12 +191,13 @@ pub struct Apart {
 /// # Errors
 /// When there are too many pairs of states, or one rule speaks of too many skills of one call.
 pub fn difference(
-    first: &mut Supervisor<'_>,
-    second: &mut Supervisor<'_>,
+    first: &Supervisor<'_>,
+    second: &Supervisor<'_>,
     calls: &[Call],
     apart: Apart,
 ) -> Result<Option<Difference>, TooLarge> {
-    let limit = MOST_ENTRIES / calls.len().max(1);
+    let (first, second) = (&mut first.clone().lean(), &mut second.clone().lean());
+    let limit = apart.entries / calls.len().max(1);
     let start = (first.start(), second.start());
     // Whether the first lets a program end, where they do not agree on it.
     let ends = |first: &Supervisor<'_>, second: &Supervisor<'_>, (a, b): &(State, State)| {
@@ -180,10 +212,12 @@ pub fn difference(
             refusal: None,
         }));
     }
-    let mut seen = BTreeSet::from([start.clone()]);
+    let mut seen = FxHashSet::from_iter([start.clone()]);
     let mut found: Vec<Found<(State, State), Call>> = vec![(start, None)];
     let mut at = 0;
+    let until = first.options().until;
     while at < found.len() {
+        until.check()?;
         let (a, b) = found[at].0.clone();
         for call in calls {
             let pair = match (first.call(&a, *call)?, second.call(&b, *call)?) {
@@ -204,7 +238,7 @@ pub fn difference(
                 continue;
             }
             if found.len() == limit {
-                return Err(TooLarge {
+                return Err(TooLarge::Count {
                     what: "pairs of states",
                     limit,
                 });

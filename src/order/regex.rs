@@ -3,7 +3,8 @@
 //! An expression becomes a nondeterministic automaton with empty moves (Thompson, "Regular expression search algorithm", 1968), and that a
 //! deterministic one by sets of its states.
 
-use super::dfa::{Dfa, TooLarge};
+use super::bound::{Bound, TooLarge};
+use super::dfa::Dfa;
 use super::{Regex, Skills};
 
 /// So many places an expression may have when its repetitions are written out.
@@ -23,7 +24,7 @@ struct Places {
 impl Places {
     fn new_place(&mut self) -> Result<usize, TooLarge> {
         if self.from.len() == MOST_PLACES {
-            return Err(TooLarge {
+            return Err(TooLarge::Count {
                 what: "places in a regular expression",
                 limit: MOST_PLACES,
             });
@@ -98,7 +99,7 @@ impl Places {
     /// A place for every set of those that have been called.
     fn lay_any_order(&mut self, skills: &[usize], from: usize) -> Result<usize, TooLarge> {
         if skills.len() >= MOST_PLACES.ilog2() as usize {
-            return Err(TooLarge {
+            return Err(TooLarge::Count {
                 what: "places in a regular expression",
                 limit: MOST_PLACES,
             });
@@ -136,8 +137,8 @@ impl Places {
 /// The smallest automaton of an expression over `letters` skills. What no longer leads to a word is refused.
 ///
 /// # Errors
-/// When the expression has more than [`MOST_PLACES`] places, or the automaton more than `limit` states.
-pub fn automaton(regex: &Regex, letters: usize, limit: usize) -> Result<Dfa, TooLarge> {
+/// When the expression has more than [`MOST_PLACES`] places, or the automaton more states than `bound` allows, or when the time is over.
+pub fn automaton(regex: &Regex, letters: usize, bound: impl Into<Bound>) -> Result<Dfa, TooLarge> {
     let mut places = Places {
         letters,
         from: vec![Vec::new()],
@@ -153,7 +154,7 @@ pub fn automaton(regex: &Regex, letters: usize, limit: usize) -> Result<Dfa, Too
         (!reached.is_empty()).then_some(reached)
     };
     let start = places.closure([0]);
-    let dfa = Dfa::explore(letters, start, limit, step, |s| s.contains(&end))?;
+    let dfa = Dfa::explore(letters, start, bound, step, |s| s.contains(&end))?;
     Ok(dfa.trimmed().minimal())
 }
 

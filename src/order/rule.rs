@@ -4,9 +4,11 @@
 //! the letters `Left`, `Down` and `Left & Down` come in any order. Only what is in a row goes by the skills alone: `Left & Down` is there
 //! where the two follow each other in one call, so that nothing comes between it and what it follows.
 
-use super::dfa::{Dfa, TooLarge};
+use super::bound::{TooLarge, Until};
+use super::dfa::Dfa;
 use super::standing::{Window, standing};
 use super::{Event, Kind, Regex, Rule, Skills, regex};
+use std::hash::Hash;
 
 /// A rule's automaton has so many states at most.
 pub const MOST_STATES: usize = 1 << 16;
@@ -153,10 +155,11 @@ impl Automaton {
     /// Explores states from several starts; `over` says what comes of them when a call is over.
     ///
     /// # Errors
-    /// When there are more than [`MOST_STATES`] states.
-    pub(super) fn explore<S: Clone + Ord>(
+    /// When there are more than [`MOST_STATES`] states, or the time is over.
+    pub(super) fn explore<S: Clone + Eq + Hash>(
         letters: usize,
         starts: &[S],
+        until: Until,
         step: impl Fn(&S, usize) -> Option<S>,
         over: impl Fn(&S) -> S,
         complete: impl Fn(&S) -> bool,
@@ -169,7 +172,13 @@ impl Automaton {
                 step(state, letter)
             }
         };
-        let found = Dfa::explore_all(letters + 1, starts, MOST_STATES, step, complete)?;
+        let found = Dfa::explore_all(
+            letters + 1,
+            starts,
+            until.within(MOST_STATES),
+            step,
+            complete,
+        )?;
         let (dfa, over) = found.dfa.without_last_letter();
         let automaton = Self {
             dfa,
@@ -184,8 +193,13 @@ impl Automaton {
 /// The automaton of a rule.
 ///
 /// # Errors
-/// When it would have more than [`MOST_STATES`] states.
-pub fn automaton(rule: &Rule, skills: &Skills, alphabet: &Alphabet) -> Result<Automaton, TooLarge> {
+/// When it would have more than [`MOST_STATES`] states, or the time is over.
+pub fn automaton(
+    rule: &Rule,
+    skills: &Skills,
+    alphabet: &Alphabet,
+    until: Until,
+) -> Result<Automaton, TooLarge> {
     let letters = alphabet.len();
     let set = |events: &[Event]| alphabet.set(events);
     // Whether one of these counts as called at the start.
@@ -253,13 +267,13 @@ pub fn automaton(rule: &Rule, skills: &Skills, alphabet: &Alphabet) -> Result<Au
                 ..automaton
             })
         }
-        Kind::InARow(words) => in_a_row(words, alphabet),
-        Kind::Sequence(regex) => sequence(regex, skills, letters),
+        Kind::InARow(words) => in_a_row(words, alphabet, until),
+        Kind::Sequence(regex) => sequence(regex, skills, letters, until),
     }
 }
 
 /// An automaton all of whose states are complete, with several starts.
-fn one<S: Clone + Ord>(
+fn one<S: Clone + Eq + Hash>(
     letters: usize,
     starts: &[S],
     step: impl Fn(&S, usize) -> Option<S>,
@@ -274,7 +288,11 @@ type Reached = (usize, usize, u64);
 
 /// Where in each word one is: the ends of what was called that begin a word (Aho and Corasick, "Efficient string matching", 1975, by
 /// sets).
-fn in_a_row(words: &[Vec<Vec<Event>>], alphabet: &Alphabet) -> Result<Automaton, TooLarge> {
+fn in_a_row(
+    words: &[Vec<Vec<Event>>],
+    alphabet: &Alphabet,
+    until: Until,
+) -> Result<Automaton, TooLarge> {
     let words: Vec<Vec<Vec<u64>>> = words
         .iter()
         .map(|word| word.iter().map(|place| masks(place)).collect())
@@ -311,13 +329,18 @@ fn in_a_row(words: &[Vec<Vec<Event>>], alphabet: &Alphabet) -> Result<Automaton,
         let whole = reached.iter().filter(|(_, _, missing)| *missing == 0);
         whole.copied().collect()
     };
-    let explored = Automaton::explore(alphabet.len(), &[Vec::new()], step, over, |_| true);
+    let explored = Automaton::explore(alphabet.len(), &[Vec::new()], until, step, over, |_| true);
     explored.map(|(automaton, _)| automaton)
 }
 
 /// The beginnings of the words of a regular expression. An event of several skills changes nothing here.
-fn sequence(regex: &Regex, skills: &Skills, letters: usize) -> Result<Automaton, TooLarge> {
-    let dfa = regex::automaton(regex, skills.skills.len(), MOST_STATES)?;
+fn sequence(
+    regex: &Regex,
+    skills: &Skills,
+    letters: usize,
+    until: Until,
+) -> Result<Automaton, TooLarge> {
+    let dfa = regex::automaton(regex, skills.skills.len(), until.within(MOST_STATES))?;
     let count = skills.skills.len();
     let step = |state: &u32, letter: usize| {
         if letter >= count {

@@ -5,9 +5,10 @@
 //! problems", 1962). Since orders may end in different states, what is known of a rule is a set of states.
 
 use super::Serialisation;
-use super::dfa::{Dfa, REFUSED, TooLarge};
+use super::bound::TooLarge;
+use super::dfa::{Dfa, REFUSED};
 use super::rule::Automaton;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// So many letters, those that a rule does not tell apart left out, may come at once.
 pub const MOST_AT_ONCE: usize = 16;
@@ -26,8 +27,8 @@ pub struct Serial {
     idle: Vec<bool>,
     /// The sets of states, each in ascending order.
     sets: Vec<Vec<u32>>,
-    numbers: HashMap<Vec<u32>, Known>,
-    calls: HashMap<(Known, Vec<usize>), Option<Known>>,
+    numbers: FxHashMap<Vec<u32>, Known>,
+    calls: FxHashMap<(Known, Vec<usize>), Option<Known>>,
 }
 
 impl Serial {
@@ -42,9 +43,9 @@ impl Serial {
             over,
             serialisation,
             idle,
-            numbers: HashMap::from([(starts.clone(), 0)]),
+            numbers: FxHashMap::from_iter([(starts.clone(), 0)]),
             sets: vec![starts],
-            calls: HashMap::new(),
+            calls: FxHashMap::default(),
         }
     }
 
@@ -135,7 +136,7 @@ impl Serial {
         letters: &[usize],
     ) -> Result<Result<Vec<Vec<u32>>, Refused>, TooLarge> {
         if letters.len() > MOST_AT_ONCE {
-            return Err(TooLarge {
+            return Err(TooLarge::Count {
                 what: "skills at once that one rule speaks of",
                 limit: MOST_AT_ONCE,
             });

@@ -4,7 +4,7 @@
 //! the other closes may stand open or not. Several windows are not independent of one another there: what one order leads to for each of
 //! them is found from its end, skill by skill.
 
-use super::dfa::TooLarge;
+use super::bound::TooLarge;
 use super::rule::MOST_STATES;
 use super::{Event, Skills};
 use std::collections::BTreeSet;
@@ -88,7 +88,7 @@ pub fn together(windows: &[Window]) -> Result<Vec<Vec<bool>>, TooLarge> {
             }
         }
         if seen.len() == MOST_STATES {
-            return Err(TooLarge {
+            return Err(TooLarge::Count {
                 what: "states",
                 limit: MOST_STATES,
             });

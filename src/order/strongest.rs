@@ -15,7 +15,8 @@
 //!
 //! The engineer may say that a candidate is to be dropped, and which situations are useful; the rest is found anew.
 
-use super::dfa::{REFUSED, TooLarge, shortest};
+use super::bound::TooLarge;
+use super::dfa::{Dfa, REFUSED, shortest};
 use super::fsm::Fsm;
 use super::supervisor::{Call, Options};
 use super::{Event, Kind, Level, Rule, Skills};
@@ -79,22 +80,28 @@ pub struct Strongest {
 /// When an automaton is too large.
 pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, TooLarge> {
     let base = Fsm::of(skills, request.options, 1)?;
-    let wanted = Wanted::new(&base, &request.useful);
-    let mut result = Strongest {
-        candidates: Vec::new(),
-        skills: skills.clone(),
+    let mut search = Search {
+        request,
+        wanted: Wanted::new(&base, &request.useful),
+        allowed: base.dfa.clone().prefix_closed(),
+        base,
+        found: Strongest {
+            candidates: Vec::new(),
+            skills: skills.clone(),
+        },
     };
     let recalls = (0..skills.skills.len()).filter_map(|s| recall(skills, s).map(|r| (vec![s], r)));
     for (word, rule) in recalls {
-        result.put_to_the_test(word, rule, request, &base, &wanted)?;
+        search.put_to_the_test(word, rule)?;
     }
     for length in 2..=request.longest {
-        for word in detours(&base, length) {
+        request.options.until.check()?;
+        for word in detours(&search.base, length) {
             let rule = detour(skills, &word);
-            result.put_to_the_test(word, rule, request, &base, &wanted)?;
+            search.put_to_the_test(word, rule)?;
         }
     }
-    Ok(result)
+    Ok(search.found)
 }
 
 /// The rule against a recall: its component is where the skill leads, and no other skill has led it away.
@@ -221,7 +228,7 @@ struct Wanted {
     /// The useful situations, in order.
     situations: Vec<Vec<usize>>,
     /// For each state, which of them can be reached by one call or more; last, whether a program can be completed.
-    reached: Vec<Vec<bool>>,
+    reached: Vec<Bits>,
 }
 
 impl Wanted {
@@ -242,32 +249,35 @@ impl Wanted {
 }
 
 /// For each state, which of these situations can be reached by one call or more, and whether a program can be completed.
-fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Vec<bool>> {
+fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Bits> {
     let states = fsm.states.len();
     let place: Vec<Option<usize>> = { fsm.states.iter() }
         .map(|s| situations.binary_search(&s.situation).ok())
         .collect();
-    let mut reached = vec![vec![false; situations.len() + 1]; states];
+    let mut reached = vec![Bits::new(situations.len() + 1); states];
     for (state, reached) in reached.iter_mut().enumerate() {
-        reached[situations.len()] = fsm.dfa.is_complete(state as u32);
+        if fsm.dfa.is_complete(state as u32) {
+            reached.insert(situations.len());
+        }
     }
     loop {
         let mut changed = false;
         for from in (0..states).rev() {
+            let mut here = std::mem::take(&mut reached[from]);
             for skill in 0..fsm.dfa.letters() {
                 let to = fsm.dfa.next(from as u32, skill);
                 if to == REFUSED {
                     continue;
                 }
                 let to = to as usize;
-                let beyond = reached[to].clone();
-                for (i, (here, beyond)) in reached[from].iter_mut().zip(beyond).enumerate() {
-                    if !*here && (beyond || place[to] == Some(i)) {
-                        *here = true;
-                        changed = true;
-                    }
+                if let Some(place) = place[to] {
+                    changed |= here.insert(place);
+                }
+                if to != from {
+                    changed |= here.insert_all(&reached[to]);
                 }
             }
+            reached[from] = here;
         }
         if !changed {
             return reached;
@@ -275,33 +285,75 @@ fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Vec<bool>> {
     }
 }
 
-impl Strongest {
+/// A set of small numbers.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+struct Bits(Vec<u64>);
+
+impl Bits {
+    /// The empty set of numbers below `count`.
+    fn new(count: usize) -> Self {
+        Self(vec![0; count.div_ceil(64)])
+    }
+
+    /// Whether it is new.
+    fn insert(&mut self, number: usize) -> bool {
+        let word = &mut self.0[number / 64];
+        let before = *word;
+        *word |= 1 << (number % 64);
+        *word != before
+    }
+
+    /// Whether any is new.
+    fn insert_all(&mut self, other: &Self) -> bool {
+        let mut changed = false;
+        for (word, more) in self.0.iter_mut().zip(&other.0) {
+            changed |= *more & !*word != 0;
+            *word |= more;
+        }
+        changed
+    }
+
+    /// The least number that is in this set and not in another one.
+    fn first_beyond(&self, other: &Self) -> Option<usize> {
+        let mut words = self.0.iter().zip(&other.0).enumerate();
+        words.find_map(|(at, (word, other))| match word & !other {
+            0 => None,
+            more => Some(at * 64 + more.trailing_zeros() as usize),
+        })
+    }
+}
+
+/// What has been found so far.
+struct Search<'a> {
+    request: &'a Request,
+    /// The level without candidates.
+    base: Fsm,
+    wanted: Wanted,
+    found: Strongest,
+    /// What the rules found so far allow, with every beginning of a word.
+    allowed: Dfa,
+}
+
+impl Search<'_> {
     /// Tests a candidate that forbids something that is allowed so far.
-    fn put_to_the_test(
-        &mut self,
-        word: Vec<usize>,
-        rule: Rule,
-        request: &Request,
-        base: &Fsm,
-        wanted: &Wanted,
-    ) -> Result<(), TooLarge> {
-        let mut with = self.skills.clone();
+    fn put_to_the_test(&mut self, word: Vec<usize>, rule: Rule) -> Result<(), TooLarge> {
+        let mut with = self.found.skills.clone();
         with.rules.push(rule.clone());
-        let fsm = Fsm::of(&with, request.options, 1)?;
-        let allowed = |fsm: &Fsm| fsm.dfa.clone().prefix_closed();
-        let before = Fsm::of(&self.skills, request.options, 1)?;
-        if allowed(&before).difference(&allowed(&fsm)).is_none() {
+        let fsm = Fsm::of(&with, self.request.options, 1)?;
+        let allowed = fsm.dfa.clone().prefix_closed();
+        if self.allowed.difference(&allowed).is_none() {
             return Ok(());
         }
-        let verdict = if request.dropped.contains(&rule.name) {
+        let verdict = if self.request.dropped.contains(&rule.name) {
             Verdict::Dropped
         } else {
-            loss(&fsm, base, wanted)
+            loss(&fsm, &self.base, &self.wanted)
         };
         if verdict == Verdict::Kept {
-            self.skills = with;
+            self.found.skills = with;
+            self.allowed = allowed;
         }
-        self.candidates.push(Candidate {
+        self.found.candidates.push(Candidate {
             rule,
             word,
             verdict,
@@ -314,8 +366,7 @@ impl Strongest {
 fn loss(fsm: &Fsm, base: &Fsm, wanted: &Wanted) -> Verdict {
     let left = reached(fsm, &wanted.situations);
     let missing = |&(now, before): &(u32, u32)| {
-        let (now, before) = (&left[now as usize], &wanted.reached[before as usize]);
-        { now.iter().zip(before) }.position(|(now, before)| *before && !now)
+        wanted.reached[before as usize].first_beyond(&left[now as usize])
     };
     let successors = |&(now, before): &(u32, u32)| -> Vec<(usize, (u32, u32))> {
         let letters = 0..fsm.dfa.letters();

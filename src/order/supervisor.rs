@@ -4,7 +4,8 @@
 //! control of a class of discrete event processes" (1987): it allows and forbids, and calls nothing itself. It works out states as they
 //! are asked for; [`super::fsm`] works out all of them.
 
-use super::dfa::{Dfa, REFUSED, TooLarge};
+use super::bound::{TooLarge, Until};
+use super::dfa::{Dfa, REFUSED};
 use super::rule::{self, Alphabet, Automaton};
 use super::serial::{Known, Serial};
 use super::{Level, Serialisation, Skills, standing};
@@ -40,6 +41,22 @@ pub struct Options {
     pub serialisation: Serialisation,
     /// Rules that list the transitions that a published model deletes are replaced by these deletions.
     pub paper: bool,
+    /// When to give up.
+    pub until: Until,
+}
+
+impl Options {
+    /// In words, behind the name of the skills: `at the level valid`.
+    pub fn text(&self) -> String {
+        let mut text = format!("at the level {}", self.level.word());
+        if self.serialisation == Serialisation::Some {
+            text.push_str(", several skills at once where some order of them is allowed");
+        }
+        if self.paper {
+            text.push_str(", with the transitions deleted that a published model deletes");
+        }
+        text
+    }
 }
 
 impl Default for Options {
@@ -48,6 +65,7 @@ impl Default for Options {
             level: Level::Valid,
             serialisation: Serialisation::Every,
             paper: false,
+            until: Until::default(),
         }
     }
 }
@@ -114,6 +132,10 @@ pub struct Supervisor<'a> {
     automata: Automata,
     /// The rules whose deletions hold.
     deleting: Vec<usize>,
+    /// For every component, whether where it stands decides what is allowed.
+    decides: Vec<bool>,
+    /// Whether only those are followed that do.
+    lean: bool,
 }
 
 impl<'a> Supervisor<'a> {
@@ -129,22 +151,52 @@ impl<'a> Supervisor<'a> {
             kept.partition(|(_, rule)| options.paper && !rule.deletions.is_empty());
         let mut each = Vec::new();
         for (place, rule) in kept {
-            each.push((place, rule::automaton(rule, skills, &alphabet)?));
+            each.push((
+                place,
+                rule::automaton(rule, skills, &alphabet, options.until)?,
+            ));
         }
         let automata = match options.serialisation {
             Serialisation::Every => {
                 let serial = |(place, a)| (place, Serial::new(a, Serialisation::Every));
                 Automata::Each(each.into_iter().map(serial).collect())
             }
-            Serialisation::Some => together(each, alphabet.len())?,
+            Serialisation::Some => together(each, alphabet.len(), options.until)?,
         };
+        let deleting: Vec<usize> = deleting.into_iter().map(|(place, _)| place).collect();
+        let mut decides = vec![options.level >= Level::Reasonable; skills.components.len()];
+        for deletion in deleting.iter().flat_map(|r| &skills.rules[*r].deletions) {
+            for (component, _) in deletion.from.iter().chain(&deletion.to) {
+                decides[*component] = true;
+            }
+        }
         Ok(Self {
             skills,
             options,
             alphabet,
             automata,
-            deleting: deleting.into_iter().map(|(place, _)| place).collect(),
+            deleting,
+            decides,
+            lean: false,
         })
+    }
+
+    /// The same, but components whose situation decides nothing are taken to stay where they are. The same calls are allowed, in fewer states.
+    #[must_use]
+    pub fn lean(mut self) -> Self {
+        self.lean = true;
+        self
+    }
+
+    /// As much of a state as decides what is allowed from there on.
+    pub fn essence(&self, state: &State) -> State {
+        let situation = state.situation.iter().zip(&self.decides);
+        State {
+            situation: situation
+                .map(|(s, decides)| if *decides { *s } else { 0 })
+                .collect(),
+            known: state.known.clone(),
+        }
     }
 
     /// The skills.
@@ -152,15 +204,9 @@ impl<'a> Supervisor<'a> {
         self.skills
     }
 
-    /// The rules that are kept, by their places.
-    pub fn rules(&self) -> Vec<usize> {
-        let mut rules = match &self.automata {
-            Automata::Each(each) => each.iter().map(|(place, _)| *place).collect(),
-            Automata::Together { rules, .. } => rules.clone(),
-        };
-        rules.extend(&self.deleting);
-        rules.sort_unstable();
-        rules
+    /// What it allows and refuses.
+    pub fn options(&self) -> Options {
+        self.options
     }
 
     /// Before the first call.
@@ -226,7 +272,18 @@ impl<'a> Supervisor<'a> {
                 known.push(after);
             }
         }
-        let situation = self.moved(state, call);
+        let mut situation = self.moved(state, call);
+        if self.lean {
+            for ((after, before), decides) in situation
+                .iter_mut()
+                .zip(&state.situation)
+                .zip(&self.decides)
+            {
+                if !decides {
+                    *after = *before;
+                }
+            }
+        }
         for &rule in &self.deleting {
             let deletions = &self.skills.rules[rule].deletions;
             let stands = |at: &[(usize, usize)], in_it: &[usize]| {
@@ -330,7 +387,11 @@ fn first_refusal(parts: &[Dfa], from: &[u32], letters: &[usize]) -> (usize, Vec<
 }
 
 /// The product of all rules, for what one order has to suit.
-fn together(each: Vec<(usize, Automaton)>, letters: usize) -> Result<Automata, TooLarge> {
+fn together(
+    each: Vec<(usize, Automaton)>,
+    letters: usize,
+    until: Until,
+) -> Result<Automata, TooLarge> {
     let (rules, automata): (Vec<usize>, Vec<Automaton>) = each.into_iter().unzip();
     let windows: Vec<_> = automata.iter().map(|a| a.window).collect();
     let starts: Vec<Vec<u32>> = standing::together(&windows)?
@@ -361,7 +422,7 @@ fn together(each: Vec<(usize, Automaton)>, letters: usize) -> Result<Automata, T
         let states = state.iter().zip(&overs);
         states.map(|(s, over)| over[*s as usize]).collect()
     };
-    let (product, states) = Automaton::explore(letters, &starts, step, over, complete)?;
+    let (product, states) = Automaton::explore(letters, &starts, until, step, over, complete)?;
     Ok(Automata::Together {
         rules,
         parts,

@@ -1,8 +1,10 @@
 //! The joint automaton of some rules as a plain table: what monitors are made of, in this process, in C and in Structured Text.
 
-use super::dfa::{self, TooLarge};
+use super::Rule;
+use super::bound::TooLarge;
+use super::dfa::{self};
 use super::fsm::Fsm;
-use super::supervisor::{Refusal, Supervisor};
+use super::supervisor::{Call, Refusal, Supervisor};
 
 /// An entry of [`Table::next`]: the call is refused.
 pub const REFUSED: u32 = u32::MAX;
@@ -18,6 +20,8 @@ pub const TOGETHER: u16 = u16::MAX - 1;
 pub struct Table {
     /// The name of the skill set: `PickAndPlaceUnit`.
     pub name: String,
+    /// How its rules are kept, in words: `at the level valid`.
+    pub kept: String,
     /// The skills' names.
     pub skills: Vec<String>,
     /// The rules, as messages cite them.
@@ -47,23 +51,31 @@ pub struct Cited {
     pub text: String,
 }
 
+impl Cited {
+    /// A rule as it is cited.
+    pub fn of(rule: &Rule) -> Self {
+        Self {
+            name: rule.name.clone(),
+            requirement: rule.requirement.clone(),
+            text: rule.text.clone(),
+        }
+    }
+}
+
 impl Table {
-    /// The table of an automaton, by the supervisor that it was explored for.
+    /// The table of all that these calls lead to. Components whose situation decides nothing are left out of it.
     ///
     /// # Errors
-    /// When one rule speaks of too many of the skills of one call.
-    pub fn of(supervisor: &mut Supervisor<'_>, fsm: &Fsm) -> Result<Self, TooLarge> {
+    /// When it would be too large, or one rule speaks of too many of the skills of one call, or the time is over.
+    pub fn explore(supervisor: &Supervisor<'_>, calls: Vec<Call>) -> Result<Self, TooLarge> {
+        let supervisor = &mut supervisor.clone().lean();
+        let fsm = Fsm::explore(supervisor, calls)?;
         let skills = supervisor.skills();
         let mut table = Self {
             name: skills.name.clone(),
+            kept: supervisor.options().text(),
             skills: skills.skills.iter().map(|s| s.name.clone()).collect(),
-            rules: { skills.rules.iter() }
-                .map(|rule| Cited {
-                    name: rule.name.clone(),
-                    requirement: rule.requirement.clone(),
-                    text: rule.text.clone(),
-                })
-                .collect(),
+            rules: skills.rules.iter().map(Cited::of).collect(),
             calls: fsm.calls.iter().map(|c| c.0).collect(),
             next: Vec::new(),
             why: Vec::new(),

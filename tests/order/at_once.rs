@@ -59,6 +59,7 @@ fn agree_at(skills: &Skills, level: Level, paper: bool) {
             level,
             serialisation,
             paper,
+            ..Options::default()
         };
         let mut compared = Compared {
             fsm: Fsm::of(skills, options, 2).expect("it is small"),

@@ -4,7 +4,8 @@
 use crate::naive::{Letter, Naive};
 use crate::random::{Size, options, skills, two_sets};
 use crate::units::{any, at_most, unit};
-use linewright::order::dfa::{Dfa, REFUSED, TooLarge};
+use linewright::order::bound::{TooLarge, Until};
+use linewright::order::dfa::{Dfa, REFUSED};
 use linewright::order::fsm::Fsm;
 use linewright::order::rule::MOST_STATES;
 use linewright::order::supervisor::Options;
@@ -27,10 +28,7 @@ const SHORT: usize = 4;
 
 /// The automaton of the expression that is made of an automaton; `None` where that would be too long.
 fn expressed(dfa: &Dfa) -> Option<Dfa> {
-    let expression = match eliminate::regex(dfa) {
-        Ok(expression) => expression,
-        Err(TooLarge { .. }) => return None,
-    };
+    let expression = eliminate::regex(dfa, Until::default()).ok()?;
     Some(regex::automaton(&expression, dfa.letters(), MOST_STATES).expect("it was small before"))
 }
 
@@ -92,8 +90,10 @@ fn what_is_too_large_for_an_expression_is_refused() {
     let counter = |skill| at_most(3, any(&[skill]), Vec::new(), Vec::new());
     let skills = unit((0..6).map(counter));
     let dfa = Fsm::of(&skills, Options::default(), 1).expect("it is small");
-    let refused = eliminate::regex(&dfa.one_by_one()).expect_err("it is too large");
-    assert_eq!(refused.limit, eliminate::MOST_ELIMINATED);
+    let refused =
+        eliminate::regex(&dfa.one_by_one(), Until::default()).expect_err("it is too large");
+    let limit = eliminate::MOST_ELIMINATED;
+    assert!(matches!(refused, TooLarge::Count { limit: at, .. } if at == limit));
 }
 
 proptest! {
@@ -147,6 +147,11 @@ proptest! {
         prop_assert!(minimal.states() <= dfa.states());
         prop_assert!(is_smallest(&minimal));
         prop_assert_eq!(minimal.difference(&dfa), None);
+        let lean = Fsm::of_words(&skills, options, 2).expect("it is smaller");
+        let whole = Fsm::of(&skills, options, 2).expect("it is small");
+        prop_assert!(lean.states.len() <= whole.states.len());
+        prop_assert_eq!(lean.dfa.difference(&whole.dfa), None);
+        prop_assert_eq!(lean.dfa.prefix_closed().difference(&whole.dfa.prefix_closed()), None);
         prop_assert_eq!(trimmed.difference(&dfa), None);
         each_word(&dfa, 0, &mut Vec::new(), LENGTH, &mut |word, after| match after {
             Ok(state) => {

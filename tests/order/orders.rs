@@ -2,6 +2,7 @@
 
 use crate::naive::{Letter, Naive};
 use crate::random::{Size, program, skills};
+use linewright::order::bound::Until;
 use linewright::order::dfa::REFUSED;
 use linewright::order::rule::Alphabet;
 use linewright::order::serial::Serial;
@@ -222,7 +223,7 @@ proptest! {
     ) {
         let alphabet = Alphabet::of(&skills);
         for rule in &skills.rules {
-            let automaton = rule::automaton(rule, &skills, &alphabet).expect("it is small");
+            let automaton = rule::automaton(rule, &skills, &alphabet, Until::default()).expect("it is small");
             let mut serial = Serial::new(automaton, serialisation(some));
             let mut known = 0;
             for call in before.iter().chain([&call]) {

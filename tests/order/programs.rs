@@ -156,7 +156,7 @@ proptest! {
             prop_assert_eq!(allowed, program.len());
             let complete = naive.may_end(&program);
             prop_assert_eq!(checked.unfinished, naive.unfinished(&program));
-            let completion = checked.completion.as_deref();
+            let completion = checked.completion.as_ref().expect("it is small").as_deref();
             if complete {
                 prop_assert_eq!(completion, None);
             } else {
@@ -166,7 +166,7 @@ proptest! {
         };
         prop_assert_eq!(violation.step, allowed);
         prop_assert_eq!(violation.call.0, program[allowed]);
-        is_shortest(&naive, count, before, violation.detour.as_deref(), |way| {
+        is_shortest(&naive, count, before, violation.detour.as_ref().expect("it is small").as_deref(), |way| {
             naive.allows(&[way, &[violation.call.0]].concat())
         });
         let at_once = violation.call.skills().count();
@@ -224,12 +224,12 @@ fn an_end_is_found_before_a_longer_difference() {
     let columns = fsm::calls(&first, 1);
     let options = Options::default();
     let found = difference(
-        &mut supervisor(&first, options),
-        &mut supervisor(&second, options),
+        &supervisor(&first, options),
+        &supervisor(&second, options),
         &columns,
         Apart {
             whole: true,
-            one_way: false,
+            ..Apart::default()
         },
     );
     let expected = Difference {
@@ -249,11 +249,11 @@ proptest! {
         options in options(),
         (whole, one_way) in any::<(bool, bool)>(),
     ) {
-        let apart = Apart { whole, one_way };
+        let apart = Apart { whole, one_way, ..Apart::default() };
         let columns = fsm::calls(&one, 2);
         let found = difference(
-            &mut supervisor(&one, options),
-            &mut supervisor(&other, options),
+            &supervisor(&one, options),
+            &supervisor(&other, options),
             &columns,
             apart,
         );

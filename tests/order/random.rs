@@ -190,7 +190,7 @@ pub fn options() -> impl Strategy<Value = Options> {
     (level, serialisation).prop_map(|(level, serialisation)| Options {
         level,
         serialisation,
-        paper: false,
+        ..Options::default()
     })
 }
 

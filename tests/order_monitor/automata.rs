@@ -5,7 +5,7 @@ use crate::reference::some_call;
 use crate::unit;
 use linewright::contract::load;
 use linewright::diagnostics::has_errors;
-use linewright::order::fsm::{Fsm, calls};
+use linewright::order::fsm::calls;
 use linewright::order::monitor::{Monitor, Verdict, Why};
 use linewright::order::supervisor::{Call, Options, Refusal, Supervisor};
 use linewright::order::table::Table;
@@ -52,8 +52,7 @@ fn skills(text: &str) -> Arc<Skills> {
 /// The table, and a monitor of it beside the rules.
 fn compare(skills: &Skills, options: Options, steps: usize) -> Table {
     let mut supervisor = Supervisor::new(skills, options).expect("small rules");
-    let fsm = Fsm::explore(&mut supervisor, calls(skills, 3)).expect("a small automaton");
-    let table = Table::of(&mut supervisor, &fsm).expect("a small table");
+    let table = Table::explore(&supervisor, calls(skills, 3)).expect("a small table");
     let mut monitor = Monitor::new(&table);
     let mut state = supervisor.start();
     let mut random = Random::new(steps as u64);
@@ -99,7 +98,7 @@ fn a_table_of_rules_says_what_the_rules_say() {
                 let options = Options {
                     level,
                     serialisation,
-                    paper: false,
+                    ..Options::default()
                 };
                 compare(skills, options, 4_000);
             }
@@ -117,7 +116,8 @@ fn the_table_by_hand_is_that_of_the_rules() {
         };
         let table = compare(&unit, options, 4_000);
         let by_hand = unit::pick_and_place(recalls);
-        assert_eq!(table.states, by_hand.states);
+        // Where nothing asks for the situation, the table knows less of it.
+        assert!(table.states <= by_hand.states);
         assert_eq!(table.skills, by_hand.skills);
         let (mut one, mut other) = (Monitor::new(&table), Monitor::new(&by_hand));
         let mut random = Random::new(9);

@@ -59,7 +59,7 @@ fn script(table: &Table, steps: usize, seed: u64) -> (String, String) {
                     Why::Together => rules + 1,
                     Why::Unknown => rules + 2,
                 };
-                format!("-{} {}", code + 1, why.text(table))
+                format!("-{} {}", code + 1, why.text(&table.rules))
             }
         }
     };

@@ -24,7 +24,7 @@ fn the_unit_is_watched() {
     let trays = Why::Rule(0);
     assert_eq!(refusal, Some(Refusal { at: 4, why: trays }));
     assert_eq!(
-        trays.text(&table),
+        trays.text(&table.rules),
         "trays: after Down until Up: never Left, Right"
     );
     // What was refused has not been done.

@@ -81,7 +81,7 @@ fn compare(program: &Program, table: &Table, cycles: usize, seed: u64) -> (usize
                     broken = true;
                     let text = match why {
                         Why::Rule(rule) => table.rules[rule].name.clone(),
-                        other => other.text(table),
+                        other => other.text(&table.rules),
                     };
                     reason = ascii(&text);
                 }

@@ -62,6 +62,7 @@ pub fn random(seed: u64) -> Table {
     }
     Table {
         name,
+        kept: "at the level valid".to_owned(),
         skills: names,
         rules,
         calls: table_calls,

@@ -17,7 +17,7 @@ use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
-use crate::order;
+use crate::order::{self, bound::Until};
 use std::path::Path;
 
 /// All that the document is made from.
@@ -217,7 +217,8 @@ impl Assembly<'_> {
         let sound = !file.broken && !has_errors(findings);
         let known = self.loaded.library.skills.iter();
         let skills = { known }.find(|s| sound && declaration.holds(s.span));
-        let examined = skills.map(|s| order::findings::examine(s));
+        let until = Until::new(self.limits.deadline);
+        let examined = skills.map(|s| order::findings::examine(s, until));
         let verdict = match &examined {
             Some(examined) if has_errors(examined) => "contradictory",
             Some(_) => "consistent",

@@ -176,7 +176,7 @@ fn one(
     read: Read,
     chosen: &mut Chosen,
     arguments: &Arguments,
-) -> Result<Told, crate::order::dfa::TooLarge> {
+) -> Result<Told, crate::order::bound::TooLarge> {
     let mut entry = Entry {
         file: name.to_owned(),
         verdict: "invalid",
@@ -198,7 +198,7 @@ fn one(
     if !program.findings.is_empty() {
         return Ok((entry, format!("{name}: invalid\n"), program.findings));
     }
-    let options = arguments.choice.options();
+    let options = chosen.options;
     let mut supervisor = Supervisor::new(skills, options)?;
     let checked = check(&mut supervisor, &program.calls)?;
     let level = options.level.word();
@@ -217,7 +217,7 @@ fn one(
             Some(span),
         );
         findings.push(refused.with_help(way_out(violation, chosen)));
-        entry.violation = Some(violation_entry(violation, chosen, arguments));
+        entry.violation = Some(violation_entry(violation, chosen));
         let _ = writeln!(
             told,
             "{name}: refused at call {} of {} ({level})",
@@ -227,7 +227,8 @@ fn one(
     } else {
         entry.verdict = "accepted";
         let _ = writeln!(told, "{name}: accepted, {calls} ({level})");
-        entry.completion = checked.completion.as_ref().map(|c| names(skills, c));
+        let completion = checked.completion.as_ref().ok().and_then(Option::as_ref);
+        entry.completion = completion.map(|c| names(skills, c));
         let last = program.spans.last().copied();
         if let Some(open) = unfinished(&checked, chosen, arguments.whole, last) {
             if arguments.whole {
@@ -251,9 +252,10 @@ fn way_out(violation: &Violation, chosen: &Chosen) -> String {
     let skills = &chosen.skills;
     let call = violation.call.text(skills);
     let first = match &violation.detour {
-        Some(detour) if detour.is_empty() => String::new(),
-        Some(detour) => format!("call {} before it", words::calls(detour, skills)),
-        None => format!("`{call}` is never allowed after these calls"),
+        Ok(Some(detour)) if detour.is_empty() => String::new(),
+        Ok(Some(detour)) => format!("call {} before it", words::calls(detour, skills)),
+        Ok(None) => format!("`{call}` is never allowed after these calls"),
+        Err(error) => format!("whether `{call}` is allowed later was not found out: {error}"),
     };
     match violation.instead.as_slice() {
         [] => format!("{first}; nothing may be called here"),
@@ -264,15 +266,17 @@ fn way_out(violation: &Violation, chosen: &Chosen) -> String {
     }
 }
 
-fn violation_entry(v: &Violation, chosen: &Chosen, arguments: &Arguments) -> ViolationEntry {
+fn violation_entry(v: &Violation, chosen: &Chosen) -> ViolationEntry {
     let skills = &chosen.skills;
-    let options = arguments.choice.options();
+    let options = chosen.options;
     ViolationEntry {
         step: v.step + 1,
         call: names(skills, &[v.call]).remove(0),
         rule: words::rule(&v.refusal).map(|r| skills.rules[r].name.clone()),
         why: words::why(v.call, &v.refusal, skills, options.serialisation),
-        detour: v.detour.as_ref().map(|d| names(skills, d)),
+        detour: { v.detour.as_ref().ok() }
+            .and_then(Option::as_ref)
+            .map(|d| names(skills, d)),
         instead: names(skills, &v.instead),
     }
 }
@@ -296,8 +300,9 @@ fn unfinished(
         Diagnostic::note(codes::ORDER_BROKEN, last, message)
     };
     let help = match &checked.completion {
-        Some(calls) => format!("{} would complete it", words::calls(calls, skills)),
-        None => "no calls complete it, since other rules are in the way".to_owned(),
+        Ok(Some(calls)) => format!("{} would complete it", words::calls(calls, skills)),
+        Err(error) => format!("what would complete it was not found out: {error}"),
+        Ok(None) => "no calls complete it, since other rules are in the way".to_owned(),
     };
     Some(finding.with_label(rule.span, "this rule").with_help(help))
 }

@@ -4,7 +4,7 @@ use super::{Choice, program, rules, words};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::select::Selection;
-use crate::order::dfa::TooLarge;
+use crate::order::bound::TooLarge;
 use crate::order::fsm::calls;
 use crate::order::picture::names;
 use crate::order::program::detour;
@@ -71,7 +71,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         let call = program::call(text, skills);
         history.push(call.map_err(|w| anyhow::anyhow!("{}: {}", w.message, w.help))?);
     }
-    let mut supervisor = match Supervisor::new(skills, arguments.choice.options()) {
+    let mut supervisor = match Supervisor::new(skills, chosen.options) {
         Ok(supervisor) => supervisor,
         Err(error) => {
             return rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options);
@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         match supervisor.call(&state, *call) {
             Ok(Ok(after)) => state = after,
             Ok(Err(refusal)) => {
-                let serialisation = arguments.choice.options().serialisation;
+                let serialisation = chosen.options.serialisation;
                 let finding = words::refused(*call, &refusal, skills, serialisation, None);
                 let findings = [finding.with_help("give calls that the rules allow")];
                 let sources = &chosen.loaded.library.sources;
@@ -126,7 +126,7 @@ fn next(
     arguments: &Arguments,
 ) -> Result<(Vec<Call>, Vec<RefusedEntry>), TooLarge> {
     let skills = supervisor.skills();
-    let serialisation = arguments.choice.options().serialisation;
+    let serialisation = supervisor.options().serialisation;
     let (mut allowed, mut refused) = (Vec::new(), Vec::new());
     for call in calls(skills, usize::from(arguments.at_once)) {
         match supervisor.call(state, call)? {
@@ -135,7 +135,7 @@ fn next(
                 call: names(skills, &[call]).remove(0),
                 rule: words::rule(&refusal).map(|r| skills.rules[r].name.clone()),
                 why: words::why(call, &refusal, skills, serialisation),
-                after: detour(supervisor, state, call).map(|d| names(skills, &d)),
+                after: detour(supervisor, state, call)?.map(|d| names(skills, &d)),
             }),
         }
     }

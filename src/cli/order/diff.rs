@@ -84,14 +84,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Err(code) => return Ok(code),
     };
     let renamed = in_the_order_of(&first.skills, &second.skills)?;
-    let found = Supervisor::new(&first.skills, arguments.choice.options()).and_then(|mut a| {
-        let mut b = Supervisor::new(&renamed, other.options())?;
+    let found = Supervisor::new(&first.skills, first.options).and_then(|a| {
+        let b = Supervisor::new(&renamed, second.options)?;
         let calls = common_calls(&first, &renamed, usize::from(arguments.at_once));
         let apart = Apart {
             whole: arguments.whole,
             one_way: arguments.one_way,
+            ..Apart::default()
         };
-        difference(&mut a, &mut b, &calls, apart)
+        difference(&a, &b, &calls, apart)
     });
     let found = match found {
         Ok(found) => found,
@@ -103,9 +104,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let console = options.console();
     let why = found.as_ref().map(|d| {
         let (skills, options) = if d.first_allows {
-            (&renamed, other.options())
+            (&renamed, second.options)
         } else {
-            (&first.skills, arguments.choice.options())
+            (&first.skills, first.options)
         };
         match &d.refusal {
             Some(refusal) => refused_call(d, refusal, skills, options.serialisation),

@@ -136,7 +136,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Format::Human | Format::Short => Emit::Table,
     });
     let skills = &chosen.skills;
-    let kept = arguments.choice.options();
+    let kept = chosen.options;
     let text = if arguments.by_component {
         regions(skills, kept).map(|r| side_by_side(skills, kept, &r, emit))
     } else {

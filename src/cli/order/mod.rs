@@ -13,6 +13,7 @@ mod words;
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
+use crate::order::bound::Until;
 use crate::order::supervisor::Options;
 use crate::order::{Level, Serialisation};
 use clap::{Args, Subcommand, ValueEnum};
@@ -88,8 +89,8 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// The same for the core.
-    pub fn options(&self) -> Options {
+    /// The same for the core, with the time limit counted from now.
+    pub fn options(&self, global: &GlobalOptions) -> Options {
         Options {
             level: self.level.level(),
             serialisation: if self.some_order {
@@ -98,6 +99,7 @@ impl Choice {
                 Serialisation::Every
             },
             paper: self.paper,
+            until: Until::new(global.limits().deadline),
         }
     }
 }

@@ -7,11 +7,11 @@ use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::output;
 use crate::cli::select::Selection;
 use crate::order::Skills;
-use crate::order::dfa::TooLarge;
-use crate::order::fsm::{Fsm, calls};
-use crate::order::monitor::{Monitor, Verdict};
+use crate::order::bound::TooLarge;
+use crate::order::fsm::calls;
+use crate::order::monitor::{Monitor, Unfolding, Verdict};
 use crate::order::supervisor::Supervisor;
-use crate::order::table::Table;
+use crate::order::table::{Cited, Table};
 use crate::station::monitor::{c, structured_text};
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
@@ -75,30 +75,57 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Ok(chosen) => chosen,
         Err(code) => return Ok(code),
     };
-    let table = match table(&chosen, arguments) {
-        Ok(table) => table,
-        Err(error) => {
-            return rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options);
-        }
-    };
-    match arguments.emit {
-        Some(emit) => emitted(&table, emit, arguments.out.as_deref(), &chosen, options),
-        None => watch(&table, &chosen, arguments.stop, options),
-    }
-}
-
-fn table(chosen: &Chosen, arguments: &Arguments) -> Result<Table, TooLarge> {
     // A monitor names the rules that it keeps, and no others.
-    let level = arguments.choice.level.level();
     let kept = chosen.skills.rules.iter().enumerate();
-    let kept: Vec<usize> = { kept.filter(|(_, r)| r.level <= level) }
+    let kept: Vec<usize> = { kept.filter(|(_, r)| r.level <= chosen.options.level) }
         .map(|(place, _)| place)
         .collect();
     let skills = chosen.skills.with_rules(&kept);
-    let mut supervisor = Supervisor::new(&skills, arguments.choice.options())?;
     let calls = calls(&skills, usize::from(arguments.at_once));
-    let fsm = Fsm::explore(&mut supervisor, calls)?;
-    Table::of(&mut supervisor, &fsm)
+    let made = Supervisor::new(&skills, chosen.options)
+        .map(|supervisor| (Table::explore(&supervisor, calls), supervisor));
+    match (made, arguments.emit) {
+        (Ok((Ok(table), _)), Some(emit)) => {
+            emitted(&table, emit, arguments.out.as_deref(), &chosen, options)
+        }
+        (Ok((Ok(table), _)), None) => {
+            let watching = Watching::Table(Monitor::new(&table));
+            watch(watching, &skills, arguments.stop, options)
+        }
+        // Without a table the rules themselves answer, as long as there are calls.
+        (Ok((Err(TooLarge::Count { .. }), supervisor)), None) => {
+            let watching =
+                Watching::Rules(Unfolding::new(&supervisor, u32::from(arguments.at_once)));
+            watch(watching, &skills, arguments.stop, options)
+        }
+        (Err(error) | Ok((Err(error), _)), _) => {
+            rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options)
+        }
+    }
+}
+
+/// What answers.
+enum Watching<'a> {
+    /// A table: nothing is allocated for a call.
+    Table(Monitor<'a>),
+    /// Rules whose table would be too large.
+    Rules(Unfolding<'a>),
+}
+
+impl Watching<'_> {
+    fn call(&mut self, skill: u8) -> Verdict {
+        match self {
+            Self::Table(monitor) => monitor.call(skill),
+            Self::Rules(rules) => rules.call_at_once(1 << skill),
+        }
+    }
+
+    fn call_at_once(&mut self, skills: u64) -> Verdict {
+        match self {
+            Self::Table(monitor) => monitor.call_at_once(skills),
+            Self::Rules(rules) => rules.call_at_once(skills),
+        }
+    }
 }
 
 fn emitted(
@@ -144,19 +171,18 @@ fn emitted(
     Ok(ExitCode::Success)
 }
 
-/// Answers line by line. Nothing is allocated for a call that is allowed once the longest line has been seen.
+/// Answers line by line. With a table, nothing is allocated for a call that is allowed once the longest line has been seen.
 fn watch(
-    table: &Table,
-    chosen: &Chosen,
+    mut monitor: Watching<'_>,
+    skills: &Skills,
     stop: bool,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
-    let skills = &chosen.skills;
+    let cited: Vec<Cited> = skills.rules.iter().map(Cited::of).collect();
     let names: HashMap<&[u8], u8> = { skills.skills.iter().zip(0_u8..) }
         .map(|(s, number)| (s.name.as_bytes(), number))
         .collect();
     let json = options.format == Format::Json;
-    let mut monitor = Monitor::new(table);
     let mut input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
     let mut line = Vec::new();
@@ -175,12 +201,12 @@ fn watch(
             continue;
         }
         let answer = if let Some(skill) = names.get(call) {
-            Answer::of(monitor.call(*skill), table)
+            Answer::of(monitor.call(*skill), &cited)
         } else if let Some(mask) = mask(call, &names) {
-            Answer::of(monitor.call_at_once(mask), table)
+            Answer::of(monitor.call_at_once(mask), &cited)
         } else {
             match spelled_out(call, skills) {
-                Ok(mask) => Answer::of(monitor.call_at_once(mask), table),
+                Ok(mask) => Answer::of(monitor.call_at_once(mask), &cited),
                 Err(wrong) => Answer::NoCall(wrong),
             }
         };
@@ -261,10 +287,10 @@ enum Answer {
 }
 
 impl Answer {
-    fn of(verdict: Verdict, table: &Table) -> Self {
+    fn of(verdict: Verdict, rules: &[Cited]) -> Self {
         match verdict {
             Verdict::Allowed => Self::Allowed,
-            Verdict::Refused(why) => Self::Refused(why.text(table)),
+            Verdict::Refused(why) => Self::Refused(why.text(rules)),
         }
     }
 

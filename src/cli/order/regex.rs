@@ -51,14 +51,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Err(code) => return Ok(code),
     };
     let skills = &chosen.skills;
-    let found = Fsm::of(skills, arguments.choice.options(), 1).and_then(|fsm| {
+    let found = Fsm::of_words(skills, chosen.options, 1).and_then(|fsm| {
         let dfa = fsm.one_by_one();
         let dfa = if arguments.whole {
             dfa
         } else {
             dfa.prefix_closed()
         };
-        let regex = eliminate::regex(&dfa)?;
+        let regex = eliminate::regex(&dfa, chosen.options.until)?;
         Ok((regex, dfa.minimal().states()))
     });
     let (found, states) = match found {

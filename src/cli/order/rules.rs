@@ -7,7 +7,8 @@ use crate::cli::files::Loaded;
 use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::diagnostics::nearest;
-use crate::order::dfa::TooLarge;
+use crate::order::bound::TooLarge;
+use crate::order::supervisor::Options;
 use crate::order::{Level, Skills};
 use serde::Serialize;
 use std::path::Path;
@@ -19,6 +20,8 @@ pub struct Chosen {
     pub loaded: Loaded,
     /// The skills, with the rules that were asked for.
     pub skills: Skills,
+    /// How they are kept, and until when they are looked at.
+    pub options: Options,
 }
 
 /// What the documents of these commands begin with.
@@ -67,7 +70,12 @@ pub fn choose(
         .find(|s| s.name == *name && s.span == *span)
         .expect("it was picked from these");
     let skills = with_rules(skills, choice)?;
-    Ok(Ok(Chosen { loaded, skills }))
+    let options = choice.options(options);
+    Ok(Ok(Chosen {
+        loaded,
+        skills,
+        options,
+    }))
 }
 
 /// Only the rules that are asked for.
@@ -133,6 +141,13 @@ pub fn gave_up(
     besides: Option<&str>,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
+    if *error == TooLarge::Late {
+        let advice = "--timeout SECONDS gives it more";
+        options
+            .console()
+            .remark(&format!("gave up: {error}; {advice}\n"))?;
+        return Ok(ExitCode::GaveUp);
+    }
     let advice = match besides {
         Some(besides) => {
             format!("fewer rules (--rule NAME, --no-rule NAME), or {besides}, make it smaller")

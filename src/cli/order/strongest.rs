@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let skills = &chosen.skills;
     let useful = arguments.useful.iter().map(|u| pattern(u, skills));
     let request = Request {
-        options: arguments.choice.options(),
+        options: chosen.options,
         longest: usize::from(arguments.longest),
         useful: useful.collect::<anyhow::Result<_>>()?,
         dropped: arguments.drop.iter().cloned().collect(),

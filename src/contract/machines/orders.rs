@@ -14,7 +14,7 @@ use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable, eval,
 };
-use crate::order::dfa::TooLarge;
+use crate::order::bound::TooLarge;
 use crate::order::lower::{AT_FIRST, Condition, lower, rules_of};
 use crate::order::{Level, Skills};
 use crate::source::Span;

@@ -54,8 +54,15 @@ impl<'a> Text<'a> {
     /// What stands at the beginning of both files.
     fn about(&self, more: &str) -> String {
         let mut out = format!(
-            "/* The skill orders of {} as a monitor, made by linewright.\n",
-            comment(&self.table.name)
+            "/* {}\n",
+            wrap(
+                &format!(
+                    "The skill orders of {} {}, as a monitor made by linewright.",
+                    comment(&self.table.name),
+                    self.table.kept
+                ),
+                " * "
+            )
         );
         if !self.table.rules.is_empty() {
             out.push_str(" *\n");
@@ -112,7 +119,7 @@ impl<'a> Text<'a> {
             let _ = writeln!(
                 out,
                 "    /* {} */\n    {name}_{constant} = {}{comma}",
-                comment(&why.text(self.table)),
+                comment(&why.text(&self.table.rules)),
                 self.answer(why)
             );
         }
@@ -180,9 +187,13 @@ impl<'a> Text<'a> {
         );
         let rules = (0..table.rules.len()).map(Why::Rule);
         for why in rules.chain([Why::Recall, Why::Together]) {
-            let _ = writeln!(out, "    {},", string(&why.text(table)));
+            let _ = writeln!(out, "    {},", string(&why.text(&table.rules)));
         }
-        let _ = writeln!(out, "    {}\n}};\n", string(&Why::Unknown.text(table)));
+        let _ = writeln!(
+            out,
+            "    {}\n}};\n",
+            string(&Why::Unknown.text(&table.rules))
+        );
         out.push_str(&self.sets(kind));
         let _ = write!(
             out,

@@ -237,8 +237,9 @@ fn description(table: &Table, words: &Words) -> Vec<String> {
     } = words;
     let mut lines = vec![
         format!(
-            "The skill orders of {} as a monitor, made by linewright.",
-            comment(&table.name)
+            "The skill orders of {} {}, as a monitor made by linewright.",
+            comment(&table.name),
+            table.kept
         ),
         String::new(),
         format!(
@@ -309,7 +310,7 @@ fn body(
     for why in reasons.chain([Why::Recall, Why::Together]) {
         let text = match why {
             Why::Rule(rule) => table.rules[rule].name.clone(),
-            other => other.text(table),
+            other => other.text(&table.rules),
         };
         let _ = writeln!(
             out,
