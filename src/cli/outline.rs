@@ -194,6 +194,10 @@ mod tests {
         let wanted = [(Kind::Machine, "M"), (Kind::Skills, "S"), (Kind::Line, "L")];
         assert_eq!(short, wanted);
         assert_eq!(found[1].2, set);
+        // The letters of operators are names here.
+        let set = "skills U { component c { G } }";
+        let found = outline(set);
+        assert_eq!((found[0].1.as_str(), found[0].2.as_str()), ("U", set));
     }
 
     #[test]

@@ -157,7 +157,7 @@ fn skills_head(rest: &str) -> Option<usize> {
     let end = name.find(|c: char| !c.is_alphanumeric() && c != '_')?;
     let word = &name[..end];
     let brace = name[end..].trim_start();
-    let own = !word.is_empty() && !INFIX.contains(&word) && !ITEMS.contains(&word);
+    let own = !word.is_empty() && !ITEMS.contains(&word);
     (own && brace.starts_with('{')).then(|| rest.len() - brace.len())
 }
 
