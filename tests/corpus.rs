@@ -3,6 +3,8 @@
 
 #[path = "fuzz/check.rs"]
 mod check;
+#[path = "fuzz/program.rs"]
+mod program;
 mod support;
 #[path = "fuzz/uf_value.rs"]
 mod uf_value;
@@ -76,6 +78,14 @@ fn layouts() {
     let profiles = both.iter().filter(|text| uf_value::profile(text)).count();
     let dumps = both.iter().filter(|text| uf_value::dump(text).0).count();
     assert!(profiles > 0 && dumps > 0, "{profiles} {dumps}");
+}
+
+/// Programs of calls: the corpus, and every other text of the repository, which is none.
+#[test]
+fn programs() {
+    let texts = texts("program");
+    let calls: usize = texts.iter().map(|text| program::program(text)).sum();
+    assert!(calls > 5, "{calls}");
 }
 
 #[test]

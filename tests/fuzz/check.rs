@@ -11,10 +11,20 @@ pub use solve::Solved;
 use linewright::contract::{Library, load};
 use linewright::diagnostics::{Diagnostic, codes, has_errors};
 use linewright::interchange::{Format, Target, contract, read, write};
+use linewright::order::bound::Until;
+use linewright::order::fsm::Fsm;
+use linewright::order::supervisor::Options;
+use linewright::order::{self, Skills, eliminate};
 use linewright::source::FileId;
+use std::sync::Arc;
 
 /// Specifications of longer texts are not written: that may take as long as it likes, the reader may not.
 const SHORT: usize = 400;
+
+/// Sets of skills are examined that are no larger than this.
+const MOST_SKILLS: usize = 6;
+const MOST_RULES: usize = 4;
+const MOST_STATES: usize = 30;
 
 /// Reads a text: every finding lies within it, there is a specification exactly if no finding is an error, and what is written
 /// from it can be read.
@@ -46,8 +56,20 @@ pub fn reader(format: Format, text: &str) {
 
 /// Parses and resolves a text of the language itself.
 pub fn language(text: &str) {
-    let (_, findings) = alone(text);
+    let (library, findings) = alone(text);
     within(&findings, text);
+    let small = |skills: &&Arc<Skills>| {
+        skills.skills.len() <= MOST_SKILLS && skills.rules.len() <= MOST_RULES
+    };
+    for skills in library.skills.iter().filter(small) {
+        within(&order::findings::examine(skills, Until::default()), text);
+        // That the expression has the words of the automaton is asserted where it is made.
+        if let Ok(fsm) = Fsm::of_words(skills, Options::default(), 1)
+            && fsm.states.len() <= MOST_STATES
+        {
+            let _ = eliminate::regex(&fsm.one_by_one(), Until::default());
+        }
+    }
 }
 
 /// Loads, checks and synthesizes small contracts: those of the text that the bytes are, or else one made from them. Gives what

@@ -5,7 +5,7 @@ mod complete;
 mod diff;
 mod fsm;
 mod monitor;
-mod program;
+pub mod program;
 mod regex;
 mod rules;
 mod strongest;
