@@ -682,3 +682,34 @@ fn a_time_limit_ends_every_search() {
         );
     }
 }
+
+/// Where the ways on are too many to be looked at, nothing is said of them.
+#[test]
+fn a_way_that_was_not_found_is_no_way_that_is_not_there() {
+    let count = |i: usize| {
+        format!(
+            "at most {0} of A{i}, B{i} between A{1} and B{1}",
+            i + 3,
+            i + 1
+        )
+    };
+    let mut orders: Vec<String> = (0..10).map(count).collect();
+    orders.push("after A0 until B0: never A11".to_owned());
+    orders.push("never B0".to_owned());
+    let folder = many(12, &orders);
+    let next = linewright(folder.path(), &["order", "complete", "many.lw", "A0"]);
+    assert_eq!(next.status.code(), Some(0), "{}", error(&next));
+    let said = text(&next);
+    assert!(
+        said.contains("whether it is allowed later was not found out"),
+        "{said}"
+    );
+    fs::write(folder.path().join("p.txt"), "A0\nA11\n").expect("a file");
+    let checked = linewright(folder.path(), &["order", "check", "p.txt"]);
+    assert_eq!(checked.status.code(), Some(1));
+    let said = error(&checked);
+    assert!(
+        said.contains("whether `A11` is allowed later was not found out"),
+        "{said}"
+    );
+}

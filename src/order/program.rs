@@ -6,6 +6,9 @@ use super::fsm::{MOST_ENTRIES, calls};
 use super::supervisor::{Call, Refusal, State, Supervisor};
 use rustc_hash::FxHashSet;
 
+/// For one way on so many calls are looked at.
+pub const MOST_SOUGHT: usize = 1 << 20;
+
 /// What came of a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Checked {
@@ -54,7 +57,7 @@ pub fn check(supervisor: &mut Supervisor<'_>, program: &[Call]) -> Result<Checke
                     step,
                     call: *call,
                     refusal,
-                    detour: detour(supervisor, &state, *call),
+                    detour: detour(supervisor, &state, *call, MOST_SOUGHT),
                     instead: allowed(supervisor, &state, call.skills().count())?,
                 };
                 return Ok(Checked {
@@ -102,9 +105,9 @@ pub fn allowed(
 /// The shortest calls, of single skills, after which a call is allowed. `None` where there are none.
 ///
 /// # Errors
-/// When too many states would be looked at, or the time is over.
-pub fn detour(supervisor: &mut Supervisor<'_>, from: &State, call: Call) -> Sought {
-    search(supervisor, from, |supervisor, state| {
+/// When more than so many calls would be looked at, or the time is over.
+pub fn detour(supervisor: &mut Supervisor<'_>, from: &State, call: Call, entries: usize) -> Sought {
+    search(supervisor, from, entries, |supervisor, state| {
         matches!(supervisor.call(state, call), Ok(Ok(_)))
     })
 }
@@ -114,7 +117,7 @@ pub fn detour(supervisor: &mut Supervisor<'_>, from: &State, call: Call) -> Soug
 /// # Errors
 /// When too many states would be looked at, or the time is over.
 pub fn completion(supervisor: &mut Supervisor<'_>, from: &State) -> Sought {
-    search(supervisor, from, |supervisor, state| {
+    search(supervisor, from, MOST_SOUGHT, |supervisor, state| {
         supervisor.is_complete(state)
     })
 }
@@ -122,10 +125,11 @@ pub fn completion(supervisor: &mut Supervisor<'_>, from: &State) -> Sought {
 fn search(
     supervisor: &mut Supervisor<'_>,
     from: &State,
+    entries: usize,
     mut wanted: impl FnMut(&mut Supervisor<'_>, &State) -> bool,
 ) -> Sought {
     let singles = calls(supervisor.skills(), 1);
-    let limit = MOST_ENTRIES / singles.len().max(1);
+    let limit = entries / singles.len().max(1) + 1;
     let until = supervisor.options().until;
     let mut seen = FxHashSet::from_iter([supervisor.essence(from)]);
     let mut found: Vec<Found<State, Call>> = vec![(from.clone(), None)];

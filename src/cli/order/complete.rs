@@ -7,7 +7,7 @@ use crate::cli::select::Selection;
 use crate::order::bound::TooLarge;
 use crate::order::fsm::calls;
 use crate::order::picture::names;
-use crate::order::program::detour;
+use crate::order::program::{MOST_SOUGHT, detour};
 use crate::order::supervisor::{Call, State, Supervisor};
 use clap::Args;
 use serde::Serialize;
@@ -52,6 +52,9 @@ struct RefusedEntry {
     /// The shortest calls after which it is allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     after: Option<Vec<Vec<String>>>,
+    /// Whether there are such calls was too much to be found out.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    undecided: bool,
 }
 
 /// Runs the command.
@@ -128,15 +131,25 @@ fn next(
     let skills = supervisor.skills();
     let serialisation = supervisor.options().serialisation;
     let (mut allowed, mut refused) = (Vec::new(), Vec::new());
-    for call in calls(skills, usize::from(arguments.at_once)) {
+    let calls = calls(skills, usize::from(arguments.at_once));
+    // For all of them together four times as much as for one.
+    let entries = 4 * MOST_SOUGHT / calls.len().max(1);
+    for call in calls {
         match supervisor.call(state, call)? {
             Ok(_) => allowed.push(call),
-            Err(refusal) => refused.push(RefusedEntry {
-                call: names(skills, &[call]).remove(0),
-                rule: words::rule(&refusal).map(|r| skills.rules[r].name.clone()),
-                why: words::why(call, &refusal, skills, serialisation),
-                after: detour(supervisor, state, call)?.map(|d| names(skills, &d)),
-            }),
+            Err(refusal) => {
+                let after = match detour(supervisor, state, call, entries) {
+                    Err(TooLarge::Late) => return Err(TooLarge::Late),
+                    sought => sought,
+                };
+                refused.push(RefusedEntry {
+                    call: names(skills, &[call]).remove(0),
+                    rule: words::rule(&refusal).map(|r| skills.rules[r].name.clone()),
+                    why: words::why(call, &refusal, skills, serialisation),
+                    undecided: after.is_err(),
+                    after: after.ok().flatten().map(|d| names(skills, &d)),
+                });
+            }
         }
     }
     Ok((allowed, refused))
@@ -165,6 +178,9 @@ fn told(document: &Document) -> String {
         let head = if i == 0 { "refused:" } else { "" };
         let after = match &refused.after {
             Some(calls) => format!("; allowed after {}", joined(calls)),
+            None if refused.undecided => {
+                "; whether it is allowed later was not found out".to_owned()
+            }
             None => "; never after these calls".to_owned(),
         };
         let call = refused.call.join(" & ");
