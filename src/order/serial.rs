@@ -59,11 +59,6 @@ impl Serial {
         &self.sets[known as usize]
     }
 
-    /// The automaton.
-    pub fn dfa(&self) -> &Dfa {
-        &self.dfa
-    }
-
     /// Whether a letter never matters.
     pub fn is_idle(&self, letter: usize) -> bool {
         self.idle[letter]

@@ -224,6 +224,7 @@ proptest! {
         let alphabet = Alphabet::of(&skills);
         for rule in &skills.rules {
             let automaton = rule::automaton(rule, &skills, &alphabet, Until::default()).expect("it is small");
+            let dfa = automaton.dfa.clone();
             let mut serial = Serial::new(automaton, serialisation(some));
             let mut known = 0;
             for call in before.iter().chain([&call]) {
@@ -235,7 +236,6 @@ proptest! {
                     prop_assert!(order.iter().all(|l| letters.contains(l)));
                     let is_refused = |state: &u32| {
                         let (last, before) = order.split_last().expect("a letter is refused");
-                        let dfa = serial.dfa();
                         let step = |s: u32, l: &usize| Some(dfa.next(s, *l)).filter(|s| *s != REFUSED);
                         let behind = before.iter().try_fold(*state, step);
                         behind.is_some_and(|s| step(s, last).is_none())

@@ -121,6 +121,15 @@ fn example(skills: &Skills) -> String {
     }
 }
 
+/// What is marked of a text: this place in it, or where nothing is, the sign before it.
+fn marked(text: &str, (from, to): (usize, usize)) -> (usize, usize) {
+    let before = text[..from].char_indices().next_back();
+    match before {
+        Some((sign, _)) if from == to => (sign, from),
+        _ => (from, to),
+    }
+}
+
 impl Program {
     fn push(&mut self, text: &str, start: usize, file: FileId, skills: &Skills) {
         match call(text, skills) {
@@ -129,8 +138,8 @@ impl Program {
                 self.spans.push(Span::new(file, start, start + text.len()));
             }
             Err(wrong) => {
-                let (from, to) = (start + wrong.place.0, start + wrong.place.1);
-                let span = Span::new(file, from, to.max(from + usize::from(!text.is_empty())));
+                let (from, to) = marked(text, wrong.place);
+                let span = Span::new(file, start + from, start + to);
                 let finding = Diagnostic::error(wrong.code, span, wrong.message);
                 self.findings.push(finding.with_help(wrong.help));
             }
