@@ -601,6 +601,93 @@ fn many(components: usize, orders: &[String]) -> tempfile::TempDir {
     folder
 }
 
+/// Nothing of a table is left out in silence.
+#[test]
+fn cells_that_do_not_fit_are_told() {
+    for (table, said) in [
+        (
+            "step,skill\n1;Down\n2;Left\n",
+            "no skill stands in this row",
+        ),
+        ("step;skill;skill\n1;Right;Down\n", "say the same"),
+        (
+            "step;skill\n1;Grip;Down\n",
+            "`Down` stands in no column of the header",
+        ),
+        (
+            "skill\nRight,Down\n",
+            "`Down` stands in no column of the header",
+        ),
+        ("step;skill\n1;\n", "no skill stands in this row"),
+        ("step;skill\n1;Right\n1.0;Down\n", "not written as step 1"),
+        (
+            "step;skill\n1;\"Right\n",
+            "a quote is opened and not closed",
+        ),
+    ] {
+        let (document, output) = checked("p.csv", table, &[]);
+        assert_eq!(output.status.code(), Some(2), "{table}: {document}");
+        assert!(document.to_string().contains(said), "{table}: {document}");
+    }
+    let (document, _) = checked("p.csv", "Left\nDown;Grip\n", &[]);
+    assert_eq!(document["programs"][0]["calls"], 2, "{document}");
+}
+
+/// More skills at once than a table has columns for.
+#[test]
+fn an_event_of_many_skills_is_watched() {
+    let event = (0..5)
+        .map(|i| format!("B{i}"))
+        .collect::<Vec<_>>()
+        .join(" & ");
+    let folder = many(16, &[format!("after {event}: never B5")]);
+    let check = linewright(folder.path(), &["check", "many.lw", "--no-timing"]);
+    assert!(text(&check).contains("consistent"), "{}", text(&check));
+    assert_eq!(check.status.code(), Some(0));
+    let output = watched(
+        &folder.path().join("many.lw"),
+        format!("{event}\nB5\n"),
+        &[],
+    );
+    let said = text(&output);
+    assert!(
+        said.starts_with(&format!("{event}: ok\nB5: refused, r0")),
+        "{said}"
+    );
+    let arguments = ["order", "monitor", "many.lw", "--emit", "st"];
+    let emitted = linewright(folder.path(), &arguments);
+    assert!(
+        error(&emitted).contains("only calls of up to"),
+        "{}",
+        error(&emitted)
+    );
+}
+
+#[test]
+fn what_is_asked_for_in_vain_is_told() {
+    let folder = many(2, &["never A0".to_owned()]);
+    let path = folder.path().join("many.lw");
+    let levelled = fs::read_to_string(&path).expect("a file");
+    fs::write(
+        &path,
+        levelled.replace("order r0:", "order r0 at reasonable:"),
+    )
+    .expect("a file");
+    let output = linewright(folder.path(), &["order", "fsm", "many.lw", "--rule", "r0"]);
+    assert!(
+        error(&output).contains("--level reasonable"),
+        "{}",
+        error(&output)
+    );
+    let useful = ["order", "strongest", "many.lw", "--useful", "c0.a & c0.b"];
+    let output = linewright(folder.path(), &useful);
+    assert!(
+        error(&output).contains("in one situation at a time"),
+        "{}",
+        error(&output)
+    );
+}
+
 /// What no rule speaks of does not count.
 #[test]
 fn a_rule_about_three_of_64_skills_is_a_small_one() {

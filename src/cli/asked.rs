@@ -3,7 +3,7 @@
 
 use super::closed;
 use super::libraries::Controlled;
-use crate::algebra::caller::Called;
+use crate::algebra::caller::{Asks, Called};
 use crate::algebra::closed::Closed;
 use crate::algebra::proof::{Broken, Open, decide};
 use crate::algebra::replay;
@@ -23,7 +23,7 @@ pub struct Asked {
     /// What may be asked for against what is assumed.
     pub findings: Vec<Diagnostic>,
     /// Stations of which that was not decided, and why.
-    pub undecided: Vec<(String, Limit)>,
+    pub undecided: Vec<(String, String)>,
 }
 
 /// Looks at every station. Where contracts alone do not show it, and `controlled` has the controllers of a machine, these may.
@@ -38,26 +38,34 @@ pub fn examine<'a>(
             continue;
         };
         let sequences = tasks.iter().map(|task| {
+            let carried = |at: usize| task.properties.get(at).is_some_and(Option::is_some);
             let operations = task.operations.iter();
-            operations.map(|(operation, _)| *operation).collect()
+            operations
+                .map(|(operation, given)| Asks::new(machine, *operation, given, carried))
+                .collect()
         });
         // In the order of the operations: what two tasks ask for alike is asked for once.
-        let sequences: BTreeSet<Vec<usize>> = sequences.collect();
-        let sequences: Vec<Vec<usize>> = sequences.into_iter().collect();
+        let sequences: BTreeSet<Vec<Asks>> = sequences.collect();
+        let sequences: Vec<Vec<Asks>> = sequences.into_iter().collect();
         let Some(called) = Called::of(machine, &sequences) else {
             continue;
         };
         match open(&called, controlled(machine), limits) {
             Ok(open) => {
                 let mut told = BTreeSet::new();
-                for open in &open {
+                let sure = |o: &&Open| !called.unsure.contains(&o.what);
+                if !open.is_empty() && !open.iter().any(|o| sure(&o)) {
+                    let why = "that depends on properties of the parts".to_owned();
+                    asked.undecided.push((node.name.clone(), why));
+                }
+                for open in open.iter().filter(sure) {
                     let formula = replay::formula(&called.system, &called.claim, open.what);
                     if told.insert((open.what.part, formula.span)) {
                         asked.findings.push(finding(node, machine, &called, open));
                     }
                 }
             }
-            Err(limit) => asked.undecided.push((node.name.clone(), limit)),
+            Err(limit) => asked.undecided.push((node.name.clone(), limit.to_string())),
         }
     }
     asked
@@ -115,9 +123,10 @@ fn finding(station: &Node, machine: &Machine, called: &Called, open: &Open) -> D
     )
     .with_label(formula.span, "this would be broken")
     .with_note(format!(
-        "it comes to that when {} is asked for {}: the last of these is refused, and the part at work is taken out of the line",
+        "it comes to that when {} is asked for {}: {} is refused, and the part at work is taken out of the line",
         station.name,
-        in_turn(&asked)
+        in_turn(&asked),
+        if asked.len() == 1 { "that" } else { "the last of these" }
     ))
     .with_help(
         "let the station perform other operations, or the same ones in another order; or weaken what forbids it",

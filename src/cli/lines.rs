@@ -40,9 +40,9 @@ pub fn examine<'a>(
     limits: &Limits,
     with_table: bool,
 ) -> Proof {
-    let mut proof = examine_moves(line, limits, with_table);
     // That every part is worked on rests on every operation being one that the station may be asked for.
     let asked = asked::examine(line, controlled, limits);
+    let mut proof = examine_moves(line, limits, with_table);
     if !asked.findings.is_empty() {
         proof.verdict = "open";
         proof.discharges.clear();
@@ -51,11 +51,11 @@ pub fn examine<'a>(
         proof.verdict = "safe";
     }
     proof.findings.extend(asked.findings);
-    for (station, limit) in asked.undecided {
+    for (station, why) in asked.undecided {
         let message = format!(
-            "whether {station} is asked only for what its machine allows was not decided: {limit}"
+            "whether {station} is asked only for what its machine allows was not decided: {why}"
         );
-        proof.findings.push(note(line, message, FEWER));
+        proof.findings.push(note(line, message, ASKED));
         if proof.verdict == "safe" {
             proof.undecided.push(format!("asked_rightly_at_{station}"));
         }
@@ -142,6 +142,9 @@ fn table(
     };
     Ok(proof.discharges.iter().map(|d| entry(told, d)).collect())
 }
+
+/// What to do where it was not decided what a station is asked for.
+const ASKED: &str = "A run shows what is refused; orders about operations alone are decided, whatever the parts are like.";
 
 /// What to do where something was not decided.
 const FEWER: &str = "Smaller limits and buffers, or fewer types of parts in one, make the line smaller; a machine with less other work, or more \

@@ -5,7 +5,7 @@
 
 use super::bound::{TooLarge, Until};
 use super::dfa::REFUSED;
-use super::fsm::{Fsm, calls};
+use super::fsm::{Fsm, telling};
 use super::program::{self, Apart};
 use super::supervisor::{Call, Options, Supervisor};
 use super::{Kind, Level, Skills};
@@ -57,15 +57,9 @@ fn at_level(
     until: Until,
     findings: &mut Vec<Diagnostic>,
 ) -> Result<(), TooLarge> {
-    // What an event of several skills waits for is called at once.
-    let mut at_once = 1;
-    for rule in &skills.rules {
-        rule.kind
-            .for_each_event(&mut |e| at_once = e.0.len().max(at_once));
-    }
     let examined = Examined {
         skills,
-        at_once,
+        calls: telling(skills),
         options: Options {
             level,
             until,
@@ -95,8 +89,8 @@ fn at_level(
 
 struct Examined<'a> {
     skills: &'a Skills,
-    /// So many skills are called at once.
-    at_once: usize,
+    /// The calls that are looked at.
+    calls: Vec<Call>,
     options: Options,
 }
 
@@ -108,8 +102,7 @@ impl Examined<'_> {
     fn fsm(&self, rules: &[usize]) -> Result<Fsm, TooLarge> {
         let skills = self.only(rules);
         let mut supervisor = Supervisor::new(&skills, self.options)?.lean();
-        let calls = calls(&skills, self.at_once);
-        Fsm::explore_within(&mut supervisor, calls, MOST_EXAMINED)
+        Fsm::explore_within(&mut supervisor, self.calls.clone(), MOST_EXAMINED)
     }
 
     /// The rules without which the fault would not be there.
@@ -142,7 +135,8 @@ impl Examined<'_> {
                 Err(_) => return Ok(false),
             }
         }
-        Ok(program::allowed(&mut supervisor, &state, self.at_once)?.is_empty())
+        // Where several skills may be called at once, the first of them may be called alone.
+        Ok(program::allowed(&mut supervisor, &state, 1)?.is_empty())
     }
 
     /// Nothing may be called at all.
@@ -270,9 +264,13 @@ impl Examined<'_> {
             let fsm = self.fsm(&[*rule])?;
             for event in events {
                 let columns = fsm.calls.iter().enumerate();
-                let mut columns = columns.filter(|(_, call)| call.0 & event.0 == event.0);
+                let columns = columns.filter(|(_, call)| call.0 & event.0 == event.0);
+                let mut columns = columns.peekable();
                 let states = 0..fsm.states.len() as u32;
-                if columns.any(|(c, _)| { states.clone() }.any(|s| fsm.dfa.next(s, c) != REFUSED)) {
+                if columns.peek().is_none()
+                    || columns
+                        .any(|(c, _)| { states.clone() }.any(|s| fsm.dfa.next(s, c) != REFUSED))
+                {
                     continue;
                 }
                 let text = event.text(self.skills);
@@ -342,7 +340,6 @@ impl Examined<'_> {
             let mut others = all.to_vec();
             others.remove(at);
             let (with, without) = (self.only(all), self.only(&others));
-            let calls = calls(self.skills, 2);
             let whole = Apart {
                 whole: true,
                 one_way: false,
@@ -350,7 +347,7 @@ impl Examined<'_> {
             };
             let first = Supervisor::new(&with, self.options)?;
             let second = Supervisor::new(&without, self.options)?;
-            if program::difference(&first, &second, &calls, whole)?.is_none() {
+            if program::difference(&first, &second, &self.calls, whole)?.is_none() {
                 let rule = &self.skills.rules[*rule];
                 let beside = if others.is_empty() && self.options.level == Level::Valid {
                     "it forbids nothing"

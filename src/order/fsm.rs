@@ -54,6 +54,41 @@ pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     all
 }
 
+/// The single skills, the events of several skills that rules speak of, and any two of all these at once, in the order of [`calls`]: the calls
+/// that rules tell apart.
+pub fn telling(skills: &Skills) -> Vec<Call> {
+    let count = skills.skills.len();
+    let mut parts: Vec<u64> = (0..count).map(|s| 1 << s).collect();
+    for rule in &skills.rules {
+        rule.kind.for_each_event(&mut |event| {
+            parts.push(event.0.iter().fold(0, |mask, skill| mask | 1 << skill));
+        });
+    }
+    parts.sort_unstable();
+    parts.dedup();
+    let fits = |mask: &u64| {
+        let mut seen = vec![false; skills.components.len()];
+        let mut own = Call(*mask).skills().map(|s| skills.skills[s].component);
+        own.all(|c| !std::mem::replace(&mut seen[c], true))
+    };
+    let both = parts.iter().flat_map(|a| parts.iter().map(move |b| a | b));
+    let mut all: Vec<u64> = both.filter(fits).collect();
+    all.sort_unstable_by_key(|mask| (mask.count_ones(), *mask));
+    all.dedup();
+    if all.len() > MOST_CALLS {
+        all.retain(|mask| parts.binary_search(mask).is_ok());
+    }
+    all.into_iter().map(Call).collect()
+}
+
+/// Whether there are calls of no more than `most` skills at once that are not among these, which [`calls`] gave.
+pub fn is_cut(calls: &[Call], skills: &Skills, most: usize) -> bool {
+    let used = |c: usize| skills.skills.iter().any(|s| s.component == c);
+    let components = (0..skills.components.len()).filter(|c| used(*c)).count();
+    let known = calls.iter().map(|c| c.skills().count()).max().unwrap_or(0);
+    known < most.min(components)
+}
+
 /// All that can be reached from the start.
 #[derive(Debug, Clone)]
 pub struct Fsm {

@@ -67,9 +67,14 @@ pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
     let mut rules: Vec<Rule> = own.cloned().collect();
     if level >= Level::Reasonable {
         for skill in 0..skills.skills.len() {
-            rules.extend(recall(skills, skill).map(|rule| Rule {
-                span: skills.skills[skill].span,
-                ..rule
+            rules.extend(recall(skills, skill).map(|rule| {
+                Rule {
+                    span: skills.skills[skill].span,
+                    // As it is cited, without its head.
+                    text: { rule.text.split_once(": ") }
+                        .map_or_else(String::new, |(_, body)| body.to_owned()),
+                    ..rule
+                }
             }));
         }
     }

@@ -142,6 +142,9 @@ fn skills_at_once_that_their_own_rule_never_allows_are_told() {
         at_most(2, both(), any(&[GRIP]), any(&[RELEASE])),
         at_most(0, both(), Vec::new(), Vec::new()),
         Kind::Never(both()),
+        Kind::Never(together(&[LEFT, DOWN, GRIP])),
+        after(together(&[RIGHT, DOWN, GRIP]), Vec::new(), any(&[LEFT])),
+        at_most(1, together(&[RIGHT, DOWN, GRIP]), Vec::new(), Vec::new()),
     ] {
         assert_eq!(messages(sound), Vec::<String>::new());
     }

@@ -219,9 +219,22 @@ fn a_line_is_proved_only_where_no_sequence_of_its_parts_is_refused() {
         &[&["left", "left", "right"], &["right"]],
     ];
     let (mut proved, mut open) = (0, 0);
-    for orders in orders {
-        for tasks in tasks {
+    // A signal that never changes changes nothing.
+    let with_signal = |text: String| {
+        text.replace("operation = left\n", "operation = left and on\n")
+            .replace(
+                "machine Mover {",
+                "machine Mover {\n    signal on: bool = true",
+            )
+    };
+    for (at, orders) in orders.into_iter().enumerate() {
+        for (of, tasks) in tasks.into_iter().enumerate() {
             let text = mover_with(orders, tasks);
+            let text = if (at + of) % 2 == 0 {
+                text
+            } else {
+                with_signal(text)
+            };
             let document = checked(&text);
             let line = &document["lines"][0];
             let findings = line["findings"].as_array().expect("findings");
@@ -242,6 +255,39 @@ fn a_line_is_proved_only_where_no_sequence_of_its_parts_is_refused() {
         }
     }
     assert!(proved >= 10 && open >= 10, "{proved} proved, {open} not");
+}
+
+/// Of what a line gives a parameter, the values are known; of parts they are not.
+#[test]
+fn parameters_are_known_and_properties_are_not() {
+    let with = |declared: &str, part: &str, performs: &str| {
+        mover_with("    order single: never Left twice in a row\n", &[&["left"]])
+            .replace("machine Mover {", &format!("machine Mover {{\n    {declared} to: {{l, r}} = l\n    abstract side: {{l, r}} = to"))
+            .replace("Left = operation = left", "Left = operation = left and side = l")
+            .replace("Right = operation = right", "Right = operation = right or operation = left and side = r")
+            .replace("part Crate0", &format!("part Crate0{part}"))
+            .replace("perform left", performs)
+    };
+    for (performs, proof, code) in [
+        ("perform left(to = l)", "open", Some("LW411")),
+        ("perform left(to = r)", "proved", None),
+        ("perform left(to = l), left(to = r)", "proved", None),
+        (
+            "perform left(to = r), left(to = l), left(to = l)",
+            "open",
+            Some("LW411"),
+        ),
+    ] {
+        let document = checked(&with("parameter", "", performs));
+        let line = &document["lines"][0];
+        assert_eq!(line["proof"], proof, "{performs}: {line}");
+        assert_eq!(line.to_string().contains("LW411"), code.is_some(), "{line}");
+    }
+    let part = " { property to: {l, r} = l }";
+    let document = checked(&with("property", part, "perform left"));
+    let line = &document["lines"][0];
+    assert_eq!(line["proof"], "safe", "{line}");
+    assert!(line.to_string().contains("LW410"), "{line}");
 }
 
 #[test]

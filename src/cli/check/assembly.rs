@@ -134,6 +134,9 @@ impl Assembly<'_> {
                 .filter(|l| affected && l.name == model.name)
             {
                 entry.verdict = "invalid";
+                entry.proof = None;
+                entry.undecided.clear();
+                entry.discharges.clear();
             }
         }
     }

@@ -7,7 +7,7 @@ use crate::cli::output;
 use crate::cli::select::Selection;
 use crate::drawing::{Region, dot, svg};
 use crate::order::Skills;
-use crate::order::fsm::Fsm;
+use crate::order::fsm::{self, Fsm};
 use crate::order::picture::{graph, names, regions};
 use crate::order::supervisor::Options;
 use clap::{Args, ValueEnum};
@@ -137,10 +137,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     });
     let skills = &chosen.skills;
     let kept = chosen.options;
+    let at_once = usize::from(arguments.at_once);
+    let mut is_cut = None;
     let text = if arguments.by_component {
         regions(skills, kept).map(|r| side_by_side(skills, kept, &r, emit))
     } else {
-        Fsm::of(skills, kept, usize::from(arguments.at_once)).map(|f| flat(skills, kept, &f, emit))
+        Fsm::of(skills, kept, at_once).map(|f| {
+            is_cut = fsm::is_cut(&f.calls, skills, at_once).then(|| f.calls.clone());
+            flat(skills, kept, &f, emit)
+        })
     };
     let text = match text {
         Ok(text) => text,
@@ -154,6 +159,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
     };
     let console = options.console();
+    if let Some(calls) = is_cut {
+        let masks: Vec<u64> = calls.iter().map(|c| c.0).collect();
+        rules::told_cut(&masks, options)?;
+    }
     match &arguments.out {
         None => console.result(&text)?,
         Some(path) => match output::write(path, &text) {

@@ -8,7 +8,7 @@ use crate::cli::output;
 use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::bound::TooLarge;
-use crate::order::fsm::calls;
+use crate::order::fsm::{calls, is_cut};
 use crate::order::monitor::{Monitor, Unfolding, Verdict};
 use crate::order::supervisor::Supervisor;
 use crate::order::table::{Cited, Table};
@@ -82,18 +82,23 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .collect();
     let skills = chosen.skills.with_rules(&kept);
     let calls = calls(&skills, usize::from(arguments.at_once));
+    let at_once = usize::from(arguments.at_once);
+    let is_cut = is_cut(&calls, &skills, at_once);
     let made = Supervisor::new(&skills, chosen.options)
         .map(|supervisor| (Table::explore(&supervisor, calls), supervisor));
     match (made, arguments.emit) {
         (Ok((Ok(table), _)), Some(emit)) => {
+            if is_cut {
+                rules::told_cut(&table.calls, options)?;
+            }
             emitted(&table, emit, arguments.out.as_deref(), &chosen, options)
         }
-        (Ok((Ok(table), _)), None) => {
+        (Ok((Ok(table), _)), None) if !is_cut => {
             let watching = Watching::Table(Monitor::new(&table));
             watch(watching, &skills, arguments.stop, options)
         }
-        // Without a table the rules themselves answer, as long as there are calls.
-        (Ok((Err(TooLarge::Count { .. }), supervisor)), None) => {
+        // Without a table of all calls the rules themselves answer.
+        (Ok((Ok(_) | Err(TooLarge::Count { .. }), supervisor)), None) => {
             let watching =
                 Watching::Rules(Unfolding::new(&supervisor, u32::from(arguments.at_once)));
             watch(watching, &skills, arguments.stop, options)

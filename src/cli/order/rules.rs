@@ -8,6 +8,7 @@ use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::diagnostics::nearest;
 use crate::order::bound::TooLarge;
+use crate::order::fsm::MOST_CALLS;
 use crate::order::supervisor::Options;
 use crate::order::{Level, Skills};
 use serde::Serialize;
@@ -91,6 +92,15 @@ fn with_rules(skills: &Skills, choice: &Choice) -> anyhow::Result<Skills> {
             anyhow::bail!("`{}` has no rule `{name}`: {instead}", skills.name);
         }
     }
+    for name in &choice.rules {
+        let rule = skills.rules.iter().find(|r| r.name == *name);
+        if let Some(rule) = rule.filter(|r| r.level > choice.level.level()) {
+            anyhow::bail!(
+                "the rule `{name}` is kept at the level {word} only: ask for it with --level {word}",
+                word = rule.level.word()
+            );
+        }
+    }
     let kept = (0..names.len()).filter(|r| {
         let is_in = |list: &[String]| list.iter().any(|n| n == names[*r]);
         (choice.rules.is_empty() || is_in(&choice.rules)) && !is_in(&choice.no_rules)
@@ -128,6 +138,15 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
             several.join(", ")
         ),
     }
+}
+
+/// What is said where calls of more skills at once than these are left out, since there would be too many.
+pub fn told_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
+    let most = calls.iter().map(|c| c.count_ones()).max().unwrap_or(0);
+    options.console().remark(&format!(
+        "only calls of up to {most} skills at once are in it: all larger ones would be more than {MOST_CALLS}\n"
+    ))?;
+    Ok(())
 }
 
 /// What else helps a command that calls so many skills at once.

@@ -129,7 +129,15 @@ fn pattern(text: &str, skills: &Skills) -> anyhow::Result<Pattern> {
             .filter_map(|(i, c)| Some((i, c.situations.iter().position(|s| s == label)?)))
             .collect();
         match places.as_slice() {
-            [place] => pattern.push(*place),
+            [place] => {
+                let other = { pattern.iter() }.find(|(c, s)| *c == place.0 && *s != place.1);
+                anyhow::ensure!(
+                    other.is_none(),
+                    "`{}` is in one situation at a time: write --useful twice where either will do",
+                    skills.components[place.0].name
+                );
+                pattern.push(*place);
+            }
             [] => {
                 let all = { skills.components.iter() }
                     .flat_map(|c| c.situations.iter().map(|s| format!("{}.{s}", c.name)));

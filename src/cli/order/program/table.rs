@@ -47,6 +47,8 @@ struct Reader<'a> {
     last: Option<Last>,
     /// Where each step began.
     begun: BTreeMap<Step, Span>,
+    /// How many columns the header has.
+    width: usize,
     /// Whether it was said that numbers stand where skills are looked for.
     numbered: bool,
 }
@@ -54,9 +56,9 @@ struct Reader<'a> {
 impl Program {
     pub(super) fn read_table(&mut self, text: &str, file: FileId, skills: &Skills) {
         let mut lines = text.trim_start_matches('\u{feff}').lines();
-        let first = lines.find(|l| !l.trim().is_empty());
-        let first = first.unwrap_or_default();
-        let delimiter = { [';', '\t', ','].into_iter() }
+        let known = [';', '\t', ','];
+        let first = lines.find(|l| l.contains(known)).unwrap_or_default();
+        let delimiter = { known.into_iter() }
             .find(|d| first.contains(*d))
             .unwrap_or(',');
         let mut rows = csv::ReaderBuilder::new()
@@ -72,9 +74,11 @@ impl Program {
             columns: None,
             last: None,
             begun: BTreeMap::new(),
+            width: 0,
             numbered: false,
         };
         let mut begun = false;
+        let mut last = Span::new(file, 0, first.len());
         for row in rows.records() {
             let Ok(row) = row else {
                 let span = Span::new(file, 0, first.len());
@@ -93,12 +97,25 @@ impl Program {
             }
             if !begun {
                 reader.columns = header(&row, skills);
+                if reader.columns.is_some() {
+                    reader.headed(&row, span);
+                }
             }
             // A header calls nothing.
             if begun || reader.columns.is_none() {
                 reader.row(&row, span, !begun);
             }
             begun = true;
+            last = span;
+        }
+        if text.matches('"').count() % 2 == 1 {
+            let help = "close it, or leave it out: names of skills need no quotes";
+            reader.finding(
+                codes::SYNTAX,
+                last,
+                "a quote is opened and not closed",
+                help,
+            );
         }
     }
 }
@@ -119,14 +136,41 @@ fn header(row: &csv::StringRecord, skills: &Skills) -> Option<Columns> {
 }
 
 impl Reader<'_> {
+    /// A header says of each column that counts where it is.
+    fn headed(&mut self, row: &csv::StringRecord, span: Span) {
+        self.width = row.len();
+        for titles in [&CALLS[..], &[STEP]] {
+            let is_one = |c: &&str| titles.iter().any(|t| c.eq_ignore_ascii_case(t));
+            let found: Vec<&str> = row.iter().filter(is_one).collect();
+            if let [one, other, ..] = found.as_slice() {
+                let message = format!("the columns `{one}` and `{other}` say the same");
+                let help = "leave one of them: skills that are called at once stand in one cell, `A & B`, or in rows of the same step";
+                self.finding(codes::SYNTAX, span, &message, help);
+            }
+        }
+    }
+
     fn row(&mut self, row: &csv::StringRecord, span: Span, first: bool) {
         let cell = |column: usize| row.get(column).unwrap_or_default();
         let Some(Columns { calls, step }) = self.columns else {
             self.without_header(row, span, first);
             return;
         };
+        if let Some(more) = row.iter().skip(self.width).find(|c| !c.is_empty()) {
+            let message = format!("`{more}` stands in no column of the header");
+            let help = format!(
+                "write one row a skill, or `&` between skills that are called at once; the signs between columns are `{}`",
+                self.delimiter.escape_default()
+            );
+            self.finding(codes::SYNTAX, span, &message, &help);
+        }
         let text = cell(calls);
         if text.is_empty() {
+            let help = format!(
+                "name a skill in the column `skill`, or leave the row out; the signs between columns are `{}`",
+                self.delimiter.escape_default()
+            );
+            self.finding(codes::SYNTAX, span, "no skill stands in this row", &help);
             return;
         }
         match step.map(cell) {
@@ -202,6 +246,20 @@ impl Reader<'_> {
         }
         self.begun.insert(step.clone(), span);
         if let Some(before) = before
+            && step.is_same_number(&before.step)
+        {
+            let message = format!(
+                "step {} is not written as step {} before it",
+                step.text(),
+                before.step.text()
+            );
+            self.finding(
+                codes::SYNTAX,
+                span,
+                &message,
+                "write both alike where they are one step, and otherwise another number",
+            );
+        } else if let Some(before) = before
             && step.is_before(&before.step)
         {
             let message = format!(
@@ -300,6 +358,15 @@ impl Step {
             Self::Number(number) => number.to_string(),
             Self::Text(text) => format!("`{text}`"),
         }
+    }
+
+    /// Whether both are one number, `1` and `1.0`.
+    fn is_same_number(&self, other: &Self) -> bool {
+        let number = |step: &Self| match step {
+            Self::Number(number) => Some(*number as f64),
+            Self::Text(text) => text.replace(',', ".").parse::<f64>().ok(),
+        };
+        number(self).is_some_and(|own| number(other) == Some(own))
     }
 
     /// What stands before a dot counts: 1.10 comes before 1.9 for some, and behind it for others.
