@@ -52,13 +52,14 @@ pub fn examine<'a>(
         };
         match open(&called, controlled(machine), limits) {
             Ok(open) => {
-                let mut told = BTreeSet::new();
-                let sure = |o: &&Open| !called.unsure.contains(&o.what);
-                if !open.is_empty() && !open.iter().any(|o| sure(&o)) {
+                let is_unsure = |o: &Open| called.unsure.contains(&o.what);
+                let (unsure, open): (Vec<Open>, Vec<Open>) = open.into_iter().partition(is_unsure);
+                if open.is_empty() && !unsure.is_empty() {
                     let why = "that depends on properties of the parts".to_owned();
                     asked.undecided.push((node.name.clone(), why));
                 }
-                for open in open.iter().filter(sure) {
+                let mut told = BTreeSet::new();
+                for open in &open {
                     let formula = replay::formula(&called.system, &called.claim, open.what);
                     if told.insert((open.what.part, formula.span)) {
                         asked.findings.push(finding(node, machine, &called, open));

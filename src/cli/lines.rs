@@ -41,8 +41,8 @@ pub fn examine<'a>(
     with_table: bool,
 ) -> Proof {
     // That every part is worked on rests on every operation being one that the station may be asked for.
-    let asked = asked::examine(line, controlled, limits);
-    let mut proof = examine_moves(line, limits, with_table);
+    let asked = asked::examine(line, controlled, &bounded(limits));
+    let mut proof = examine_moves(line, &bounded(limits), with_table);
     if !asked.findings.is_empty() {
         proof.verdict = "open";
         proof.discharges.clear();
@@ -63,19 +63,23 @@ pub fn examine<'a>(
     proof
 }
 
-/// Whether parts move on, each operation being done.
-fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
+/// How long one question about a line may take, from now on.
+fn bounded(limits: &Limits) -> Limits {
     let own = Instant::now() + Duration::from_secs(SECONDS);
-    let limits = Limits {
+    Limits {
         deadline: Some(limits.deadline.map_or(own, |given| given.min(own))),
         most_nodes: Some(NODES),
         ..*limits
-    };
+    }
+}
+
+/// Whether parts move on, each operation being done.
+fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
     let table = |abstraction: &Abstraction, verdict: &Verdict| {
         if !with_table {
             return (Vec::new(), None);
         }
-        match table(line, abstraction, verdict, &limits) {
+        match table(line, abstraction, verdict, limits) {
             Ok(rows) => (rows, None),
             Err(limit) => {
                 let message = format!(
@@ -86,7 +90,7 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
             }
         }
     };
-    let (abstraction, verdict) = match abstraction::examine(line, &limits, MOST_VARIABLES) {
+    let (abstraction, verdict) = match abstraction::examine(line, limits, MOST_VARIABLES) {
         Ok(decided) => decided,
         Err(unfit) => return undecided(line, &unfit.0),
     };

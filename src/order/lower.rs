@@ -19,6 +19,12 @@ const MOST_CASES: usize = 1 << 14;
 /// Behind the name of a formula about step 0.
 pub const AT_FIRST: &str = " at first";
 
+/// The rule that a formula of this name says, by the rule's name. No name in a file has a blank in it.
+pub fn rule_of(formula: &str) -> Option<&str> {
+    let name = formula.strip_suffix(AT_FIRST).unwrap_or(formula);
+    name.strip_prefix("order ")
+}
+
 /// What one rule becomes.
 #[derive(Debug, Clone)]
 pub struct Lowered {

@@ -6,7 +6,7 @@
 use super::{CallError, ErrorCode};
 use crate::contract::machine::{Component, Machine, PlantInput, PlantSource, RealExpr, Role};
 use crate::gr1::Formula;
-use crate::order::lower::AT_FIRST;
+use crate::order::lower::{AT_FIRST, rule_of};
 
 /// A formula's text is cut to so many characters in a message.
 const LONGEST_TEXT: usize = 200;
@@ -84,11 +84,10 @@ pub fn assumed(component: &Component, formula: &Formula) -> String {
 
 /// ``the order `trays` (R-7)``; what is no declared order has a name that speaks for itself.
 fn order(formula: &Formula) -> String {
-    let name = of_all_steps(&formula.name);
     let requirement = formula.requirement.as_deref();
-    match name.strip_prefix("order ") {
+    match rule_of(&formula.name) {
         Some(declared) => format!("the order {}", named(declared, requirement)),
-        None => named(name, requirement),
+        None => named(of_all_steps(&formula.name), requirement),
     }
 }
 

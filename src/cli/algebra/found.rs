@@ -5,6 +5,7 @@ use crate::algebra::join::Mismatch;
 use crate::algebra::proof::{Open, Proof};
 use crate::cli::findings::list;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::order::lower::rule_of;
 use crate::source::Span;
 
 /// The findings of a proof. `at` says where a part stands in the text, and the claim's own formulas where there is no part.
@@ -53,6 +54,9 @@ fn open(told: Told<'_>, open: &Open, at: &dyn Fn(Option<usize>) -> Option<Span>)
         ),
     };
     let help = match open.what.part {
+        Some(_) if rule_of(&formula.name).is_some() => {
+            "let what calls its skills keep the order. One that whoever asks for operations is to keep speaks of skills that are bound to `operation` alone, and not also to what happens while it runs"
+        }
         Some(_) => "let another contract guarantee it, or weaken the assumption to what it needs",
         None => "add a guarantee from which it follows, or promise less",
     };
