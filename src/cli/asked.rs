@@ -134,7 +134,7 @@ fn finding(station: &Node, machine: &Machine, called: &Called, open: &Open) -> D
     )
 }
 
-/// `left, left, right`, or `left (3 times), right`.
+/// `` `left` twice, then `right` ``; the last of them where there are many.
 fn in_turn(operations: &[&str]) -> String {
     let mut told: Vec<(&str, usize)> = Vec::new();
     for name in operations {

@@ -81,8 +81,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .map(|(place, _)| place)
         .collect();
     let skills = chosen.skills.with_rules(&kept);
-    let calls = calls(&skills, usize::from(arguments.at_once));
     let at_once = usize::from(arguments.at_once);
+    let calls = calls(&skills, at_once);
     let is_cut = is_cut(&calls, &skills, at_once);
     let made = Supervisor::new(&skills, chosen.options)
         .map(|supervisor| (Table::explore(&supervisor, calls), supervisor));

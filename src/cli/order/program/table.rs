@@ -245,35 +245,22 @@ impl Reader<'_> {
             return;
         }
         self.begun.insert(step.clone(), span);
-        if let Some(before) = before
-            && step.is_same_number(&before.step)
-        {
-            let message = format!(
-                "step {} is not written as step {} before it",
-                step.text(),
-                before.step.text()
-            );
-            self.finding(
-                codes::SYNTAX,
-                span,
-                &message,
+        let Some(before) = before else { return };
+        let (how, help) = if step.is_same_number(&before.step) {
+            (
+                "is not written as",
                 "write both alike where they are one step, and otherwise another number",
-            );
-        } else if let Some(before) = before
-            && step.is_before(&before.step)
-        {
-            let message = format!(
-                "step {} comes behind step {}",
-                step.text(),
-                before.step.text()
-            );
-            self.finding(
-                codes::SYNTAX,
-                span,
-                &message,
+            )
+        } else if step.is_before(&before.step) {
+            (
+                "comes behind",
                 "calls are made in the order of the rows: sort the rows by step, or number the steps as the rows stand",
-            );
-        }
+            )
+        } else {
+            return;
+        };
+        let message = format!("step {} {how} step {}", step.text(), before.step.text());
+        self.finding(codes::SYNTAX, span, &message, help);
     }
 
     /// A row of skills that are called at once, and of nothing else.
