@@ -26,14 +26,16 @@ pub struct Asked {
     pub undecided: Vec<(String, String)>,
 }
 
-/// Looks at every station. Where contracts alone do not show it, and `controlled` has the controllers of a machine, these may.
+/// Looks at the stations that are `wanted`. Where contracts alone do not show it, and `controlled` has the controllers of a machine, these may.
 pub fn examine<'a>(
     line: &Line,
+    wanted: impl Fn(usize) -> bool,
     controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
     limits: &Limits,
 ) -> Asked {
     let mut asked = Asked::default();
-    for node in &line.nodes {
+    for (index, node) in line.nodes.iter().enumerate().filter(|(i, _)| wanted(*i)) {
+        let _ = index;
         let NodeKind::Station { machine, tasks, .. } = &node.kind else {
             continue;
         };

@@ -3,6 +3,7 @@
 use super::console::schema;
 use super::controller::Wish;
 use super::exit::ExitCode;
+use super::judgement;
 use super::libraries::{self, Target, Written};
 use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
@@ -109,7 +110,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let folder = arguments.out.as_deref().unwrap_or(&default);
     let mut libraries = Vec::new();
     for plan in planned.iter().filter_map(|p| p.controlled(&checked)) {
-        let misfits = libraries::misfits(&plan);
+        let misfits = judgement::findings(&plan, &settings.limits, settings.cache.as_ref());
         let fits = !has_errors(&misfits);
         findings.extend(misfits);
         if !fits {

@@ -11,12 +11,13 @@
 use super::controller::Wish;
 use super::pipeline::Explained;
 use super::statistics::Statistics;
+use crate::contract::machine::Machine;
 use crate::game::{
     Diagram, DiagramNode, Edge, EnvironmentFindings, GuaranteeRef, Heuristic, KernelChoice, Order,
     Shape,
 };
 use crate::gr1::{Expr, Formula, Specification, Variable};
-use crate::mealy::{Machine, functions::Functions};
+use crate::mealy::{self, Controller, functions::Functions};
 use crate::symbolic::Bit;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -61,7 +62,7 @@ pub struct Entry {
     /// Whether a controller was asked for.
     pub extracted: bool,
     /// The verified controller; `None` also when it was too large to be written down.
-    pub machine: Option<Machine>,
+    pub machine: Option<mealy::Machine>,
     /// The certified controller as functions, where it was one.
     pub functions: Option<Box<Functions>>,
     /// The largest number of nodes.
@@ -138,6 +139,13 @@ impl Key {
                 feed.list(list.iter().map(|f| &f.expr));
             }
         }
+        Self(feed.finish())
+    }
+
+    /// The key of a machine with its controllers.
+    pub fn of_machine(machine: &Machine, controllers: &[&Controller]) -> Self {
+        let mut feed = Feed::new("machine");
+        let _ = write!(feed, "{machine:?}\n{controllers:?}");
         Self(feed.finish())
     }
 }
@@ -360,6 +368,16 @@ impl Cache {
     /// Keeps an entry.
     pub fn keep(&self, key: &Key, entry: &Entry) {
         self.write(&format!("entry-{}", key.0), entry);
+    }
+
+    /// Whether nothing was wrong with a machine.
+    pub fn is_sound(&self, key: &Key) -> bool {
+        self.read(&format!("entry-{}", key.0)) == Some(true)
+    }
+
+    /// Keeps that nothing is wrong with a machine.
+    pub fn keep_sound(&self, key: &Key) {
+        self.write(&format!("entry-{}", key.0), &true);
     }
 
     /// The last version of a contract.

@@ -93,7 +93,7 @@ fn never_begins(closed: &Closed<'_>, operation: &Operation, by: &[FormulaRef]) -
         [one] => format!("{one} forbids it everywhere"),
         [several @ .., last] => format!("{} or {last} forbid it everywhere", several.join(", ")),
     };
-    let mut finding = Diagnostic::warning(
+    let mut finding = Diagnostic::error(
         codes::OPERATION,
         operation.span,
         format!(

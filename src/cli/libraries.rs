@@ -1,19 +1,16 @@
 //! Machines with their controllers: whether they fit together, and their station libraries.
 
-use super::closed;
 use super::output;
-use crate::algebra::closed::Closed;
-use crate::algebra::machine::of_machine;
-use crate::algebra::proof::prove;
-use crate::contract::machine::{Machine, Role};
+use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, Severity, codes};
-use crate::game::Limits;
 use crate::mealy;
 use crate::station::composition::{self, Composition};
+use crate::station::interpret::Interpreter;
 use crate::station::profile::Profile;
 use crate::station::simtalk::Beside;
 use crate::station::{self, Package, Toolchain, fmi, probe, simtalk};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A machine with the verified controllers of its components, in their order.
 #[derive(Debug)]
@@ -24,40 +21,16 @@ pub struct Controlled<'a> {
     pub controllers: Vec<&'a mealy::Controller>,
 }
 
+impl Controlled<'_> {
+    /// These controllers in a machine that differs from theirs in numbers only.
+    pub fn interpreter(&self, machine: &Machine) -> Interpreter {
+        Interpreter::new(Arc::new(machine.clone()), Arc::new(controllers(self)))
+    }
+}
+
 /// Whether a machine's coordinator and actions fit together.
 pub fn compose(controlled: &Controlled<'_>) -> Composition {
     composition::check(controlled.machine, &controlled.controllers)
-}
-
-/// What does not fit. The states of coordinators show who answers a wait where one action does. Within a machine of machines a wait is
-/// answered by several, one after the other, and what watches over orders remembers what was called: there the proof has the last
-/// word, or all controllers together.
-pub fn misfits(controlled: &Controlled<'_>) -> Vec<Diagnostic> {
-    let mut findings = compose(controlled).findings;
-    let machine = controlled.machine;
-    let watched = machine.components.iter().any(|c| c.role == Role::Watch);
-    let doubt = |f: &Diagnostic| {
-        f.code == codes::ASSUMPTION_OPEN && (watched || f.severity == Severity::Warning)
-    };
-    let is_proved = watched || !machine.layers.inner.is_empty();
-    if !is_proved || !findings.iter().any(doubt) {
-        return findings;
-    }
-    let (system, claim) = of_machine(machine);
-    if prove(&system, &claim, &Limits::default()).is_ok_and(|proof| proof.holds()) {
-        findings.retain(|f| !doubt(f));
-    } else if watched {
-        let closed = Closed::of_machine(machine, &controlled.controllers);
-        if let Ok(verdict) = closed.decide(&closed::bounded(&Limits::default()))
-            && verdict.undecided.is_empty()
-        {
-            findings.retain(|f| !doubt(f));
-            let open = verdict.open.iter();
-            let open = open.filter(|o| !closed::is_completion(&closed, o));
-            findings.extend(open.map(|o| closed::open(&closed, &machine.name, o, machine.span)));
-        }
-    }
-    findings
 }
 
 /// What `build` makes.

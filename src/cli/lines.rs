@@ -7,10 +7,11 @@ use crate::algebra::proof::prove;
 use crate::algebra::system::FormulaRef;
 use crate::contract::line::Line;
 use crate::contract::machine::Machine;
-use crate::diagnostics::{Diagnostic, codes};
+use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::game::{Limit, Limits, RuleKind};
-use crate::line::abstraction::Verdict;
-use crate::line::abstraction::{self, Abstraction, findings};
+use crate::line::abstraction::{self, Abstraction, Shape, Verdict, findings};
+use crate::line::calls::{self, Bounds, Calls, Premise, premises};
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 /// A line gets so long, and so many nodes, and is then said to be too large.
@@ -19,48 +20,105 @@ const NODES: u64 = 2_000_000;
 /// Of lines with more variables it is not asked whether everything goes on.
 const MOST_VARIABLES: usize = 48;
 
+/// How much of a line's calls is explored.
+const CALLS: Bounds = Bounds {
+    values: 20_000,
+    steps: 2_000_000,
+};
+
 /// What is known of a line.
 #[derive(Debug, Default)]
 pub struct Proof {
     /// `proved`, `safe` where it was not decided that everything goes on, `open` or `gave_up`.
     pub verdict: &'static str,
+    /// Of a proved or safe one: what that rests on and the line does not show.
+    pub premises: Vec<Premise>,
     /// Of a safe one: what was not decided.
     pub undecided: Vec<String>,
     /// What each requirement and each assumption of a place rests on.
     pub discharges: Vec<DischargeEntry>,
+    /// Whether it was decided of every part that it has a way onward.
+    pub routes_decided: bool,
     /// What is wrong.
     pub findings: Vec<Diagnostic>,
 }
 
-/// Proves a line, or says what keeps it from being true. The table of what rests on what takes longer than the verdict, and is made where it is
-/// wanted. `controlled` has the controllers of a machine, as far as they are there.
+/// Proves a line, or says what keeps it from being true: `docs/proof.md` has the theorem. The table of what rests on what takes longer than the
+/// verdict, and is made where it is wanted. `controlled` has the controllers of a machine, as far as they are there.
 pub fn examine<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
     limits: &Limits,
     with_table: bool,
 ) -> Proof {
-    // That every part is worked on rests on every operation being one that the station may be asked for.
-    let asked = asked::examine(line, controlled, &bounded(limits));
-    let mut proof = examine_moves(line, &bounded(limits), with_table);
-    if !asked.findings.is_empty() {
+    // That every part is worked on rests on every call being answered.
+    let interpreter = |machine: &Machine| Some(controlled(machine)?.interpreter(machine));
+    let mut calls = calls::examine(line, interpreter, &CALLS, &bounded(limits));
+    let mut found = std::mem::take(&mut calls.findings);
+    let is_answered = !found
+        .iter()
+        .any(|f| f.code != codes::LINE_ROUTE || f.severity == Severity::Error);
+    let reduced = calls.simplified(line);
+    let moving = if is_answered { &reduced } else { line };
+    found.extend(timeless(moving, &calls));
+    let is_sound = !found
+        .iter()
+        .any(|f| f.code != codes::LINE_ROUTE || f.severity == Severity::Error);
+    // Where not all calls could be tried, contracts may still show that none breaks an order.
+    let unknown = |node: usize| calls.undecided.iter().any(|(n, _)| *n == node);
+    let asked = asked::examine(line, unknown, &controlled, &bounded(limits));
+    let mut proof = examine_moves(moving, &bounded(limits), with_table);
+    if is_sound && asked.findings.is_empty() {
+        if proof.verdict == "proved" || proof.verdict == "safe" {
+            proof.premises = premises(line, &calls);
+        }
+    } else {
         proof.verdict = "open";
         proof.discharges.clear();
         proof.undecided.clear();
-    } else if !asked.undecided.is_empty() && proof.verdict == "proved" {
-        proof.verdict = "safe";
     }
+    proof.routes_decided = calls.undecided.is_empty();
+    proof.findings.extend(found);
     proof.findings.extend(asked.findings);
-    for (station, why) in asked.undecided {
-        let message = format!(
-            "whether {station} is asked only for what its machine allows was not decided: {why}"
-        );
+    for (node, why) in &calls.undecided {
+        let station = &line.nodes[*node].name;
+        let message = format!("whether {station} answers every call was not decided: {why}");
         proof.findings.push(note(line, message, ASKED));
+        if proof.verdict == "proved" {
+            proof.verdict = "safe";
+        }
         if proof.verdict == "safe" {
-            proof.undecided.push(format!("asked_rightly_at_{station}"));
+            proof.undecided.push(format!("answers_at_{station}"));
         }
     }
     proof
+}
+
+/// A line in which parts move on and no time passes.
+fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
+    let shape = Shape::of(line).ok()?;
+    let nodes: BTreeSet<usize> = calls.timeless.keys().copied().collect();
+    let (from, to) = shape.timeless(&nodes)?;
+    let (from, to) = (&shape.places[from], &shape.places[to]);
+    let message = format!(
+        "parts go from {} to {} on and on, and no time passes",
+        from.name, to.name
+    );
+    let mut finding = Diagnostic::error(codes::LINE_TIMELESS, line.nodes[from.node].span, message)
+        .with_help(
+            "give the work of a station on the way a time that is greater than 0 for all values",
+        );
+    if !calls.timeless.values().all(|always| *always) {
+        finding.severity = Severity::Warning;
+    }
+    for node in nodes {
+        let node = &line.nodes[node];
+        finding = finding.with_label(
+            node.span,
+            format!("the work of {} may take no time", node.name),
+        );
+    }
+    Some(finding)
 }
 
 /// How long one question about a line may take, from now on.
@@ -120,6 +178,7 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
         undecided,
         discharges,
         findings,
+        ..Proof::default()
     }
 }
 
@@ -148,7 +207,8 @@ fn table(
 }
 
 /// What to do where it was not decided what a station is asked for.
-const ASKED: &str = "A run shows what is refused; orders about operations alone are decided, whatever the parts are like.";
+const ASKED: &str = "A run shows what is refused. Fewer values of properties, or a machine that comes back to the same state after each operation, \
+                     leave less to be looked at.";
 
 /// What to do where something was not decided.
 const FEWER: &str = "Smaller limits and buffers, or fewer types of parts in one, make the line smaller; a machine with less other work, or more \

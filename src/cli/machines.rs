@@ -152,6 +152,18 @@ pub fn is_alike(one: &Machine, other: &Machine) -> bool {
         && components.all(|(a, b)| a.specification == b.specification && a.bindings == b.bindings)
 }
 
+/// Whether what is judged of one machine holds of the other: they differ in times, powers, limits and defaults at most.
+pub fn is_judged_alike(one: &Machine, other: &Machine) -> bool {
+    let judged = |m: &Machine| {
+        let text = format!(
+            "{:?}",
+            (&m.plant, &m.done, &m.guarantees, &m.refines, &m.orders)
+        );
+        (text, m.layers.inner.len())
+    };
+    is_alike(one, other) && judged(one) == judged(other)
+}
+
 /// The machines of a line, each once, in the order of their first place in it.
 pub fn of_line(line: &Line) -> Vec<&Arc<Machine>> {
     let mut machines: Vec<&Arc<Machine>> = Vec::new();

@@ -3,6 +3,7 @@
 use super::build::default_folder;
 use super::controller::Wish;
 use super::exit::ExitCode;
+use super::judgement;
 use super::libraries::{self, Controlled};
 use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
@@ -103,7 +104,11 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
     let controlled: Option<Vec<_>> = planned.iter().map(|p| p.controlled(&checked)).collect();
     for machine in controlled.iter().flatten() {
-        findings.extend(libraries::misfits(machine));
+        findings.extend(judgement::findings(
+            machine,
+            &settings.limits,
+            settings.cache.as_ref(),
+        ));
     }
     let Some(controlled) = controlled.filter(|_| !has_errors(&findings)) else {
         console.failed("run", sources, &findings)?;

@@ -140,6 +140,9 @@ codes! {
     LINE_UNFINISHED = "LW409", "an order may stay unfinished for ever";
     LINE_UNDECIDED = "LW410", "a line is too large to be proved";
     LINE_ASKS = "LW411", "a line may ask a station for what its machine forbids";
+    LINE_REFUSED = "LW414", "a station refuses a part";
+    LINE_VALUE = "LW415", "a value leaves its range";
+    LINE_TIMELESS = "LW416", "parts move on and no time passes";
 
     COMPILER_MISSING = "LW501", "no C compiler was found";
     COMPILER_FAILED = "LW502", "the C compiler failed";

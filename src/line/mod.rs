@@ -33,6 +33,7 @@
 
 pub mod abstraction;
 pub mod calendar;
+pub mod calls;
 mod metric;
 mod plant;
 pub mod random;

@@ -13,7 +13,7 @@
 
 use super::messages::Party;
 use super::{CallError, Controller, Service};
-use crate::contract::machine::{ActionTime, Component, Machine, PlantSource};
+use crate::contract::machine::{ActionTime, Component, Machine, PlantSource, RealExpr};
 use crate::gr1::{Formula, Side, Time, Timing, VarId, eval};
 use crate::mealy;
 use crate::mealy::functions::Functions;
@@ -30,9 +30,9 @@ pub struct Interpreter {
     state: State,
 }
 
-/// Everything that a step changes.
-#[derive(Debug, Clone, PartialEq, Eq)]
-struct State {
+/// Everything that a step changes: what an instance remembers from call to call.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct State {
     /// Whether step 0 has been made.
     started: bool,
     /// Each component's state, or the goal that its functions pursue; `None` before step 0.
@@ -200,7 +200,12 @@ impl Interpreter {
     }
 
     /// The plant's wires of every step of an operation; those of signals are put in later.
-    fn abstract_properties(&self, operation: usize, values: &[f64]) -> Result<Vec<i64>, CallError> {
+    fn abstract_properties(
+        &self,
+        from: &State,
+        operation: usize,
+        values: &[f64],
+    ) -> Result<Vec<i64>, CallError> {
         let machine = &*self.machine;
         for (property, value) in machine.properties.iter().zip(values) {
             if !value.is_finite() {
@@ -213,7 +218,7 @@ impl Interpreter {
                 PlantSource::Operation => machine.operations[operation].value,
                 PlantSource::Signal { script } => script[0],
                 PlantSource::Property(expr) => {
-                    let value = expr.eval(values, &self.state.wires);
+                    let value = expr.eval(values, &from.wires);
                     let nearest = value.round();
                     let domain = input.domain.low() as f64..=input.domain.high() as f64;
                     if (value - nearest).abs() <= INTEGER_TOLERANCE && domain.contains(&nearest) {
@@ -227,9 +232,30 @@ impl Interpreter {
         Ok(plant)
     }
 
-    /// Runs an operation from a copy of the state; gives the state at its end and what it took.
-    fn perform(
+    /// The machine that is run.
+    pub fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    /// The same controllers in a machine that differs in its limits only.
+    #[must_use]
+    pub fn with_machine(&self, machine: Machine) -> Self {
+        Self::new(Arc::new(machine), Arc::clone(&self.controllers))
+    }
+
+    /// The state of a new instance.
+    pub fn initial(&self) -> State {
+        State::new(&self.machine)
+    }
+
+    /// Runs an operation from this state; gives the state at its end, the new values of the properties, and what it took.
+    ///
+    /// # Errors
+    /// What the library would answer. The instance then stays in the state `from`, except after [`super::ErrorCode::Limit`], where it is
+    /// in its initial state.
+    pub fn perform(
         &self,
+        from: &State,
         operation: usize,
         values: &[f64],
     ) -> Result<(State, Vec<f64>, Service), CallError> {
@@ -240,9 +266,9 @@ impl Interpreter {
         if values.len() != machine.properties.len() {
             return Err(CallError::value_count());
         }
-        let mut plant = self.abstract_properties(operation, values)?;
-        let mut meter = Meter::new(machine, values, &self.state.wires);
-        let mut state = self.state.clone();
+        let mut plant = self.abstract_properties(from, operation, values)?;
+        let mut meter = Meter::new(machine, values, &from.wires);
+        let mut state = from.clone();
         for step in 0..machine.step_limit {
             for (wire, input) in plant.iter_mut().zip(&machine.plant) {
                 if let PlantSource::Signal { script } = &input.source {
@@ -292,7 +318,7 @@ impl Interpreter {
 
 impl Controller for Interpreter {
     fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Result<Service, CallError> {
-        match self.perform(operation, values) {
+        match self.perform(&self.state, operation, values) {
             Ok((state, after, service)) => {
                 self.state = state;
                 values.copy_from_slice(&after);
@@ -336,6 +362,78 @@ impl State {
                 .collect(),
             wires: vec![0; machine.wire_count()],
         }
+    }
+}
+
+/// What of a state can make a difference to later calls. Two states that agree in that answer every sequence of calls alike.
+#[derive(Debug, Clone)]
+pub struct Relevance {
+    /// By component, its variables whose last values are read again.
+    values: Vec<Vec<bool>>,
+    wires: Vec<bool>,
+}
+
+impl Relevance {
+    /// What a machine with these controllers reads of the step before a call.
+    pub fn of(interpreter: &Interpreter) -> Self {
+        let machine = &*interpreter.machine;
+        let components = machine.components.iter().zip(&*interpreter.controllers);
+        let values = components.map(|(component, controller)| {
+            let specification = &component.specification;
+            // Functions read the values of the step before as they are.
+            let all = controller.machine().is_none();
+            let mut read = vec![all; specification.variables.len()];
+            let sides = [&specification.assumptions, &specification.guarantees];
+            for formula in sides.into_iter().flat_map(|side| &side.safety) {
+                formula
+                    .expr
+                    .for_each_var(&mut |v, time| read[v.index()] |= time == Time::Now);
+            }
+            read
+        });
+        let mut wires = vec![false; machine.wire_count()];
+        let mut reads = |expr: &RealExpr| {
+            expr.for_each(&mut |part| {
+                if let RealExpr::Wire(wire) = part {
+                    wires[*wire] = true;
+                }
+            });
+        };
+        for input in &machine.plant {
+            if let PlantSource::Property(expr) = &input.source {
+                reads(expr);
+            }
+        }
+        for component in &machine.components {
+            reads(&component.watts);
+            if let Some(ActionTime::PerStep(expr) | ActionTime::PerExecution(expr)) =
+                &component.time
+            {
+                reads(expr);
+            }
+        }
+        Self {
+            values: values.collect(),
+            wires,
+        }
+    }
+
+    /// The state with zeros for all that makes no difference.
+    pub fn reduce(&self, mut state: State) -> State {
+        for (values, read) in state.values.iter_mut().zip(&self.values) {
+            for (value, _) in values.iter_mut().zip(read).filter(|(_, read)| !**read) {
+                *value = 0;
+            }
+        }
+        for (wire, _) in state
+            .wires
+            .iter_mut()
+            .zip(&self.wires)
+            .filter(|(_, r)| !**r)
+        {
+            *wire = 0;
+        }
+        state
     }
 }
 

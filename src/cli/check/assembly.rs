@@ -1,23 +1,27 @@
 //! From what is known of every contract and machine to the document.
 
 use super::document::{
-    ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, SkillsEntry, Summary,
+    ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, PremiseEntry, SkillsEntry,
+    Summary,
 };
 use super::view::FileView;
 use super::{explained, machine};
+use crate::cli::cache::Cache;
 use crate::cli::console::schema;
 use crate::cli::files::Loaded;
 use crate::cli::findings::lost;
+use crate::cli::judgement;
 use crate::cli::lines;
 use crate::cli::machines::{self, Planned};
 use crate::cli::outline::{Declaration, Kind};
 use crate::cli::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, TaxonomyCode};
-use crate::diagnostics::{Diagnostic, codes, has_errors, json};
+use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json};
 use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
 use crate::order::{self, bound::Until};
+use crate::source::Span;
 use std::path::Path;
 
 /// All that the document is made from.
@@ -26,9 +30,12 @@ pub(super) struct Assembly<'a> {
     pub(super) files: &'a [FileView<'a>],
     pub(super) contracts: &'a [(&'a Contract, usize)],
     pub(super) machines: &'a [Planned<'a>],
+    /// Machines as lines have them, with arguments of their own; each with where the first of these lines is declared.
+    pub(super) sized: &'a [(Span, Planned<'a>)],
     pub(super) jobs: &'a Jobs,
     pub(super) checked: &'a [CheckedContract],
     pub(super) limits: Limits,
+    pub(super) cache: Option<&'a Cache>,
     /// Whether tables are made that take longer than the verdict.
     pub(super) verbose: bool,
     pub(super) timing: bool,
@@ -135,6 +142,7 @@ impl Assembly<'_> {
             {
                 entry.verdict = "invalid";
                 entry.proof = None;
+                entry.premises.clear();
                 entry.undecided.clear();
                 entry.discharges.clear();
             }
@@ -248,24 +256,48 @@ impl Assembly<'_> {
         let known = self.loaded.library.lines.iter();
         let line = { known }.find(|l| sound && declaration.holds(l.span));
         let controlled = |machine: &Machine| {
-            // One with arguments of its own has no controllers here.
             let alike = |p: &&Planned<'_>| machines::is_alike(p.machine, machine);
-            self.machines.iter().find(alike)?.controlled(self.checked)
+            let sized = self.sized.iter().map(|(_, planned)| planned);
+            let mut known = self.machines.iter().chain(sized);
+            known.find(alike)?.controlled(self.checked)
         };
+        let mut fits = true;
+        if let Some(line) = line {
+            let own = self.sized.iter().filter(|(of, _)| *of == line.span);
+            for found in own.map(|(_, planned)| self.judged(planned)) {
+                fits &= !has_errors(&found);
+                findings.extend(found);
+            }
+        }
         let proof =
             { line }.map(|line| lines::examine(line, controlled, &self.limits, self.verbose));
         let verdict = proof.as_ref().map(|proof| proof.verdict);
         let proof = proof.unwrap_or_default();
+        if proof.routes_decided {
+            findings.retain(|f| f.code != codes::LINE_ROUTE || f.severity == Severity::Error);
+        }
         findings.extend(proof.findings);
         LineEntry {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
-            verdict: if sound { "valid" } else { "invalid" },
-            proof: verdict,
+            verdict: if sound && fits { "valid" } else { "invalid" },
+            proof: verdict.filter(|_| fits),
+            premises: proof.premises.into_iter().map(PremiseEntry::from).collect(),
             undecided: proof.undecided,
             discharges: proof.discharges,
             findings: json::findings(&self.loaded.library.sources, findings),
         }
+    }
+
+    /// What is wrong with a machine that only lines have in this size.
+    fn judged(&self, planned: &Planned<'_>) -> Vec<Diagnostic> {
+        // What is odd about a contract is told of its own defaults.
+        let mut found = planned.findings(self.jobs, self.checked);
+        found.retain(|f| f.severity == Severity::Error);
+        if let Some(controlled) = planned.controlled(self.checked) {
+            found.extend(judgement::findings(&controlled, &self.limits, self.cache));
+        }
+        found
     }
 
     fn machine(
@@ -283,7 +315,11 @@ impl Assembly<'_> {
         }
         let proved = planned
             .and_then(|p| p.controlled(self.checked))
-            .map(|c| machine::proved(&c, &self.limits))
+            .map(|c| {
+                let proved = machine::proved(&c, &self.limits);
+                judgement::remember(&proved.findings, &c, self.cache);
+                proved
+            })
             .unwrap_or_default();
         let fits = !has_errors(&proved.findings);
         findings.extend(proved.findings);

@@ -5,6 +5,7 @@ use crate::cli::algebra::words::DischargeEntry;
 use crate::cli::findings::lost::Suggestion;
 use crate::cli::statistics::Statistics;
 use crate::diagnostics::json;
+use crate::line::calls::Premise;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -185,12 +186,29 @@ pub(super) struct LineEntry {
     /// `open` or `gave_up`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) proof: Option<&'static str>,
+    /// Of a proved or safe one: what that rests on and the line itself does not show.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) premises: Vec<PremiseEntry>,
     /// Of a safe one: what was not decided.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) undecided: Vec<String>,
     /// What each requirement of the line, and each assumption of a place in it, rests on.
     pub(super) discharges: Vec<DischargeEntry>,
     pub(super) findings: Vec<json::Finding>,
+}
+
+/// Something that a proof takes for granted.
+#[derive(Debug, Serialize)]
+pub(super) struct PremiseEntry {
+    pub(super) name: String,
+    /// In words.
+    pub(super) text: String,
+}
+
+impl From<Premise> for PremiseEntry {
+    fn from(Premise { name, text }: Premise) -> Self {
+        Self { name, text }
+    }
 }
 
 #[derive(Debug, Default, Serialize)]

@@ -13,15 +13,18 @@ use super::console::Console;
 use super::controller::Wish;
 use super::exit::ExitCode;
 use super::files::{self, Loaded, StandardLibrary};
-use super::machines::Planned;
+use super::libraries::Controlled;
+use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
 use super::output;
 use super::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
 use super::proof;
-use crate::contract::Contract;
 use crate::contract::machine::Machine;
+use crate::contract::{Contract, Library};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
+use crate::game::Limits;
 use crate::interchange::inquiries;
+use crate::source::Span;
 use assembly::Assembly;
 use clap::Args;
 use document::Document;
@@ -133,6 +136,7 @@ fn check(
         .filter(|m| view(&files, m.span.file).is_some_and(|f| f.is_sound(m.span)))
         .map(|m| Planned::new(m, &mut jobs))
         .collect();
+    let sized = sized(&files, library, &machines, &mut jobs);
     let progress = console.progress(jobs.len(), "checking");
     let checked = jobs.run_with(memory, settings, &progress)?;
 
@@ -141,9 +145,11 @@ fn check(
         files: &files,
         contracts: &contracts,
         machines: &machines,
+        sized: &sized,
         jobs: &jobs,
         checked: &checked,
         limits: options.limits(),
+        cache: settings.cache.as_ref(),
         verbose: options.verbose,
         timing: !options.no_timing,
         statistics: arguments.stats,
@@ -185,6 +191,32 @@ fn check(
         findings,
         loaded,
     })
+}
+
+/// What is wrong with a machine, whoever asks.
+pub fn judge(controlled: &Controlled<'_>, limits: &Limits) -> Vec<Diagnostic> {
+    machine::proved(controlled, limits).findings
+}
+
+/// The machines of lines that have other arguments there than by default, each with where the first of these lines is declared.
+fn sized<'a>(
+    files: &[FileView<'_>],
+    library: &'a Library,
+    declared: &[Planned<'a>],
+    jobs: &mut Jobs,
+) -> Vec<(Span, Planned<'a>)> {
+    let mut sized: Vec<(Span, Planned<'a>)> = Vec::new();
+    let lines = library.lines.iter();
+    for line in lines.filter(|l| view(files, l.span.file).is_some_and(|f| f.is_sound(l.span))) {
+        for machine in machines::of_line(line) {
+            let own = sized.iter().map(|(_, planned)| planned);
+            let mut known = declared.iter().chain(own);
+            if !known.any(|p| machines::is_judged_alike(p.machine, machine)) {
+                sized.push((line.span, Planned::new(machine, jobs)));
+            }
+        }
+    }
+    sized
 }
 
 /// Whether a contract was imported to be refined, and for nothing else: that it can be kept is shown by what refines it.

@@ -79,7 +79,8 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         cells[0] = format!("line {}", l.name);
         l.verdict.clone_into(&mut cells[3]);
         cells[4] = match l.proof {
-            Some("proved") => "proved".to_owned(),
+            Some("proved") if l.premises.is_empty() => "proved".to_owned(),
+            Some("proved") => "proved, provided".to_owned(),
             Some("safe") => "never stuck".to_owned(),
             Some("open") => "not proved".to_owned(),
             Some(_) => "not decided".to_owned(),
@@ -95,6 +96,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     if !rows.is_empty() {
         text.push('\n');
     }
+    text.push_str(&premises(document));
     text.push_str(&summary(document));
     if verbose {
         text.push_str(&verdicts_only(document));
@@ -105,6 +107,19 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
             text.push('\n');
             text.push_str(&statistics.show(&c.name));
         }
+    }
+    text
+}
+
+/// What the proofs of lines take for granted.
+fn premises(document: &Document) -> String {
+    let mut text = String::new();
+    for line in document.lines.iter().filter(|l| !l.premises.is_empty()) {
+        let _ = writeln!(text, "what is known of {} holds provided that", line.name);
+        for premise in &line.premises {
+            let _ = writeln!(text, "    {}", premise.text);
+        }
+        text.push('\n');
     }
     text
 }

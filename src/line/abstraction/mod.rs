@@ -40,7 +40,7 @@ mod limited;
 mod parts;
 mod shape;
 mod vocabulary;
-mod words;
+pub(in crate::line) mod words;
 
 pub use claim::{GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, ORDERS_ARE_FINISHED};
 pub use decide::{Open, Verdict, decide, examine};

@@ -155,7 +155,7 @@ impl Shape {
             places,
             types: line.parts.iter().map(|p| p.name.clone()).collect(),
             product: line.product,
-            contents: contents(line),
+            contents: Self::contents(line),
         };
         shape.connect(line, &intake, &before)?;
         Ok(shape)
@@ -219,9 +219,24 @@ impl Shape {
 
     /// Somewhere on the way of every part time has to pass, or else all others wait for ever for parts that move at once.
     fn check_time(&self) -> Result<(), Unfit> {
+        let Some((from, to)) = self.timeless(&BTreeSet::new()) else {
+            return Ok(());
+        };
+        Err(Unfit(format!(
+            "parts go from {} to {} on and on, and no time passes",
+            self.places[from].name, self.places[to].name
+        )))
+    }
+
+    /// Two places between which parts can go on and on, and no time passes; the work of these stations (nodes of the line) takes none either.
+    pub fn timeless(&self, stations: &BTreeSet<usize>) -> Option<(usize, usize)> {
+        let is_station = |place: &Place| {
+            matches!(place.kind, PlaceKind::Station { .. }) && stations.contains(&place.node)
+        };
         for (start, declared) in self.places.iter().enumerate() {
             let endless = matches!(declared.kind, PlaceKind::Supply { always: true, .. });
-            if !endless && !matches!(declared.kind, PlaceKind::Room { .. }) {
+            let room = matches!(declared.kind, PlaceKind::Room { .. }) || is_station(declared);
+            if !endless && !room {
                 continue;
             }
             let mut seen = BTreeSet::new();
@@ -230,20 +245,18 @@ impl Shape {
                 let timeless = match self.places[place].kind {
                     PlaceKind::End { .. } => endless,
                     PlaceKind::Room { .. } => place == start,
+                    PlaceKind::Station { .. } if is_station(&self.places[place]) => place == start,
                     _ => continue,
                 };
                 if timeless {
-                    return Err(Unfit(format!(
-                        "parts go from {} to {} on and on, and no time passes",
-                        declared.name, self.places[place].name
-                    )));
+                    return Some((start, place));
                 }
                 if seen.insert(place) {
                     open.extend(self.after(place));
                 }
             }
         }
-        Ok(())
+        None
     }
 
     /// A limit of work in progress counts a type; what would make that count inexact is refused.
@@ -305,6 +318,26 @@ impl Shape {
             }
         }
         found
+    }
+
+    /// How many of part type `b` are in one of part type `a`, at `[a][b]`; 1 for itself.
+    pub fn contents(line: &Line) -> Vec<Vec<u64>> {
+        let types = line.parts.len();
+        let mut contents = vec![vec![0_u64; types]; types];
+        for (whole, row) in contents.iter_mut().enumerate() {
+            let mut level = vec![(whole, 1_u64)];
+            // Bills have no circles (the resolver refuses them); the count of rounds makes that certain.
+            for _ in 0..types {
+                let mut below = Vec::new();
+                for (part, count) in level {
+                    row[part] = row[part].saturating_add(count);
+                    let bill = line.parts[part].bill.iter();
+                    below.extend(bill.map(|(c, n)| (*c, count.saturating_mul(u64::from(*n)))));
+                }
+                level = below;
+            }
+        }
+        contents
     }
 
     /// Where parts of a type may go from a place.
@@ -441,23 +474,4 @@ fn work(line: &Line, node: usize, part: usize, all: &[Task]) -> Work {
         plain: bill.is_empty() || comes(part),
         bill: if joins { bill.clone() } else { Vec::new() },
     }
-}
-
-fn contents(line: &Line) -> Vec<Vec<u64>> {
-    let types = line.parts.len();
-    let mut contents = vec![vec![0_u64; types]; types];
-    for (whole, row) in contents.iter_mut().enumerate() {
-        let mut level = vec![(whole, 1_u64)];
-        // Bills have no circles (the resolver refuses them); the count of rounds makes that certain.
-        for _ in 0..types {
-            let mut below = Vec::new();
-            for (part, count) in level {
-                row[part] = row[part].saturating_add(count);
-                let bill = line.parts[part].bill.iter();
-                below.extend(bill.map(|(c, n)| (*c, count.saturating_mul(u64::from(*n)))));
-            }
-            level = below;
-        }
-    }
-    contents
 }

@@ -3,32 +3,32 @@
 use crate::gr1::{BinaryOp, Expr, Time, VarId};
 
 /// A variable has this value now.
-pub(super) fn is(variable: VarId, value: usize) -> Expr {
+pub(in crate::line) fn is(variable: VarId, value: usize) -> Expr {
     Expr::now(variable).equals(Expr::Const(value as i64))
 }
 
 /// A variable has this value in the next step.
-pub(super) fn becomes(variable: VarId, value: usize) -> Expr {
+pub(in crate::line) fn becomes(variable: VarId, value: usize) -> Expr {
     Expr::next(variable).equals(Expr::Const(value as i64))
 }
 
 /// A variable keeps its value.
-pub(super) fn stays(variable: VarId) -> Expr {
+pub(in crate::line) fn stays(variable: VarId) -> Expr {
     Expr::next(variable).equals(Expr::now(variable))
 }
 
 /// All of these.
-pub(super) fn all(parts: impl IntoIterator<Item = Expr>) -> Expr {
+pub(in crate::line) fn all(parts: impl IntoIterator<Item = Expr>) -> Expr {
     parts.into_iter().reduce(Expr::and).unwrap_or(Expr::TRUE)
 }
 
 /// Any of these.
-pub(super) fn any(parts: impl IntoIterator<Item = Expr>) -> Expr {
+pub(in crate::line) fn any(parts: impl IntoIterator<Item = Expr>) -> Expr {
     parts.into_iter().reduce(Expr::or).unwrap_or(Expr::FALSE)
 }
 
 /// How many of these hold.
-pub(super) fn count(parts: impl IntoIterator<Item = Expr>) -> Expr {
+pub(in crate::line) fn count(parts: impl IntoIterator<Item = Expr>) -> Expr {
     let one = |e| {
         Expr::If(
             Box::new(e),
@@ -40,24 +40,24 @@ pub(super) fn count(parts: impl IntoIterator<Item = Expr>) -> Expr {
 }
 
 /// The sum of these.
-pub(super) fn sum(parts: impl IntoIterator<Item = Expr>) -> Expr {
+pub(in crate::line) fn sum(parts: impl IntoIterator<Item = Expr>) -> Expr {
     let add = |a, b| Expr::binary(BinaryOp::Add, a, b);
     parts.into_iter().reduce(add).unwrap_or(Expr::Const(0))
 }
 
 /// The first of these values whose condition holds, or else the last one.
-pub(super) fn choose(cases: Vec<(Expr, Expr)>, otherwise: Expr) -> Expr {
+pub(in crate::line) fn choose(cases: Vec<(Expr, Expr)>, otherwise: Expr) -> Expr {
     let case = |rest, (c, v)| Expr::If(Box::new(c), Box::new(v), Box::new(rest));
     cases.into_iter().rev().fold(otherwise, case)
 }
 
 /// A number kept between 0 and `most`.
-pub(super) fn within(number: Expr, most: i64) -> Expr {
+pub(in crate::line) fn within(number: Expr, most: i64) -> Expr {
     let low = Expr::binary(BinaryOp::Max, Expr::Const(0), number);
     Expr::binary(BinaryOp::Min, Expr::Const(most), low)
 }
 
 /// The same a step later.
-pub(super) fn later(expr: &Expr) -> Expr {
+pub(in crate::line) fn later(expr: &Expr) -> Expr {
     expr.substitute(&mut |v, _| Expr::Var(v, Time::Next))
 }
