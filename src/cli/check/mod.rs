@@ -21,7 +21,6 @@ use super::proof;
 use crate::contract::Contract;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
-use crate::interchange::inquiries;
 use assembly::Assembly;
 use clap::Args;
 use document::Document;
@@ -120,8 +119,8 @@ fn check(
         .filter(|c| !is_only_refined(&loaded, c))
         .map(|c| match loaded.foreign(c.span.file) {
             Some(foreign) => {
-                let inquiries = inquiries(&foreign.reading);
-                let job = jobs.add_foreign(&c.specification, c.span, Goal::Verdict, inquiries);
+                let reading = &foreign.reading;
+                let job = jobs.add_foreign(&c.specification, c.span, Goal::Verdict, reading);
                 (c, job)
             }
             None => (c, jobs.add_for(Goal::Small, &c.specification, c.span)),
