@@ -8,6 +8,8 @@ mod equivalence;
 #[path = "interchange/random.rs"]
 mod random;
 mod support;
+#[path = "round_trips/words.rs"]
+mod words;
 
 use equivalence::{Layout, prove};
 use linewright::diagnostics::has_errors;

@@ -473,6 +473,7 @@ fn form_of(e: &Expr) -> String {
         ExprKind::Since(..) => "since",
         ExprKind::Until(op, ..) => op.word(),
         ExprKind::Pattern(_) => "pattern",
+        ExprKind::Unknown => "unknown",
     };
     join(op, operands)
 }

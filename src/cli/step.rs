@@ -12,7 +12,6 @@ use crate::contract::Contract;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{self, GuaranteeKind, GuaranteeRef, Limits};
 use crate::gr1::Specification;
-use crate::interchange::inquiries;
 use crate::mealy::{counter, verify::verify_counterstrategy};
 use crate::play::{Effect, Opponent, Session};
 use anyhow::Context as _;
@@ -81,15 +80,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         ..Wish::default()
     });
     match loaded.foreign(contract.span.file) {
-        Some(foreign) => {
-            let inquiries = inquiries(&foreign.reading);
-            jobs.add_foreign(
-                &contract.specification,
-                contract.span,
-                Goal::Controller,
-                inquiries,
-            )
-        }
+        Some(foreign) => jobs.add_foreign(
+            &contract.specification,
+            contract.span,
+            Goal::Controller,
+            &foreign.reading,
+        ),
         None => jobs.add(&contract.specification, contract.span),
     };
     let checked = jobs.run(&settings, &console.progress(jobs.len(), "solving"))?;

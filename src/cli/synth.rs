@@ -9,7 +9,7 @@ use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::game::{Limit, Preference};
 use crate::gr1::Specification;
-use crate::interchange::{self, Target, inquiries};
+use crate::interchange::{self, Target};
 use crate::mealy;
 use crate::source::Span;
 use crate::station::emit::controller as c_files;
@@ -197,8 +197,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     if !controllers.is_empty() {
         indices.extend(contracts.iter().map(|c| match loaded.foreign(c.span.file) {
             Some(foreign) => {
-                let inquiries = inquiries(&foreign.reading);
-                jobs.add_foreign(&c.specification, c.span, Goal::Controller, inquiries)
+                let reading = &foreign.reading;
+                jobs.add_foreign(&c.specification, c.span, Goal::Controller, reading)
             }
             None => jobs.add(&c.specification, c.span),
         }));

@@ -9,6 +9,7 @@ use super::{Format, labels};
 use crate::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp,
 };
+use crate::syntax::is_reserved;
 use std::fmt::Write as _;
 
 /// So many operands stand in one chain; the language's parser has a bound of its own.
@@ -16,51 +17,14 @@ const CHAIN: usize = 100;
 /// What nests deeper becomes a `define`.
 const DEEP: usize = 40;
 
-/// Words that are no names.
-const RESERVED: [&str; 36] = [
-    "always",
-    "eventually",
-    "next",
-    "not",
-    "and",
-    "or",
-    "xor",
-    "implies",
-    "iff",
-    "mod",
-    "if",
-    "then",
-    "else",
-    "forall",
-    "exists",
-    "count",
-    "sum",
-    "true",
-    "false",
-    "in",
-    "input",
-    "output",
-    "internal",
-    "define",
-    "assume",
-    "guarantee",
-    "contract",
-    "moore",
-    "machine",
-    "line",
-    "import",
-    "type",
-    "const",
-    "GF",
-    "G",
-    "F",
-];
+/// What could be a name, and reads like a function or a type.
+const MISLEADING: [&str; 5] = ["min", "max", "abs", "bool", "array"];
 
 fn is_name(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-        && !RESERVED.contains(&name)
-        && !matches!(name, "X" | "O" | "min" | "max" | "abs" | "bool" | "array")
+        && !is_reserved(name)
+        && !MISLEADING.contains(&name)
 }
 
 /// The contract. `origin` says what file it comes from.

@@ -18,6 +18,9 @@ pub(super) enum Dialect {
     Structured,
 }
 
+/// What is said of `<>[]p`.
+pub(super) const PERSISTENCE: &str = "this says that something holds for ever from some step on (persistence), which is outside GR(1)";
+
 /// An operator with two operands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Infix {
@@ -327,7 +330,14 @@ impl Yard<'_, '_> {
                         "the section says how often a formula holds: write it without temporal operators"
                     }
                 };
-                let message = format!("the temporal operator `{text}` cannot stand here");
+                let behind = self.names.text[range.end..].trim_start();
+                let message = if word == Word::Eventually
+                    && (behind.starts_with("[]") || behind.starts_with("G "))
+                {
+                    PERSISTENCE.to_owned()
+                } else {
+                    format!("the temporal operator `{text}` cannot stand here")
+                };
                 self.names.error(codes::NOT_GR1, range, message, help);
             }
             Word::Prime => self.names.syntax(

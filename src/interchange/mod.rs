@@ -101,6 +101,9 @@ pub struct Reading {
     pub format: Format,
     /// What the file says; `None` where a finding is an error.
     pub specification: Option<Specification>,
+    /// Where some assumptions of the specification are not the file's own, but moved or added to say in GR(1) what the file means: the
+    /// specification with the file's own assumptions only. What is odd about assumptions is to be asked of this one.
+    pub own: Option<Arc<Specification>>,
     /// What was found on the way.
     pub findings: Vec<Diagnostic>,
     /// Whether the file describes a reachability game (`SYSGOAL: <>p;`).
@@ -130,6 +133,7 @@ pub fn read_with(
 ) -> Reading {
     let mut names = names::Names::new(name, file, text);
     let mut reachability = false;
+    let mut own = None;
     let (specification, mut findings) = match format {
         Format::Spectra => spectra::read(name, file, text, loader),
         Format::Spc => {
@@ -144,11 +148,16 @@ pub fn read_with(
             slugsin::read(&mut names, slugsin::Dialect::Structured);
             names.finish()
         }
-        Format::Tlsf => tlsf::read(name, file, text),
+        Format::Tlsf => {
+            let ((specification, with_own), findings) = tlsf::read(name, file, text);
+            own = with_own.map(Arc::new);
+            (specification, findings)
+        }
     };
     findings.sort_by_key(|f| f.span);
     Reading {
         format,
+        own: own.filter(|_| !has_errors(&findings)),
         specification: (!has_errors(&findings)).then_some(specification),
         findings,
         reachability,

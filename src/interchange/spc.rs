@@ -312,6 +312,16 @@ impl Reader<'_, '_> {
     fn temporal(&mut self, section: Section, tokens: &[Token]) {
         let place = span_of(tokens);
         let word = |i: usize| tokens.get(i).map(|t| t.0);
+        if (word(0), word(1)) == (Some(Word::Eventually), Some(Word::Always)) {
+            let operator = tokens[0].1.start..tokens[1].1.end;
+            self.names.error(
+                codes::NOT_GR1,
+                operator,
+                infix::PERSISTENCE,
+                settling(section.owner),
+            );
+            return;
+        }
         let (operator, rest) = match (word(0), word(1)) {
             (Some(Word::Always), Some(Word::Eventually)) => ("[]<>", &tokens[2..]),
             (Some(Word::Always), _) => ("[]", &tokens[1..]),
@@ -385,6 +395,18 @@ impl Reader<'_, '_> {
             finding.labels.push((first, "the other goal".to_owned()));
         }
         false
+    }
+}
+
+/// What to write instead of `<>[]p`.
+fn settling(owner: Owner) -> &'static str {
+    match owner {
+        Owner::Environment => {
+            "write `[]<>p` in ENVGOAL, which asks less of the environment, and is often enough"
+        }
+        Owner::System => {
+            "let the machine say when it has settled: a variable `settled` in SYS, `[](settled -> settled') & [](settled -> p)` in SYSTRANS and `[]<>settled` in SYSGOAL"
+        }
     }
 }
 

@@ -5,7 +5,7 @@
 //! ends after so many tries: then it is not known whether there is a move, and that is said.
 
 use crate::gr1::interval::{Interval, interval};
-use crate::gr1::{Expr, Formula, Owner, Specification, Time, VarId};
+use crate::gr1::{BinaryOp, Expr, Formula, Owner, Specification, Time, VarId};
 use std::ops::ControlFlow;
 
 /// So many values are tried for an answer.
@@ -26,6 +26,8 @@ pub(super) struct Moves<'a> {
     specification: &'a Specification,
     /// What holds for them.
     pub rules: Vec<Rule<'a>>,
+    /// What has to hold of the step once it is left. A move that breaks it is legal, and no step can follow it.
+    pub leaving: Vec<Rule<'a>>,
     /// The variables that are not known yet, and for each the value that is tried first.
     open: Vec<(VarId, i64)>,
 }
@@ -78,6 +80,14 @@ impl<'a> Moves<'a> {
             rules.extend(formulas.initial.iter().map(within));
             rules.extend(formulas.invariants.iter().map(within));
         }
+        let leaving = formulas.safety.iter().flat_map(|f| {
+            let lasting = lasting(&f.expr).into_iter();
+            lasting.map(move |conjunct| Rule {
+                formula: f,
+                left: conjunct.substitute(&mut |v, _| to_come(v)).simplify(),
+            })
+        });
+        let leaving: Vec<Rule<'a>> = leaving.filter(|r| r.left != Expr::TRUE).collect();
         // Those of the side first: what the other one gives afterwards only has to be possible.
         let all = (0..specification.variables.len() as u32).map(VarId);
         let (own, other): (Vec<VarId>, Vec<VarId>) =
@@ -91,13 +101,37 @@ impl<'a> Moves<'a> {
         Self {
             specification,
             rules,
+            leaving,
             open: open.map(|v| (v, first(v))).collect(),
         }
     }
 
-    /// Whether a variable's value matters to any rule.
+    /// Whether a variable's value matters to any rule, also to one that counts once the step is left.
     pub fn matters(&self, variable: VarId) -> bool {
-        self.rules.iter().any(|r| mentions(&r.left, variable))
+        let mut rules = self.rules.iter().chain(&self.leaving);
+        rules.any(|r| mentions(&r.left, variable))
+    }
+
+    /// The rules because of which no step can follow a move with these values.
+    pub fn last_by(&self, values: &[(VarId, i64)]) -> Vec<&Rule<'a>> {
+        let domain = |v: VarId| Interval::of(&self.specification.variable(v).domain);
+        let left = left_by(self.leaving.iter(), values);
+        let broken = left
+            .iter()
+            .map(|e| interval(e, &domain).unwrap_or(Interval::BOOL).high == 0);
+        let rules = self.leaving.iter().zip(broken);
+        rules
+            .filter_map(|(rule, broken)| broken.then_some(rule))
+            .collect()
+    }
+
+    /// A legal move with these values that a step can follow, as far as the rules of the step alone tell; if there is none, any legal move.
+    pub fn find_lasting(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, TooMany> {
+        let all = self.rules.iter().chain(&self.leaving);
+        match self.find_under(all, fixed) {
+            Ok(Some(values)) => Ok(Some(values)),
+            Ok(None) | Err(TooMany) => self.find(fixed),
+        }
     }
 
     /// Tries these values first.
@@ -219,6 +253,15 @@ impl<'a> Search<'a> {
     }
 }
 
+/// The conjuncts of a rule from step to step that only speak of the step that is left. The recursion is as deep as the formula.
+fn lasting(expr: &Expr) -> Vec<&Expr> {
+    match expr {
+        Expr::Binary(BinaryOp::And, a, b) => [lasting(a), lasting(b)].concat(),
+        expr if expr.mentions_next() => Vec::new(),
+        expr => vec![expr],
+    }
+}
+
 /// The formula with a next value known; none if that is not in it.
 fn put(left: &Expr, variable: VarId, value: i64) -> Option<Expr> {
     mentions(left, variable).then(|| {
@@ -242,7 +285,7 @@ fn mentions(expr: &Expr, variable: VarId) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gr1::{BinaryOp, Domain, Side, Timing, Variable, eval};
+    use crate::gr1::{Domain, Side, Timing, Variable, eval};
     use crate::source::{FileId, Span};
 
     fn variable(name: &str, owner: Owner, high: i64) -> Variable {

@@ -1,11 +1,11 @@
 //! A play with its history, and the commands that a person gives.
 
 use super::command::{self, Command, HELP, Part};
-use super::legal::{Moves, TooMany, Values};
+use super::legal::{Moves, Rule, TooMany, Values};
 use super::opponent::{Opponent, Place};
 use super::show;
 use super::values::{listed, resolve, shown};
-use super::why::{Book, Verdict, verdict};
+use super::why::{Book, Verdict, verdict, verdict_of_leaving};
 use crate::gr1::{Owner, Specification, VarId};
 use crate::source::SourceMap;
 use serde_json::{Value, json};
@@ -205,7 +205,7 @@ impl<'a> Session<'a> {
         if let Some(over) = self.over() {
             return Err(format!("{over}`undo` takes a step back"));
         }
-        let found = self.legal().find(fixed);
+        let found = self.legal().find_lasting(fixed);
         match found {
             Ok(Some(values)) => self.make(&values),
             Ok(None) => {
@@ -304,7 +304,7 @@ impl<'a> Session<'a> {
                 .map(|v| v.domain.low() + (draw(&mut self.chance) % v.domain.size()) as i64)
                 .collect();
             moves.prefer(|v| chosen[v.index()]);
-            let values = match moves.find(&[]) {
+            let values = match moves.find_lasting(&[]) {
                 Ok(Some(values)) => values,
                 Ok(None) => return Err("there is no legal move".to_owned()),
                 Err(TooMany) => return Err("it takes too long to find a move".to_owned()),
@@ -321,23 +321,40 @@ impl<'a> Session<'a> {
             return self.why_not(refused);
         }
         let moves = self.legal();
-        let limits = |r: &&super::legal::Rule<'_>| r.left != crate::gr1::Expr::TRUE;
+        let limits = |r: &&Rule<'_>| r.left != crate::gr1::Expr::TRUE;
         let rules: Vec<_> = moves.rules.iter().filter(limits).collect();
-        if rules.is_empty() {
+        let leaving: Vec<_> = moves.leaving.iter().collect();
+        if rules.is_empty() && leaving.is_empty() {
             return "no rule limits this move\n".to_owned();
         }
-        let before = self.steps.last().map(Vec::as_slice);
-        let rules = self.book.rules(&rules, before, &self.known());
-        format!("these rules limit this move:\n{rules}")
+        let mut text = String::new();
+        if !rules.is_empty() {
+            let before = self.steps.last().map(Vec::as_slice);
+            let rules = self.book.rules(&rules, before, &self.known());
+            text = format!("these rules limit this move:\n{rules}");
+        }
+        if !leaving.is_empty() {
+            let rules = self.book.leaving(&leaving, &self.known());
+            text += &format!("no step can follow a move that breaks one of these:\n{rules}");
+        }
+        text
     }
 
     fn why_not(&self, fixed: &[(VarId, i64)]) -> String {
         let moves = self.legal();
         let before = self.steps.last().map(Vec::as_slice);
         let known = self.known();
-        let rules = |rules: &[&super::legal::Rule<'_>]| self.book.rules(rules, before, &known);
+        let rules = |rules: &[&Rule<'_>]| self.book.rules(rules, before, &known);
         match verdict(&moves, fixed) {
             Ok(Verdict::Legal(values)) => {
+                // Of those that are legal, one that goes on.
+                let values = match verdict_of_leaving(&moves, fixed) {
+                    Ok(Verdict::Each(rules) | Verdict::Together(rules)) => {
+                        return self.last(&moves, fixed, &rules);
+                    }
+                    Ok(Verdict::Legal(values)) => values,
+                    Err(TooMany) => values,
+                };
                 let own = shown(self.specification, self.person());
                 let values: Values = values
                     .into_iter()
@@ -354,6 +371,32 @@ impl<'a> Session<'a> {
                 format!("these forbid it together:\n{}", rules(&found))
             }
             Err(TooMany) => "it takes too long to find out: give more values\n".to_owned(),
+        }
+    }
+
+    /// That a legal move is the last one, because of these rules, of which some count once the step is left.
+    fn last(&self, moves: &Moves<'_>, fixed: &[(VarId, i64)], rules: &[&Rule<'_>]) -> String {
+        let mut known = self.known();
+        for (variable, value) in fixed {
+            known[variable.index()] = Some(*value);
+        }
+        let is_leaving = |r: &&Rule<'_>| moves.leaving.iter().any(|l| std::ptr::eq(l, *r));
+        let (leaving, within): (Vec<&Rule<'_>>, Vec<&Rule<'_>>) =
+            rules.iter().copied().partition(is_leaving);
+        let before = self.steps.last().map(Vec::as_slice);
+        format!(
+            "this move is legal, and {}: no step can follow it that keeps\n{}{}",
+            self.end_of_last_move(),
+            self.book.leaving(&leaving, &known),
+            self.book.rules(&within, before, &known)
+        )
+    }
+
+    /// What comes of a move that no step can follow.
+    pub(super) fn end_of_last_move(&self) -> &'static str {
+        match self.person() {
+            Owner::System => "it loses",
+            Owner::Environment => "with it the plant gives up its assumptions",
         }
     }
 

@@ -251,14 +251,43 @@ pub(super) fn moves(session: &Session<'_>) -> String {
     let free: Vec<String> = free.collect();
     let number = session.steps.len();
     let mut text = String::new();
+    let mut last = String::new();
     if ended.is_ok() && listing.len() <= LISTED {
         if !bound.is_empty() {
             let _ = writeln!(text, "legal in step {number}:");
             for values in &listing {
-                let _ = writeln!(text, "  {}", listed(specification, values));
+                let by = moves.last_by(values);
+                let mark = if by.is_empty() {
+                    ""
+                } else {
+                    let mut known = session.known();
+                    for (v, value) in values {
+                        known[v.index()] = Some(*value);
+                    }
+                    let _ = write!(
+                        last,
+                        "no step can follow {} that keeps\n{}",
+                        listed(specification, values),
+                        session.book.leaving(&by, &known)
+                    );
+                    match session.person() {
+                        Owner::System => "  (loses)",
+                        Owner::Environment => "  (gives up)",
+                    }
+                };
+                let _ = writeln!(text, "  {}{mark}", listed(specification, values));
             }
         }
     } else {
+        if !moves.leaving.is_empty() {
+            let rules: Vec<_> = moves.leaving.iter().collect();
+            let _ = write!(
+                last,
+                "after a move that breaks one of these, no step can follow, and {}:\n{}",
+                session.end_of_last_move(),
+                session.book.leaving(&rules, &session.known())
+            );
+        }
         let _ = writeln!(
             text,
             "legal in step {number} are these values, though not all of them together:"
@@ -281,7 +310,7 @@ pub(super) fn moves(session: &Session<'_>) -> String {
         ),
         (false, false) => writeln!(text, "with any value of {}", free.join("; ")),
     };
-    text
+    text + &last
 }
 
 /// The values that a variable can have in some legal move, as ranges.

@@ -28,14 +28,26 @@ pub(super) fn verdict<'a, 'm>(
     moves: &'m Moves<'a>,
     fixed: &[(VarId, i64)],
 ) -> Result<Verdict<'a, 'm>, TooMany> {
+    among(moves, moves.rules.iter(), fixed)
+}
+
+/// The same with the rules that count once the step is left: why no step can follow.
+pub(super) fn verdict_of_leaving<'a, 'm>(
+    moves: &'m Moves<'a>,
+    fixed: &[(VarId, i64)],
+) -> Result<Verdict<'a, 'm>, TooMany> {
+    among(moves, moves.rules.iter().chain(&moves.leaving), fixed)
+}
+
+fn among<'a, 'm>(
+    moves: &'m Moves<'a>,
+    rules: impl Iterator<Item = &'m Rule<'a>>,
+    fixed: &[(VarId, i64)],
+) -> Result<Verdict<'a, 'm>, TooMany> {
     let possible = |rules: &[&'m Rule<'a>]| -> Result<Option<Values>, TooMany> {
         moves.find_under(rules.iter().copied(), fixed)
     };
-    let all: Vec<&Rule<'a>> = moves
-        .rules
-        .iter()
-        .filter(|r| r.left != Expr::TRUE)
-        .collect();
+    let all: Vec<&Rule<'a>> = rules.filter(|r| r.left != Expr::TRUE).collect();
     if let Some(values) = possible(&all)? {
         return Ok(Verdict::Legal(values));
     }
@@ -80,6 +92,24 @@ impl<'a> Book<'a> {
         texts.concat()
     }
 
+    /// The same of rules that count once the step to come is left.
+    pub fn leaving(&self, rules: &[&Rule<'_>], known: &[Option<i64>]) -> String {
+        let mut texts: Vec<String> = Vec::new();
+        for rule in rules {
+            let mut values = Values::new();
+            rule.formula.expr.for_each_var(&mut |v, time| {
+                let value = known[v.index()].filter(|_| time == Time::Now);
+                let pair = value.map(|value| (v, value));
+                values.extend(pair.filter(|p| !values.contains(p)));
+            });
+            let text = self.lines(rule.formula, &[("now", values)]);
+            if !texts.contains(&text) {
+                texts.push(text);
+            }
+        }
+        texts.concat()
+    }
+
     /// `  assume held: always (a -> next a)` and, below it, where it stands and what it looks at.
     fn rule(&self, formula: &Formula, before: Option<&[i64]>, known: &[Option<i64>]) -> String {
         let mut now = Values::new();
@@ -94,10 +124,14 @@ impl<'a> Book<'a> {
             let pair = value.map(|value| (v, value));
             list.extend(pair.filter(|p| !list.contains(p)));
         });
+        self.lines(formula, &[("before", now), ("now", given)])
+    }
+
+    fn lines(&self, formula: &Formula, looked_at: &[(&str, Values)]) -> String {
         let mut line = format!("  {}\n    {}", self.title(formula), self.place(formula));
-        for (word, values) in [("before", now), ("now", given)] {
+        for (word, values) in looked_at {
             if !values.is_empty() {
-                line = format!("{line}; {word} {}", listed(self.specification, &values));
+                line = format!("{line}; {word} {}", listed(self.specification, values));
             }
         }
         line + "\n"

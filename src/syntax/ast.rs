@@ -239,9 +239,11 @@ impl Expr {
     /// The expressions directly within, in the order in which they stand; those of a quantifier's type are left out.
     pub fn children(&self) -> Vec<&Self> {
         match &self.kind {
-            ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) | ExprKind::Path(_) => {
-                Vec::new()
-            }
+            ExprKind::Unknown
+            | ExprKind::Bool(_)
+            | ExprKind::Int(_)
+            | ExprKind::Quantity(..)
+            | ExprKind::Path(_) => Vec::new(),
             ExprKind::Index(a, b)
             | ExprKind::Binary(_, a, b)
             | ExprKind::Since(a, b)
@@ -280,6 +282,8 @@ impl Expr {
 /// The kinds of expressions.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExprKind {
+    /// What could not be read: the parser has said why, and nothing is concluded from it.
+    Unknown,
     /// `true`
     Bool(bool),
     /// `17`

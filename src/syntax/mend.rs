@@ -8,6 +8,7 @@
 //! It also bounds how deep the grammar will recurse. The bound is safe because strings, comments and words are cut here exactly
 //! as the grammar cuts them, and because it only ever lets go of a prefix where no rule of the grammar could go on.
 
+use super::words::ends_expressions;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::source::{FileId, Span};
 use std::ops::Range;
@@ -47,23 +48,6 @@ const INFIX: &[&str] = &[
     "and", "or", "xor", "implies", "iff", "mod", "in", "then", "else", "of", "not", "next", "G",
     "F", "X", "O", "GF", "since", "precedes", "responds", "to", "within", "before", "between",
     "after", "until", "unless", "release", "U", "W", "R",
-];
-
-/// Words that no expression can hold.
-pub(super) const ITEMS: &[&str] = &[
-    "input",
-    "output",
-    "internal",
-    "define",
-    "assume",
-    "guarantee",
-    "contract",
-    "moore",
-    "machine",
-    "line",
-    "import",
-    "type",
-    "const",
 ];
 
 pub(super) const UNITS: &[&str] = &[
@@ -157,7 +141,7 @@ fn skills_head(rest: &str) -> Option<usize> {
     let end = name.find(|c: char| !c.is_alphanumeric() && c != '_')?;
     let word = &name[..end];
     let brace = name[end..].trim_start();
-    let own = !word.is_empty() && !ITEMS.contains(&word);
+    let own = !word.is_empty() && !ends_expressions(word);
     (own && brace.starts_with('{')).then(|| rest.len() - brace.len())
 }
 
@@ -269,7 +253,7 @@ impl Scanner<'_> {
         let goes_on = INFIX.contains(&word)
             || self.before == Before::Open
             || self.before == Before::Number && UNITS.contains(&word);
-        if ITEMS.contains(&word) || !goes_on {
+        if ends_expressions(word) || !goes_on {
             self.expression_ends();
         }
         if PREFIXES.contains(&word) {
@@ -278,7 +262,7 @@ impl Scanner<'_> {
         }
         self.before = if word.starts_with(|c: char| c.is_ascii_digit()) {
             Before::Number
-        } else if INFIX.contains(&word) || PREFIXES.contains(&word) || ITEMS.contains(&word) {
+        } else if INFIX.contains(&word) || PREFIXES.contains(&word) || ends_expressions(word) {
             Before::Open
         } else {
             Before::Operand

@@ -9,6 +9,8 @@ pub mod format;
 mod mend;
 mod parser;
 mod spans;
+mod words;
 
 pub use mend::{is_component, is_skill_set, is_skills_head};
 pub use parser::parse;
+pub use words::{is_reserved, reserved};

@@ -9,7 +9,7 @@ mod skills;
 use super::ast::File;
 use super::build::Builder;
 use super::mend;
-use super::mend::ITEMS;
+use super::words::is_reserved;
 use crate::diagnostics::{Diagnostic, codes, nearest};
 use crate::source::{FileId, Span};
 use pest::Parser;
@@ -418,11 +418,6 @@ fn unit_meant(word: &str) -> Option<&'static str> {
     })
 }
 
-/// Whether a word cannot be a name.
-fn is_reserved(word: &str) -> bool {
-    RESERVED.contains(&word) || ITEMS.contains(&word)
-}
-
 /// Words that take all that follows.
 const WIDE: &[&str] = &[
     "always",
@@ -433,40 +428,6 @@ const WIDE: &[&str] = &[
     "count",
     "sum",
     "never",
-];
-
-/// Words of expressions that cannot be names; those that begin an item are in [`ITEMS`].
-const RESERVED: &[&str] = &[
-    "always",
-    "eventually",
-    "next",
-    "not",
-    "and",
-    "or",
-    "xor",
-    "implies",
-    "iff",
-    "mod",
-    "if",
-    "then",
-    "else",
-    "forall",
-    "exists",
-    "count",
-    "sum",
-    "true",
-    "false",
-    "in",
-    "never",
-    "previous",
-    "once",
-    "historically",
-    "since",
-    "GF",
-    "G",
-    "F",
-    "X",
-    "O",
 ];
 
 fn word_at(text: &str) -> String {

@@ -320,7 +320,7 @@ fn domain(d: &mut Domain) {
 fn expr(e: &mut Expr) {
     e.span = Span::default();
     match &mut e.kind {
-        ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) => {}
+        ExprKind::Unknown | ExprKind::Bool(_) | ExprKind::Int(_) | ExprKind::Quantity(..) => {}
         ExprKind::Path(list) => names(list),
         ExprKind::Index(a, b)
         | ExprKind::Binary(_, a, b)

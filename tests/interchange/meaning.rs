@@ -496,3 +496,51 @@ fn what_another_game_asks_for_is_refused() {
         [""; 0]
     );
 }
+
+/// Bit k of a number is one of its distance from the smallest value, and there are as many as the largest distance needs: `x: 4...7` has
+/// two, though 7 has three.
+#[test]
+fn bits_of_numbers_count_from_the_smallest_value() {
+    for low in -5..=6_i64 {
+        for width in 0..=9_i64 {
+            let high = low + width;
+            let file = |bit: &str| {
+                format!(
+                    "[OUTPUT]\nx: {low}...{high}\n[SYS_TRANS]\n& {bit} 1\n[SYS_LIVENESS]\n{bit}'\n"
+                )
+            };
+            for k in 0..=4 {
+                let bit = match k {
+                    0 => format!("x@0.{low}.{high}"),
+                    k => format!("x@{k}"),
+                };
+                let text = file(&bit);
+                if width >> k == 0 {
+                    let found = codes(Format::StructuredSlugs, &text);
+                    assert_eq!(found, ["LW101", "LW101"], "{text}");
+                    continue;
+                }
+                let specification = sound(Format::StructuredSlugs, &text);
+                everywhere(&specification, &text, &|v, _| (v[0] - low) >> k & 1 == 1);
+                let [goal] = specification.guarantees.justice.as_slice() else {
+                    panic!("one goal in {text}");
+                };
+                for next in low..=high {
+                    let wanted = (next - low) >> k & 1 == 1;
+                    assert_eq!(holds(&goal.expr, &[low], &[next]), wanted, "{text}: {next}");
+                }
+            }
+            // The lowest bit is named with the bounds, and with no others.
+            for bit in [
+                format!("x@0.{}.{high}", low + 1),
+                format!("x@0.{low}.{}", high + 1),
+                "x@0".to_owned(),
+                format!("x@1.{low}.{high}"),
+                "x@-1".to_owned(),
+            ] {
+                let found = codes(Format::StructuredSlugs, &file(&bit));
+                assert!(!found.is_empty(), "{bit} of {low}...{high}");
+            }
+        }
+    }
+}

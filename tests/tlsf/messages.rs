@@ -335,3 +335,65 @@ const WORDS: [&str; 60] = [
     "(\\)",
     "X[2]",
 ];
+
+/// `F` of an empty interval is true, as the format's tool has it, and a note says so; `G` of one is, as nobody doubts.
+#[test]
+fn an_empty_interval_is_noted() {
+    let noted = |promise: &str| {
+        let text = file(
+            "Mealy",
+            "Mealy",
+            &format!("{SIGNALS} GUARANTEE {{ {promise} }}"),
+        );
+        let reading = read_text(&text);
+        assert!(
+            reading.specification.is_some(),
+            "{}",
+            shown(&reading, &text)
+        );
+        let found = reading.findings.iter().map(|f| f.code.id);
+        found.collect::<Vec<_>>()
+    };
+    assert_eq!(noted("F[2:1] g;"), ["LW005"]);
+    assert_eq!(noted("G (r -> F[1:0] g);"), ["LW005"]);
+    assert!(noted("G[2:1] g;").is_empty());
+    assert!(noted("F[1:1] g;").is_empty());
+}
+
+/// What `check` finds odd about assumptions is about those of the file, not about those that say in GR(1) what it means.
+#[test]
+fn findings_about_assumptions_are_about_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let found = |main: &str| {
+        let text = file("Mealy", "Mealy", main);
+        let own = read_text(&text).own;
+        std::fs::write(folder.path().join("a.tlsf"), &text).expect("a file");
+        let output = crate::support::linewright(folder.path(), &["check", "a.tlsf"]);
+        let shown =
+            String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+        let ids = ["LW205", "LW206"].map(|id| shown.contains(id));
+        (
+            own.map(|s| s.assumptions.all().count()),
+            ids,
+            shown.into_owned(),
+        )
+    };
+    // Beside PRESET an assumption about the first step is judged a step later: as if the plant had no next step.
+    let (own, ids, shown) =
+        found("INPUTS { a; } OUTPUTS { b; } PRESET { b; } ASSUME { a; } GUARANTEE { G b; }");
+    assert_eq!((own, ids), (Some(0), [false, false]), "{shown}");
+    // A promise that is as much as an assumption, which the machine can break.
+    let pairs = "GUARANTEE { F G x || F G y; }";
+    let (own, ids, shown) = found(&format!("INPUTS {{ a; }} OUTPUTS {{ x; y; }} {pairs}"));
+    assert_eq!((own, ids), (Some(0), [false, false]), "{shown}");
+    // The file's own assumptions are judged, also beside such ones.
+    let assumed = "ASSUME { G (x -> X ! a); G F a; }";
+    for promise in [pairs, "GUARANTEE { G F x; }"] {
+        let (own, ids, shown) = found(&format!(
+            "INPUTS {{ a; }} OUTPUTS {{ x; y; }} {assumed} {promise}"
+        ));
+        assert_eq!(own, (promise == pairs).then_some(2));
+        assert_eq!(ids, [true, false], "{shown}");
+        assert!(shown.contains("G F a"), "{shown}");
+    }
+}

@@ -23,7 +23,6 @@ use crate::contract::machine::Machine;
 use crate::contract::{Contract, Library};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
 use crate::game::Limits;
-use crate::interchange::inquiries;
 use crate::source::Span;
 use assembly::Assembly;
 use clap::Args;
@@ -123,8 +122,8 @@ fn check(
         .filter(|c| !is_only_refined(&loaded, c))
         .map(|c| match loaded.foreign(c.span.file) {
             Some(foreign) => {
-                let inquiries = inquiries(&foreign.reading);
-                let job = jobs.add_foreign(&c.specification, c.span, Goal::Verdict, inquiries);
+                let reading = &foreign.reading;
+                let job = jobs.add_foreign(&c.specification, c.span, Goal::Verdict, reading);
                 (c, job)
             }
             None => (c, jobs.add_for(Goal::Small, &c.specification, c.span)),

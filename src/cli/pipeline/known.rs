@@ -123,7 +123,8 @@ impl Known {
                 }
             }
             if let Some(found) = &self.environment {
-                findings.extend(environment::findings(specification, job.span, found));
+                let examined = job.own.as_deref().unwrap_or(specification);
+                findings.extend(environment::findings(examined, job.span, found));
             }
             let empty = |e: &EnvironmentFindings| e.cannot_start || e.unsatisfiable;
             let means_nothing = self.environment.as_ref().is_some_and(empty);

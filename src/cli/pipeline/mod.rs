@@ -20,7 +20,7 @@ use super::statistics::Statistics;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{EnvironmentFindings, Heuristics, KernelChoice, Limits, Ranking};
 use crate::gr1::Specification;
-use crate::interchange::Inquiry;
+use crate::interchange::{Inquiry, Reading, inquiries};
 use crate::mealy;
 use crate::source::Span;
 use indicatif::ProgressBar;
@@ -144,6 +144,8 @@ pub struct Job {
     pub explicit: bool,
     /// Whether another tool's file says it: then nothing is said about formulas that could be left out.
     foreign: bool,
+    /// The specification with the assumptions that stand in the file only, where others were added; findings about assumptions are about it.
+    own: Option<Arc<Specification>>,
     /// For a specification of another tool: what to find out beside, to say what that tool answers.
     pub inquiries: Vec<Inquiry>,
 }
@@ -240,11 +242,12 @@ impl Jobs {
         specification: &Arc<Specification>,
         span: Span,
         goal: Goal,
-        inquiries: Vec<Inquiry>,
+        reading: &Reading,
     ) -> usize {
         let index = self.push(specification, span, goal);
         self.list[index].foreign = true;
-        self.list[index].inquiries = inquiries;
+        self.list[index].own.clone_from(&reading.own);
+        self.list[index].inquiries = inquiries(reading);
         index
     }
 
@@ -255,6 +258,7 @@ impl Jobs {
             goal,
             explicit: false,
             foreign: false,
+            own: None,
             inquiries: Vec::new(),
         });
         self.list.len() - 1

@@ -109,6 +109,7 @@ impl Task {
                     goal: Goal::Answer,
                     explicit: false,
                     foreign: false,
+                    own: None,
                     inquiries: Vec::new(),
                 },
                 examine: false,
@@ -226,7 +227,10 @@ impl Task {
                 most_nodes: Some(MOST_EXAMINED_NODES),
                 ..*limits
             };
-            let environment = won.examine_environment(specification, &limits);
+            let environment = match &self.job.own {
+                Some(own) => game::examine_environment(own, &limits),
+                None => won.examine_environment(specification, &limits),
+            };
             known.examined = !matches!(environment, Err(Limit::Time));
             known.environment = environment.ok();
             report(known.clone());
@@ -262,7 +266,10 @@ impl Task {
         let examines = entry.realizable && self.examines(large);
         let explains = !entry.realizable && self.job.goal > Goal::Answer;
         let explained = entry.lost.as_ref().is_some_and(|l| l.complete);
-        if extracts && !entry.extracted
+        // An entry is about the specification itself, and so would be what it says of the assumptions.
+        let other = examines && self.job.own.is_some();
+        if other
+            || extracts && !entry.extracted
             || examines && !entry.examined
             || explains && (entry.core.is_none() || !explained)
         {
@@ -308,7 +315,9 @@ impl Task {
         let examines = known.realizable && self.examines(known.statistics.large);
         let explains = !known.realizable && self.job.goal > Goal::Answer;
         let explained = known.lost.as_ref().is_some_and(|l| l.complete);
-        if examines && !known.examined || explains && (known.core.is_none() || !explained) {
+        if examines && (!known.examined || self.job.own.is_some())
+            || explains && (known.core.is_none() || !explained)
+        {
             return None;
         }
         Some(Entry {

@@ -378,6 +378,10 @@ impl<'a> Elaborator<'a> {
 
     fn value_of(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Value> {
         match &e.kind {
+            ExprKind::Unknown => {
+                self.tainted = true;
+                None
+            }
             ExprKind::Bool(b) => Some(Value::Scalar(Term::truth(*b), Type::Bool)),
             ExprKind::Int(i) => Some(Value::Scalar(Term::Int(*i), Type::Int)),
             ExprKind::Quantity(number, name) => self.literal(e.span, *number, name),

@@ -5,8 +5,27 @@ use super::meaning::Sides;
 use crate::gr1::{Domain, Expr, Owner, Side, Specification, Timing, VarId, Variable};
 use crate::source::Span;
 
-/// Puts everything together.
-pub(super) fn specification(
+/// Puts everything together: the specification, and where some of its assumptions are not the file's own, what it is with only those.
+pub(super) fn specifications(
+    name: &str,
+    timing: Timing,
+    variables: Vec<Variable>,
+    sides: Sides,
+    classifier: &Classifier<'_>,
+    span: Span,
+) -> (Specification, Option<Specification>) {
+    let own = (sides.own.all().count() < sides.assumptions.all().count()).then(|| Sides {
+        assumptions: sides.own.clone(),
+        guarantees: sides.guarantees.clone(),
+        own: Side::default(),
+    });
+    let own =
+        own.map(|sides| specification(name, timing, variables.clone(), sides, classifier, span));
+    let all = specification(name, timing, variables, sides, classifier, span);
+    (all, own)
+}
+
+fn specification(
     name: &str,
     timing: Timing,
     mut variables: Vec<Variable>,
@@ -17,6 +36,7 @@ pub(super) fn specification(
     let Sides {
         assumptions,
         guarantees,
+        ..
     } = sides;
     let mut taken: Vec<String> = variables.iter().map(|v| v.name.clone()).collect();
     taken.extend(classifier.monitors.variables().map(|v| v.name.clone()));

@@ -20,12 +20,12 @@ impl Meaning<'_, '_, '_> {
         for found in initially {
             match &found.piece {
                 Piece::Initial(e) if !self.mentions(e, &|s, v, _| s.is_output(v)) => {
-                    sides.assumptions.initial.push(formula(found, e));
+                    sides.assume(|s| &mut s.initial, formula(found, e));
                 }
                 Piece::Step(e)
                     if !self.mentions(e, &|s, v, t| t == Time::Next && s.is_output(v)) =>
                 {
-                    sides.assumptions.safety.push(formula(found, e));
+                    sides.assume(|s| &mut s.safety, formula(found, e));
                 }
                 Piece::Initial(_) | Piece::Step(_) => {
                     let finding = Diagnostic::error(

@@ -87,6 +87,17 @@ struct When {
 pub(super) struct Sides {
     pub assumptions: Side,
     pub guarantees: Side,
+    /// The assumptions that stand in the file as they are here. The others were moved by a step, made of what was kept so far, or of
+    /// promises: what a solver finds odd about those is odd about this encoding.
+    pub own: Side,
+}
+
+impl Sides {
+    /// An assumption as it stands in the file.
+    pub fn assume(&mut self, list: fn(&mut Side) -> &mut Vec<Formula>, formula: Formula) {
+        list(&mut self.own).push(formula.clone());
+        list(&mut self.assumptions).push(formula);
+    }
 }
 
 impl Meaning<'_, '_, '_> {
@@ -128,6 +139,7 @@ impl Meaning<'_, '_, '_> {
         let mut sides = Sides {
             assumptions: Side::default(),
             guarantees: Side::default(),
+            own: Side::default(),
         };
         // What PRESET asks of more than the first step is asked without the assumptions, too.
         let strict = self.strict;
@@ -240,7 +252,7 @@ impl Meaning<'_, '_, '_> {
         self.classifier.origin = found.origin.clone();
         let side = &mut sides.assumptions;
         match &found.piece {
-            Piece::Recurrent(e) => side.justice.push(formula(found, e)),
+            Piece::Recurrent(e) => sides.assume(|s| &mut s.justice, formula(found, e)),
             Piece::Persistent(e) => excused.push(negated(e)),
             Piece::Pair(..) => {
                 let refusal = Refusal {
@@ -275,19 +287,19 @@ impl Meaning<'_, '_, '_> {
                     };
                     side.safety.push(formula(found, &e));
                 } else if initial {
-                    side.initial.push(formula(found, e));
+                    sides.assume(|s| &mut s.initial, formula(found, e));
                 } else {
-                    side.invariants.push(formula(found, e));
+                    sides.assume(|s| &mut s.invariants, formula(found, e));
                 }
             }
             Piece::Step(e) => {
                 let outputs = self.mentions(e, &|s, v, t| t == Time::Next && s.is_output(v));
-                let e = if outputs || when.moving {
-                    self.classifier.late(e)
+                if outputs || when.moving {
+                    let e = self.classifier.late(e);
+                    side.safety.push(formula(found, &e));
                 } else {
-                    e.clone()
-                };
-                side.safety.push(formula(found, &e));
+                    sides.assume(|s| &mut s.safety, formula(found, e));
+                }
             }
         }
     }

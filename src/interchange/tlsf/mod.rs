@@ -54,8 +54,11 @@ use std::collections::BTreeMap;
 /// Bytes of stack: the expansion's bound on depth times what a level needs, generously.
 const STACK: usize = 256 << 20;
 
+/// What was read: the specification, and where some of its assumptions are not the file's own, what it is with only those.
+type Read = (Specification, Option<Specification>);
+
 /// Reads a text. What could not be understood is in the findings.
-pub(super) fn read(name: &str, file: FileId, text: &str) -> (Specification, Vec<Diagnostic>) {
+pub(super) fn read(name: &str, file: FileId, text: &str) -> (Read, Vec<Diagnostic>) {
     std::thread::scope(|scope| {
         let builder = std::thread::Builder::new().stack_size(STACK);
         let reader = builder.spawn_scoped(scope, || read_here(name, file, text));
@@ -68,7 +71,7 @@ pub(super) fn read(name: &str, file: FileId, text: &str) -> (Specification, Vec<
                     Span::new(file, 0, 0),
                     format!("there is no room to read this file: {error}"),
                 );
-                (empty(name), vec![finding])
+                ((empty(name), None), vec![finding])
             }
         }
     })
@@ -84,7 +87,7 @@ fn empty(name: &str) -> Specification {
     }
 }
 
-fn read_here(name: &str, file: FileId, text: &str) -> (Specification, Vec<Diagnostic>) {
+fn read_here(name: &str, file: FileId, text: &str) -> (Read, Vec<Diagnostic>) {
     let mut report = Report::new(file);
     let tokens = lexer::words(text, &mut report);
     let tree = parser::Parser::new(text, &tokens, &mut report).file();
@@ -93,17 +96,17 @@ fn read_here(name: &str, file: FileId, text: &str) -> (Specification, Vec<Diagno
         report.findings.retain(|f| f.code == codes::NOT_GR1);
     }
     if has_errors(&report.findings) {
-        return (empty(name), report.findings);
+        return ((empty(name), None), report.findings);
     }
     let specification = understood(name, &tree, text, &mut report);
     (
-        specification.unwrap_or_else(|| empty(name)),
+        specification.unwrap_or_else(|| (empty(name), None)),
         report.findings,
     )
 }
 
 /// What the file says; `None` where that was reported.
-fn understood(name: &str, file: &File, text: &str, report: &mut Report) -> Option<Specification> {
+fn understood(name: &str, file: &File, text: &str, report: &mut Report) -> Option<Read> {
     let Some(semantics) = file.semantics else {
         report.syntax(
             0..0,
@@ -172,8 +175,9 @@ fn understood(name: &str, file: &File, text: &str, report: &mut Report) -> Optio
         return None;
     }
     let span = report.span(&(0..0));
-    let specification = assemble::specification(name, timing, variables, sides, &classifier, span);
-    bounded(&specification, report).then_some(specification)
+    let (specification, own) =
+        assemble::specifications(name, timing, variables, sides, &classifier, span);
+    bounded(&specification, report).then_some((specification, own))
 }
 
 /// Later stages walk formulas by recursion and bound their numbers.

@@ -405,7 +405,10 @@ impl Builder {
         let number = c.next();
         let unit = c.take(Rule::unit).map(|u| u.as_str().trim().to_owned());
         match (number.as_rule(), unit) {
-            (Rule::integer, None) => ExprKind::Int(self.integer(&number)),
+            (Rule::integer, None) => match self.integer(&number) {
+                Some(value) => ExprKind::Int(value),
+                None => ExprKind::Unknown,
+            },
             (_, unit) => {
                 let value: f64 = number.as_str().trim().parse().unwrap_or(f64::INFINITY);
                 if !value.is_finite() {
@@ -414,7 +417,7 @@ impl Builder {
                         Diagnostic::error(codes::NUMBER_RANGE, span, "this number is too large")
                             .with_help("the largest number is about 1.8e308"),
                     );
-                    return ExprKind::Quantity(0.0, String::new());
+                    return ExprKind::Unknown;
                 }
                 ExprKind::Quantity(value, unit.unwrap_or_default())
             }

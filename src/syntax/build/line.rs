@@ -27,7 +27,7 @@ impl Builder {
 
     pub(super) fn counted(&mut self, pair: Pair<'_, Rule>) -> Counted {
         let mut c = Children::of(pair);
-        let count = self.integer(&c.next()) as u64;
+        let count = self.count(&c.next());
         Counted {
             count,
             name: self.name(&c.next()),
@@ -75,7 +75,7 @@ impl Builder {
                     let mut c = Children::of(supply);
                     let random = c.take(Rule::random).is_some();
                     let seconds = self.expr(c.next());
-                    let limit = c.take(Rule::integer).map(|i| self.integer(&i) as u64);
+                    let limit = c.take(Rule::integer).map(|i| self.count(&i));
                     Supply::Every {
                         seconds,
                         random,
@@ -85,7 +85,7 @@ impl Builder {
                 let most = c.take(Rule::in_line).map(|most| {
                     let mut c = Children::of(most);
                     c.next();
-                    self.integer(&c.next()) as u64
+                    self.count(&c.next())
                 });
                 LineItem::Source {
                     name,
@@ -111,7 +111,7 @@ impl Builder {
             },
             Rule::l_buffer => {
                 let name = self.name(&c.next());
-                let capacity = self.integer(&c.next()) as u64;
+                let capacity = self.count(&c.next());
                 LineItem::Buffer { name, capacity }
             }
             Rule::l_conveyor => {

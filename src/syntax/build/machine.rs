@@ -150,7 +150,8 @@ impl Builder {
     fn binding(&mut self, item: Pair<'_, Rule>) -> Binding {
         let mut c = Children::of(item);
         let name = self.name(&c.next());
-        let index = c.take(Rule::integer).map(|i| self.integer(&i));
+        // Every array has a first element.
+        let index = c.take(Rule::integer).map(|i| self.integer(&i).unwrap_or(0));
         let member = c.take(Rule::path).map(|p| self.name(&p));
         Binding {
             name,

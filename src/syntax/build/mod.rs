@@ -174,11 +174,11 @@ impl Builder {
         }
     }
 
-    /// A natural number; one that does not fit is a finding.
-    fn integer(&mut self, pair: &Pair<'_, Rule>) -> i64 {
+    /// A natural number; one that does not fit is a finding, and none.
+    fn integer(&mut self, pair: &Pair<'_, Rule>) -> Option<i64> {
         let text = pair.as_str().trim();
         match text.parse::<i64>() {
-            Ok(value) if value <= 1 << 53 => value,
+            Ok(value) if value <= 1 << 53 => Some(value),
             _ => {
                 let finding = Diagnostic::error(
                     codes::NUMBER_RANGE,
@@ -187,9 +187,14 @@ impl Builder {
                 )
                 .with_help("the largest number is 9007199254740992");
                 self.findings.push(finding);
-                0
+                None
             }
         }
+    }
+
+    /// How many of something; for a number that does not fit one of them, of which nothing else is wrong.
+    fn count(&mut self, pair: &Pair<'_, Rule>) -> u64 {
+        self.integer(pair).map_or(1, |count| count as u64)
     }
 
     fn import(&mut self, pair: Pair<'_, Rule>) -> Import {

@@ -149,7 +149,7 @@ impl Builder {
             },
             Rule::o_at_most => {
                 let number = c.next();
-                let count = (self.integer(&number) as u64, self.span(&number));
+                let count = (self.count(&number), self.span(&number));
                 let of = self.events(c.next());
                 let between = c.take(Rule::o_between).map(|between| {
                     let mut c = Children::of(between);
@@ -275,12 +275,15 @@ impl Builder {
             Rule::some_times => Times::Some,
             Rule::maybe => Times::Maybe,
             _ => {
-                let low = self.integer(&first) as u64;
+                let low = self.count(&first);
                 let high = c.take(Rule::up_to).map(Children::of);
                 match high.map(|mut high| high.take(Rule::integer)) {
                     None => Times::Exactly(low),
                     Some(None) => Times::AtLeast(low),
-                    Some(Some(high)) => Times::Between(low, self.integer(&high) as u64),
+                    Some(Some(high)) => {
+                        let high = self.integer(&high).map_or(low, |high| high as u64);
+                        Times::Between(low, high)
+                    }
                 }
             }
         }

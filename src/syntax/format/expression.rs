@@ -96,6 +96,10 @@ impl Printer<'_> {
 
     fn single(&mut self, e: &Expr, behind: Behind) {
         match &e.kind {
+            ExprKind::Unknown => {
+                let written = self.number(e.span).map(str::to_owned);
+                self.put(&written.unwrap_or_else(|| "0".to_owned()));
+            }
             ExprKind::Bool(value) => self.put(if *value { "true" } else { "false" }),
             ExprKind::Int(value) => {
                 let written = self.number(e.span).map(str::to_owned);

@@ -1,6 +1,7 @@
 //! What is said of skills and orders that do not parse.
 
-use super::{Rule, after_comments, is_reserved, word_at};
+use super::super::words::is_reserved_among_skills;
+use super::{Rule, after_comments, word_at};
 use crate::diagnostics::{Diagnostic, codes, nearest};
 use crate::source::{FileId, Span};
 
@@ -27,7 +28,9 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
     let code = after_comments(text);
     // `Left -> then`: the skill itself was read.
     let target = { code.strip_prefix("->") }.map(after_comments);
-    let code = target.filter(|t| is_word(&word_at(t))).unwrap_or(code);
+    let code = target
+        .filter(|t| is_reserved_among_skills(&word_at(t)))
+        .unwrap_or(code);
     let word = sign_at(code);
     let at = start + text.len() - code.len();
     let finding = Diagnostic::error(
@@ -35,7 +38,7 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
         Span::new(file, at, at + word.len()),
         format!("`{word}` does not fit here"),
     );
-    if is_word(&word) {
+    if is_reserved_among_skills(&word) {
         return Some(finding.with_help(no_name(&word)));
     }
     if context == Rule::bad_skill_call || word.is_empty() {
@@ -75,17 +78,14 @@ pub(super) fn hint(word: &str, (before, after): (&str, &str), expected: &[Rule])
         "*" | "+" | "?" | "{" if expected.contains(&Rule::ampersand) && !list => {
             "put brackets around what is repeated: `(Left & Down)*`"
         }
-        _ if !is_word(word) || !(in_regex || expected.contains(&Rule::word)) => return None,
+        _ if !is_reserved_among_skills(word) || !(in_regex || expected.contains(&Rule::word)) => {
+            return None;
+        }
         _ if last_word(before) == "at" => return Some(no_level(word)),
         _ if in_regex || is_meant_as_name(after) => return Some(no_name(word)),
         _ => return None,
     };
     Some(hint.to_owned())
-}
-
-/// Whether a word of the language cannot be a name among skills, where the letters of temporal operators mean nothing.
-fn is_word(word: &str) -> bool {
-    is_reserved(word) && !["GF", "G", "F", "X", "O"].contains(&word)
 }
 
 fn no_name(word: &str) -> String {

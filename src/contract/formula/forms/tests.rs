@@ -319,6 +319,84 @@ fn what_has_no_form_gets_none() {
     }
 }
 
+/// Every formula over an input and an output with up to four operators of the language of LTL, as an assumption and as a guarantee: what is
+/// offered for it compares with it as is said, on all short lassos.
+#[test]
+fn every_form_of_a_small_formula_means_what_is_said() {
+    let mut formulas: Vec<Vec<String>> = vec![Vec::new(), vec!["p".to_owned(), "i".to_owned()]];
+    for size in 2..=4 {
+        let mut found = Vec::new();
+        for inner in &formulas[size - 1] {
+            for op in ["always", "eventually", "not", "next"] {
+                found.push(format!("{op} ({inner})"));
+            }
+        }
+        for left in 1..size - 1 {
+            for (a, b) in formulas[left]
+                .iter()
+                .flat_map(|a| formulas[size - 1 - left].iter().map(move |b| (a, b)))
+            {
+                for op in ["and", "or", "->", "U", "W"] {
+                    found.push(format!("({a}) {op} ({b})"));
+                }
+            }
+        }
+        formulas.push(found);
+    }
+    // Shapes with more operators.
+    let shapes = ["p", "i", "not p"].into_iter().flat_map(|a| {
+        ["i", "p"].into_iter().flat_map(move |b| {
+            [
+                format!("always ({a} -> eventually always {b})"),
+                format!("always ({a} -> eventually ({b} and eventually p))"),
+                format!("(always eventually {a}) -> (always eventually {b})"),
+                format!("always (eventually always {a})"),
+                format!("always ({a} or (p W {b}))"),
+            ]
+        })
+    });
+    let shapes: Vec<String> = shapes.collect();
+    let runs = [Run::all(&["p", "i"]), Run::all(&["p", "i", "settled"])];
+    let mut offered = [0; 4];
+    let mut report = String::new();
+    for text in formulas.iter().flatten().chain(&shapes) {
+        let original = formula(text);
+        if !temporal(&original) && !speaks_of_next(&original) {
+            continue;
+        }
+        for guarantee in [false, true] {
+            let Some(form) = of(&original, guarantee, &input, Some("settled")) else {
+                continue;
+            };
+            offered[form.strength as usize] += 1;
+            assert!(
+                guarantee || form.rules.iter().all(|(guarantee, _)| !guarantee),
+                "{text}: assumed as a guarantee"
+            );
+            assert!(
+                form.strength == Assumed || form.rules.iter().all(|(side, _)| *side == guarantee),
+                "{text}: on the other side"
+            );
+            // A machine may promise more than it has to, and a plant less.
+            let fits = match form.strength {
+                Same => true,
+                More | Assumed => guarantee,
+                Less => !guarantee,
+            };
+            assert!(fits, "{text}: {:?}", form.strength);
+            let runs = &runs[usize::from(form.variable.is_some())];
+            let wrong = runs
+                .iter()
+                .find(|run| deviates(run.holds(&original)[0], run, &form));
+            if let Some(run) = wrong {
+                let _ = writeln!(report, "{text} is not {} on {run:?}", form.text());
+            }
+        }
+    }
+    assert!(report.is_empty(), "{report}");
+    assert!(offered.iter().all(|n| *n > 5), "{offered:?}");
+}
+
 // ---- the meaning, directly ---------------------------------------------------------------------------------------------
 
 const NAMES: [&str; 6] = ["p", "q", "r", "i", "j", "settled"];
@@ -357,6 +435,50 @@ impl Run {
             letters.extend(&cycle);
         }
         Self { letters, period }
+    }
+
+    /// All runs over these names with up to three letters before the loop ends.
+    fn all(names: &[&str]) -> Vec<Self> {
+        let bit = |name: &&str| {
+            let bit = NAMES.iter().position(|n| n == name);
+            1_u8 << bit.expect("a name")
+        };
+        let bits: Vec<u8> = names.iter().map(bit).collect();
+        let letters_of = 1_usize << names.len();
+        let letter = |n: usize| {
+            let on = bits.iter().enumerate().filter(|(k, _)| n >> k & 1 == 1);
+            on.map(|(_, bit)| bit).sum::<u8>()
+        };
+        let mut found = Vec::new();
+        for length in 1..=3 {
+            for period in 1..=length {
+                for word in 0..letters_of.pow(length as u32) {
+                    let at = |k: usize| word / letters_of.pow(k as u32) % letters_of;
+                    let once: Vec<u8> = (0..length).map(|k| letter(at(k))).collect();
+                    let mut letters = once.clone();
+                    for _ in 0..3 {
+                        letters.extend(&once[length - period..]);
+                    }
+                    found.push(Self { letters, period });
+                }
+            }
+        }
+        found
+    }
+
+    /// Whether all rules of a form hold, whosesoever they are; of an assumed premise, the guarantees if the assumptions do.
+    fn keeps(&self, form: &Form) -> bool {
+        let all = |side: bool| {
+            let mut rules = form
+                .rules
+                .iter()
+                .filter(|(guarantee, _)| *guarantee == side);
+            rules.all(|(_, e)| self.holds(e)[0])
+        };
+        match form.strength {
+            Assumed => !all(false) || all(true),
+            _ => all(false) && all(true),
+        }
     }
 
     fn next(&self, i: usize) -> usize {
@@ -472,23 +594,17 @@ impl Run {
 /// A run on which the form is not what it says it is.
 fn counterexample(original: &Expr, form: &Form) -> Option<Run> {
     let mut state = 0x9E37_79B9_7F4A_7C15;
-    (0..4_000).map(|_| Run::random(&mut state)).find(|run| {
-        let wanted = run.holds(original)[0];
-        let all = |side: bool| {
-            let mut rules = form
-                .rules
-                .iter()
-                .filter(|(guarantee, _)| *guarantee == side);
-            rules.all(|(_, e)| run.holds(e)[0])
-        };
-        let found = match form.strength {
-            Assumed => !all(false) || all(true),
-            _ => all(false) && all(true),
-        };
-        match form.strength {
-            Same | Assumed => found != wanted,
-            More => found && !wanted,
-            Less => wanted && !found,
-        }
-    })
+    (0..4_000)
+        .map(|_| Run::random(&mut state))
+        .find(|run| deviates(run.holds(original)[0], run, form))
+}
+
+/// Whether a form does not compare as it says with a formula that holds on a run, or does not.
+fn deviates(wanted: bool, run: &Run, form: &Form) -> bool {
+    let found = run.keeps(form);
+    match form.strength {
+        Same | Assumed => found != wanted,
+        More => found && !wanted,
+        Less => wanted && !found,
+    }
 }

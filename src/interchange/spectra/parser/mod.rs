@@ -205,6 +205,14 @@ impl<'t> Parser<'t> {
     /// The word at hand is not what was expected.
     pub fn unexpected<T>(&mut self, expected: &str, help: &str) -> Parsed<T> {
         let (word, range) = self.token();
+        // In regular expressions this sign is read where it may stand.
+        if word == Word::Sign("?") {
+            return self.told(
+                range,
+                "Spectra has no choice `c ? a : b`",
+                "write `(c -> a) & (!c -> b)`; for a number, `(c -> x = 1) & (!c -> x = 2)`",
+            );
+        }
         let found = match word {
             Word::End => "the end of the file".to_owned(),
             _ => format!("`{}`", quoted(&self.text[range.clone()])),

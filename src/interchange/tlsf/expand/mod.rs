@@ -99,6 +99,19 @@ impl<'f, 'r> Expander<'f, 'r> {
         Err(Said)
     }
 
+    fn note(
+        &mut self,
+        code: Code,
+        range: &Range<usize>,
+        site: u32,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let finding = Diagnostic::note(code, self.report.span(range), message).with_help(help);
+        let finding = located(finding, site, &self.sites, self.report);
+        self.report.push(finding);
+    }
+
     /// The recursion is bounded by [`MAX_DEPTH`].
     fn value(&mut self, tree: &'f Tree, scope: Scope<'_>, site: u32) -> Result<Value> {
         self.steps += 1;

@@ -113,6 +113,15 @@ impl<'f> Expander<'f, '_> {
         let and = op != Unary::Finally;
         if low > high {
             // The format's definition: no step at all; its tool says `true` for both.
+            if !and {
+                self.note(
+                    codes::NOTATION,
+                    &bound.range,
+                    site,
+                    format!("no step is from {low} to {high}, and `F` of no step is true here, as in syfco"),
+                    "write the smaller number first, or leave the formula out",
+                );
+            }
             return Ok(Value::Formula(self.formulas.constant(true, place)));
         }
         let mut f = self.condition(body, scope, site)?;
