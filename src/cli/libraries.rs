@@ -7,7 +7,7 @@ use crate::algebra::machine::of_machine;
 use crate::algebra::proof::prove;
 use crate::contract::machine::{Machine, Role};
 use crate::diagnostics::{Diagnostic, Severity, codes};
-use crate::game::Limits;
+use crate::game::{Budget, Limits};
 use crate::mealy;
 use crate::station::composition::{self, Composition};
 use crate::station::profile::Profile;
@@ -44,7 +44,8 @@ pub fn misfits(controlled: &Controlled<'_>) -> Vec<Diagnostic> {
         return findings;
     }
     let (system, claim) = of_machine(machine);
-    if prove(&system, &claim, &Limits::default()).is_ok_and(|proof| proof.holds()) {
+    let limits = Limits::default().within(Budget::MACHINE);
+    if prove(&system, &claim, &limits).is_ok_and(|proof| proof.holds()) {
         findings.retain(|f| !doubt(f));
     } else if watched {
         let closed = Closed::of_machine(machine, &controlled.controllers);

@@ -8,14 +8,10 @@ use crate::algebra::system::FormulaRef;
 use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::game::{Limit, Limits, RuleKind};
+use crate::game::{Budget, Limit, Limits, RuleKind};
 use crate::line::abstraction::Verdict;
 use crate::line::abstraction::{self, Abstraction, findings};
-use std::time::{Duration, Instant};
 
-/// A line gets so long, and so many nodes, and is then said to be too large.
-const SECONDS: u64 = 120;
-const NODES: u64 = 2_000_000;
 /// Of lines with more variables it is not asked whether everything goes on.
 const MOST_VARIABLES: usize = 48;
 
@@ -63,14 +59,9 @@ pub fn examine<'a>(
     proof
 }
 
-/// How long one question about a line may take, from now on.
+/// What one question about a line may take.
 fn bounded(limits: &Limits) -> Limits {
-    let own = Instant::now() + Duration::from_secs(SECONDS);
-    Limits {
-        deadline: Some(limits.deadline.map_or(own, |given| given.min(own))),
-        most_nodes: Some(NODES),
-        ..*limits
-    }
+    limits.within(Budget::LINE)
 }
 
 /// Whether parts move on, each operation being done.
@@ -151,8 +142,8 @@ fn table(
 const ASKED: &str = "A run shows what is refused; orders about operations alone are decided, whatever the parts are like.";
 
 /// What to do where something was not decided.
-const FEWER: &str = "Smaller limits and buffers, or fewer types of parts in one, make the line smaller; a machine with less other work, or more \
-                     time, decides more.";
+const FEWER: &str = "Smaller limits and buffers, or fewer types of parts in one, make the line smaller; `--effort 10` lets the proof do ten times \
+                     the work.";
 
 fn undecided(line: &Line, why: &str) -> Proof {
     let message = format!(
