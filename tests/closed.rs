@@ -9,12 +9,13 @@ mod random;
 
 use brute::{Brute, Found};
 use linewright::algebra::closed::{Closed, Verdict, Wrong, replay};
-use linewright::algebra::machine::COMPLETES;
-use linewright::algebra::system::list;
+use linewright::algebra::machine::{COMPLETES, of_machine};
+use linewright::algebra::proof::{self, Discharged};
+use linewright::algebra::system::{FormulaRef, Half, list};
 use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract;
 use linewright::contract::machine::Machine;
-use linewright::game::{self, Limits, Outcome};
+use linewright::game::{self, Limits, Outcome, RuleKind};
 use linewright::gr1::Domain;
 use linewright::mealy::{self, Cube, Guard, Test, Transition, extract::extract};
 use random::Random;
@@ -246,6 +247,101 @@ fn random_machines_are_decided_as_by_hand() {
         "{rounds} machines; open, broken, stuck, never, order, endless, incomplete, complete: {seen:?}"
     );
     assert!(seen.iter().all(|n| *n > 20 && *n < rounds - 20), "{seen:?}");
+}
+
+/// Justice that nobody meets, by component: on the run on which nothing ever happens (`c = 0`, nothing is done, the call stays what it
+/// is) each of these stays false. Some are about what comes from outside, alone or beside what others set.
+const UNMET: [&[&str]; 3] = [
+    &["job = none", "job = y", "e", "job = y or e", "job = y and c = 0"],
+    &["c = 1", "s and c = 1", "c = 2 and not s", "not (s or c = 0)"],
+    &["a", "a and s", "c = 2", "s and (a or c = 1)"],
+];
+
+/// A machine in which the assumption `unmet` of a component is never met. What else is assumed leaves that run there is.
+fn unmet(random: &mut Random, component: usize, formula: &str) -> String {
+    let mut own = [
+        some(random, &LEAD[1..]),
+        some(random, &FIRST[..1]),
+        some(random, &[SECOND[2]]),
+    ];
+    own[component] += &format!("\nassume unmet: always eventually ({formula})");
+    let [lead, first, second] = own;
+    let script = ["true", "false, true", "true, true, false"][pick(random, 3)];
+    format!(
+        "
+moore contract Lead {{ input job: {{none, x, y}} input e: bool output c: 0..2 output done: bool {lead}
+    guarantee g: always (done -> c < 3) }}
+contract First {{ input c: 0..2 input s: bool output a: bool {first} guarantee g: always (a -> c < 3) }}
+contract Second {{ input c: 0..2 input a: bool input s: bool output b: bool {second} guarantee g: always (b -> c < 3) }}
+machine M {{
+    signal s: bool = {script}
+    coordinator lead: Lead {{ job = operation e = if lead.c = 1 then act.a else lead.c = 2 and bct.b }}
+    action act: First when lead.c = 1 {{ c = lead.c }}
+    action bct: Second when lead.c = 2 {{ c = lead.c a = act.a }}
+    operation x: act
+    operation y: act, bct
+    done lead.done
+}}
+"
+    )
+}
+
+/// What a component waits for and nobody brings is open: no proof meets it, and none hands it on to whoever calls the machine, be it a
+/// plant or a line. The same of controllers: those that do nothing at all leave it unmet.
+#[test]
+fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
+    let mut random = Random::new(24);
+    let mut outside = 0;
+    for round in 0..120 {
+        let component = round % 3;
+        let formulas = UNMET[component];
+        let formula = formulas[pick(&mut random, formulas.len())];
+        let text = unmet(&mut random, component, formula);
+        let machine = load(&text);
+        let (system, claim) = of_machine(&machine);
+        let (justice, index) = (RuleKind::Justice, {
+            let assumed = &system.parts[component].assumptions.justice;
+            let place = assumed.iter().position(|f| f.name == "unmet");
+            place.expect("it is assumed")
+        });
+        let is_it = |at: &FormulaRef| {
+            (at.part, at.half, at.kind, at.index)
+                == (Some(component), Half::Assumptions, justice, index)
+        };
+        let expr = &system.parts[component].assumptions.justice[index].expr;
+        expr.for_each_var(&mut |v, _| outside += usize::from(system.driver(v).is_none()));
+        for proof in [
+            proof::prove(&system, &claim, &Limits::default()).expect("no limit"),
+            proof::decide(&system, &claim, &Limits::default()).expect("no limit"),
+        ] {
+            assert!(!proof.holds(), "{text}");
+            let met = { proof.discharges.iter() }.find(|d| is_it(&d.what));
+            assert_eq!(met, None, "{text}");
+            assert!(proof.open.iter().any(|o| is_it(&o.what)), "{text}");
+            let handed_on = { proof.discharges.iter() }
+                .filter(|d| d.rule == Discharged::Exported && d.what.kind == justice);
+            assert_eq!(handed_on.count(), 0, "{text}");
+        }
+        let idle: Vec<mealy::Controller> = (0..machine.components.len())
+            .map(|c| idle(&mut random, &machine, c))
+            .collect();
+        let idle: Vec<&mealy::Controller> = idle.iter().collect();
+        let closed = Closed::of_machine(&machine, &idle);
+        let verdict = closed.decide(&Limits::default()).expect("no limit");
+        assert!(!verdict.met.iter().any(|(at, _)| is_it(at)), "{text}");
+        assert!(verdict.open.iter().any(|o| is_it(&o.what)), "{text}");
+    }
+    assert!(outside > 50, "only {outside} speak of what comes from outside");
+}
+
+/// A controller that says 0 whatever comes.
+fn idle(random: &mut Random, machine: &Machine, component: usize) -> mealy::Controller {
+    let table = table(random, machine, component, 0);
+    let mut table = table.machine().expect("a table").clone();
+    for row in table.states.iter_mut().chain([&mut table.initial]).flatten() {
+        row.output.fill(0);
+    }
+    table.into()
 }
 
 // ---- the laboratory's machines -----------------------------------------------------------------------------------------

@@ -228,6 +228,78 @@ fn modules_use_only_those_before_them() {
     assert!(report.is_empty(), "{report}");
 }
 
+/// Files that may know of clocks, and why none of them decides what a verdict, a finding or a table says.
+const CLOCKS: [(&str, &str); 15] = [
+    ("symbolic/limits.rs", "`--timeout`, for everything below `cli`"),
+    ("symbolic/tests.rs", "tests of it"),
+    ("order/bound.rs", "`--timeout`, for orders of skills"),
+    ("line/mod.rs", "`--timeout`, for runs"),
+    ("line/plant/mod.rs", "`--timeout`, for runs"),
+    ("game/set_up.rs", "seconds for `--stats`"),
+    ("game/solver.rs", "seconds for `--stats`"),
+    ("station/toolchain/trial.rs", "a compiler that hangs"),
+    ("cli/options.rs", "`--timeout` itself"),
+    ("cli/worker.rs", "waits for `--timeout` and for Ctrl-C"),
+    ("cli/pipeline/task.rs", "hands `--timeout` on; seconds for the summary"),
+    ("cli/controller.rs", "seconds for `--stats`"),
+    ("cli/run.rs", "`--timeout`; seconds for the summary"),
+    ("cli/cache.rs", "which files are oldest"),
+    ("cli/check/watch.rs", "when a file was changed"),
+];
+
+/// What looks after files of its own accord.
+const WATCHES: &str = "cli/check/watch/";
+
+/// Where threads work side by side, the first one to find something must not decide.
+const RACES: [&str; 5] = [
+    "find_any",
+    "find_map_any",
+    "position_any",
+    "try_for_each",
+    "try_reduce",
+];
+
+/// The words of a source that are names.
+fn identifiers(code: &str) -> impl Iterator<Item = &str> {
+    code.split(|c: char| !c.is_alphanumeric() && c != '_')
+}
+
+/// Proofs count their work, so that a verdict does not depend on how busy the computer is. A clock is only read where it is about
+/// `--timeout`, about files or about what took how long.
+#[test]
+fn no_clock_and_no_race_decides() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&src, &mut files);
+    let mut report = String::new();
+    let mut with_clocks = Vec::new();
+    for file in &files {
+        let path = file.strip_prefix(&src).expect("it lies within");
+        let path = path.to_string_lossy().replace('\\', "/");
+        let text = std::fs::read_to_string(file).expect("sources are UTF-8");
+        let code = without_comments_and_strings(&text);
+        let clocks = ["Instant", "SystemTime", "Duration"];
+        if identifiers(&code).any(|word| clocks.contains(&word)) {
+            let known = CLOCKS.iter().any(|(known, _)| *known == path);
+            if !known && !path.starts_with(WATCHES) {
+                let _ = writeln!(report, "{path}: a clock; count work instead (`Budget`)");
+            }
+            with_clocks.push(path.clone());
+        }
+        let parallel = identifiers(&code).any(|word| word == "rayon");
+        let races = identifiers(&code).filter(|word| parallel && RACES.contains(word));
+        for word in races {
+            let _ = writeln!(report, "{path}: `{word}`: which thread is first decides");
+        }
+    }
+    for (known, _) in CLOCKS {
+        if !with_clocks.iter().any(|path| path == known) {
+            let _ = writeln!(report, "{known} has no clock any more");
+        }
+    }
+    assert!(report.is_empty(), "{report}");
+}
+
 #[test]
 fn every_module_has_a_place_in_the_order() {
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));

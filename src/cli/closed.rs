@@ -9,21 +9,15 @@ use crate::algebra::replay;
 use crate::algebra::system::FormulaRef;
 use crate::contract::machine::{Machine, Operation};
 use crate::diagnostics::{Diagnostic, codes};
-use crate::game::{Limit, Limits};
+use crate::game::{Budget, Limit, Limits};
 use crate::gr1::{VarId, eval};
 use crate::source::Span;
 use crate::station::messages;
 use std::collections::BTreeSet;
 
-/// A composition with more nodes than this at once is not decided; what decides is never the clock.
-const MOST_NODES: u64 = 3_000_000;
-
 /// How much a closed composition may take.
 pub fn bounded(limits: &Limits) -> Limits {
-    Limits {
-        most_nodes: Some(limits.most_nodes.map_or(MOST_NODES, |n| n.min(MOST_NODES))),
-        ..*limits
-    }
+    limits.within(Budget::CLOSED)
 }
 
 /// An obligation that is not met.
@@ -194,6 +188,18 @@ fn unclear(machine: &Machine, operation: usize) -> Diagnostic {
     .with_help("it is checked when the library runs; smaller domains let it be decided beforehand")
 }
 
+/// What helps a proof that came to a limit.
+pub fn more(limit: Limit) -> &'static str {
+    match limit {
+        Limit::Time => "give it more time with --timeout SECONDS, or make the domains smaller",
+        Limit::Memory => "give it more memory with --memory MIB, or make the domains smaller",
+        Limit::Size => "make the domains smaller",
+        Limit::Work(_) | Limit::Nodes(_) => {
+            "`--effort 10` lets it do ten times the work; or make the domains smaller"
+        }
+    }
+}
+
 /// Nothing was decided.
 pub fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
     Diagnostic::warning(
@@ -201,5 +207,5 @@ pub fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
         span,
         format!("whether the parts of `{name}` fit together was not decided: {limit}"),
     )
-    .with_help("give it more with --timeout SECONDS and --memory MIB, or make the domains smaller")
+    .with_help(more(limit))
 }

@@ -8,15 +8,11 @@ use crate::algebra::system::FormulaRef;
 use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, Severity, codes};
-use crate::game::{Limit, Limits, RuleKind};
+use crate::game::{Budget, Limit, Limits, RuleKind};
 use crate::line::abstraction::{self, Abstraction, Shape, Verdict, findings};
 use crate::line::calls::{self, Bounds, Calls, Premise, premises};
 use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
 
-/// A line gets so long, and so many nodes, and is then said to be too large.
-const SECONDS: u64 = 120;
-const NODES: u64 = 2_000_000;
 /// Of lines with more variables it is not asked whether everything goes on.
 const MOST_VARIABLES: usize = 48;
 
@@ -53,7 +49,11 @@ pub fn examine<'a>(
 ) -> Proof {
     // That every part is worked on rests on every call being answered.
     let interpreter = |machine: &Machine| Some(controlled(machine)?.interpreter(machine));
-    let mut calls = calls::examine(line, interpreter, &CALLS, &bounded(limits));
+    let bounds = Bounds {
+        values: usize::try_from(limits.effort.of(CALLS.values as u64)).unwrap_or(usize::MAX),
+        steps: limits.effort.of(CALLS.steps),
+    };
+    let mut calls = calls::examine(line, interpreter, &bounds, &bounded(limits));
     let mut found = std::mem::take(&mut calls.findings);
     let is_answered = !found
         .iter()
@@ -121,14 +121,9 @@ fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
     Some(finding)
 }
 
-/// How long one question about a line may take, from now on.
+/// What one question about a line may take.
 fn bounded(limits: &Limits) -> Limits {
-    let own = Instant::now() + Duration::from_secs(SECONDS);
-    Limits {
-        deadline: Some(limits.deadline.map_or(own, |given| given.min(own))),
-        most_nodes: Some(NODES),
-        ..*limits
-    }
+    limits.within(Budget::LINE)
 }
 
 /// Whether parts move on, each operation being done.
@@ -211,8 +206,8 @@ const ASKED: &str = "A run shows what is refused. Fewer values of properties, or
                      leave less to be looked at.";
 
 /// What to do where something was not decided.
-const FEWER: &str = "Smaller limits and buffers, or fewer types of parts in one, make the line smaller; a machine with less other work, or more \
-                     time, decides more.";
+const FEWER: &str = "Smaller limits and buffers, or fewer types of parts in one, make the line smaller; `--effort 10` lets the proof do ten times \
+                     the work.";
 
 fn undecided(line: &Line, why: &str) -> Proof {
     let message = format!(

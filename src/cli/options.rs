@@ -5,7 +5,7 @@ use super::console::Console;
 use super::exit::ExitCode;
 use super::pipeline::Settings;
 use crate::diagnostics::Diagnostic;
-use crate::game::{Heuristic, Heuristics, KernelChoice, Limits};
+use crate::game::{Effort, Heuristic, Heuristics, KernelChoice, Limits};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -75,6 +75,18 @@ pub struct GlobalOptions {
     /// Give up after so many seconds, all contracts together [default: never]
     #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub timeout: Option<Duration>,
+    /// Let proofs do so many times as much work before they give up
+    #[arg(
+        long,
+        global = true,
+        value_name = "FACTOR",
+        default_value = "1",
+        value_parser = effort,
+        allow_negative_numbers = true,
+        long_help = "Let proofs of machines and lines do so many times as much work before they give up. Work is counted in nodes \
+                     and operations, never in seconds, so that the same input has the same verdict on every computer"
+    )]
+    pub effort: Effort,
     /// Give up on a contract that needs more memory for its formulas
     #[arg(
         long,
@@ -127,11 +139,11 @@ impl GlobalOptions {
     /// The limits, counted from now.
     pub fn limits(&self) -> Limits {
         Limits {
-            most_nodes: None,
-            most_made: None,
+            effort: self.effort,
             // A time too far away for the clock is no limit.
             deadline: self.timeout.and_then(|t| Instant::now().checked_add(t)),
             memory_mib: Some(self.memory),
+            ..Limits::default()
         }
     }
 
@@ -168,6 +180,12 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok()
         .and_then(|s| Duration::try_from_secs_f64(s).ok())
         .ok_or_else(|| "expected a number of seconds, such as 30 or 0.5".to_owned())
+}
+
+fn effort(text: &str) -> Result<Effort, String> {
+    { text.parse().ok() }
+        .and_then(Effort::new)
+        .ok_or_else(|| "expected a number above 0, such as 10 or 0.5".to_owned())
 }
 
 fn heuristic() -> impl TypedValueParser<Value = Heuristic> {

@@ -49,7 +49,7 @@ pub use self::solver::{
     solve_with,
 };
 pub use self::strategy::Preference;
-pub use crate::symbolic::{Diagram, DiagramNode, Edge, Limit, Limits, Order};
+pub use crate::symbolic::{Budget, Diagram, DiagramNode, Edge, Effort, Limit, Limits, Order};
 
 use crate::gr1::{Side, Specification};
 use serde::{Deserialize, Serialize};

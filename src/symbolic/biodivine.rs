@@ -12,7 +12,7 @@ use biodivine_lib_bdd::{Bdd, BddNode, BddValuation, BddVariable, BddVariableSet,
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 /// How many nodes are alive, and how many ever were at once.
 #[derive(Debug, Default)]
@@ -21,6 +21,8 @@ struct Meter {
     peak: AtomicUsize,
     /// Nodes made in all.
     made: AtomicUsize,
+    /// Nodes that were read and made, and operations.
+    work: AtomicU64,
 }
 
 /// The nodes of one function; gives them back to the meter when dropped.
@@ -121,6 +123,7 @@ impl Biodivine {
         if a.size() <= 2 {
             return Ok(a.clone());
         }
+        self.charge(&[a]);
         let mut nodes: Vec<BddNode> = a.bdd().clone().to_nodes();
         for node in nodes.iter_mut().skip(2) {
             node.var = BddVariable::from_index(rename(node.var.to_index()));
@@ -137,12 +140,22 @@ impl Biodivine {
         op: fn(Option<bool>, Option<bool>) -> Option<bool>,
     ) -> Result<Function, Limit> {
         self.limits.check_time()?;
+        self.charge(&[a, b]);
         let result = Bdd::binary_op_with_limit(self.room()?, a.bdd(), b.bdd(), op);
         self.limited(result)
     }
 
+    /// Counts an operation that walks these.
+    fn charge(&self, operands: &[&Function]) {
+        let nodes: usize = operands.iter().map(|f| f.size()).sum();
+        self.meter
+            .work
+            .fetch_add(1 + nodes as u64, Ordering::Relaxed);
+    }
+
     /// How many nodes may still be made.
     fn room(&self) -> Result<usize, Limit> {
+        self.limits.check_work(self.work())?;
         let made = self.meter.made.load(Ordering::Relaxed);
         if self.limits.most_made.is_some_and(|most| made as u64 > most) {
             return Err(Limit::Memory);
@@ -156,6 +169,9 @@ impl Biodivine {
 
     fn limited(&self, result: Option<Bdd>) -> Result<Function, Limit> {
         let bdd = result.ok_or(Limit::Memory)?;
+        self.meter
+            .work
+            .fetch_add(bdd.size() as u64, Ordering::Relaxed);
         let function = self.keep(bdd);
         self.room()?;
         Ok(function)
@@ -233,6 +249,7 @@ impl Kernel for Biodivine {
 
     fn not(&self, a: &Function) -> Result<Function, Limit> {
         self.limits.check_time()?;
+        self.charge(&[a]);
         self.limited(Some(a.bdd().not()))
     }
 
@@ -307,6 +324,7 @@ impl Kernel for Biodivine {
         self.limits.check_time()?;
         let mask = self.mask(bits);
         if a.size().saturating_mul(b.size()) <= FUSED_PRODUCT {
+            self.charge(&[a, b]);
             return self.limited(Some(Bdd::binary_op_with_exists_trigger(
                 a.bdd(),
                 b.bdd(),
@@ -320,6 +338,7 @@ impl Kernel for Biodivine {
             let variable = BddVariable::from_index(index);
             if result.bdd().support_set_contains(&variable) {
                 self.limits.check_time()?;
+                self.charge(&[&result, &result]);
                 result = self.limited(Bdd::fused_binary_flip_op_with_limit(
                     self.room()?,
                     (result.bdd(), None),
@@ -335,6 +354,7 @@ impl Kernel for Biodivine {
     fn implies_forall(&self, a: &Function, b: &Function, bits: &BitSet) -> Result<Function, Limit> {
         self.limits.check_time()?;
         if a.size().saturating_mul(b.size()) <= FUSED_PRODUCT {
+            self.charge(&[a, b]);
             let mask = self.mask(bits);
             return self.limited(Some(Bdd::binary_op_with_for_all_trigger(
                 a.bdd(),
@@ -352,6 +372,7 @@ impl Kernel for Biodivine {
         if a.size() <= 2 || values.is_empty() {
             return Ok(a.clone());
         }
+        self.charge(&[a]);
         let values: Vec<_> = values
             .iter()
             .map(|(b, v)| (self.variable(*b), *v))
@@ -422,6 +443,10 @@ impl Kernel for Biodivine {
 
     fn peak_nodes(&self) -> u64 {
         self.meter.peak.load(Ordering::Relaxed) as u64
+    }
+
+    fn work(&self) -> u64 {
+        self.meter.work.load(Ordering::Relaxed)
     }
 
     fn safe_point(&self) -> Result<(), Limit> {

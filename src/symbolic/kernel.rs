@@ -213,6 +213,11 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// The largest number of nodes that were kept at once, as far as safe points and single functions show it.
     fn peak_nodes(&self) -> u64;
 
+    /// The work that was done, in units: nodes that were made, the operands' where an operation walks them anyway, and operations. It depends
+    /// on the questions alone: on no clock, no address, and not on what other threads do. A kernel may leave it uncounted where
+    /// [`Limits::most_work`] is none.
+    fn work(&self) -> u64;
+
     /// A safe point: may collect, and may look for a better order when the functions have grown. All functions stay valid.
     fn safe_point(&self) -> Result<(), Limit>;
 

@@ -21,5 +21,5 @@ pub use biodivine::Biodivine;
 pub use diagram::{Diagram, DiagramNode, Edge};
 pub use encoding::Encoding;
 pub use kernel::{Bit, BitSet, Kernel, Order};
-pub use limits::{Limit, Limits};
+pub use limits::{Budget, Effort, Limit, Limits};
 pub use oxidd::OxiDd;

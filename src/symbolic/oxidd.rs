@@ -7,6 +7,11 @@
 //! - The package's own collector runs beside the operation that fills the store, and can come too late; then the operation
 //!   fails although most nodes are dead. So an operation that fails is tried again after collecting.
 //! - Running out of nodes while levels are swapped ends the process. So nothing is reordered without head room.
+//!
+//! Where the number of nodes or the work is limited beside the memory ([`Ration`]), what was reached must not depend on when the package's
+//! collector runs. There the store has head room, the nodes are counted after every operation, and one that comes near the
+//! collector's mark fails for good. The nodes that are made then depend on the operations alone: what the cache forgets is made
+//! again of nodes that are still there, for nothing is collected but between operations, by count.
 
 use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order, sift};
 use oxidd::bcdd::{BCDDFunction, BCDDManagerRef, new_manager};
@@ -57,6 +62,9 @@ const REORDER_NODES: u64 = 18_000;
 /// much more than a fixed share of all the work.
 const WORK_PER_MADE: u64 = 60;
 
+/// The package takes slots for nodes in chunks of so many, and looks at its collector's mark only then.
+const CHUNK_NODES: u64 = 1 << 16;
+
 /// The store is brought into a new order for less than this many percent of its nodes.
 const WORTHWHILE_PERCENT: usize = 98;
 
@@ -72,6 +80,7 @@ impl fmt::Debug for Function {
 
 struct Shared {
     store: BCDDManagerRef,
+    /// How many nodes there may be: the store's capacity, or fewer where they are limited.
     capacity: u64,
     yes: Function,
     no: Function,
@@ -92,6 +101,37 @@ struct Shared {
     /// What that was when the order was sifted last.
     reordered: AtomicU64,
     reordering: AtomicBool,
+    ration: Option<Ration>,
+}
+
+/// How a store keeps to limits that are no matter of memory.
+#[derive(Debug)]
+struct Ration {
+    /// An operation that ends with so many nodes may have met the package's collector.
+    mark: u64,
+    /// Whether one did.
+    overrun: AtomicBool,
+    /// How many nodes there were after the last operation.
+    nodes: AtomicU64,
+    /// Nodes made, and operations.
+    work: AtomicU64,
+}
+
+impl Ration {
+    /// What it takes to have so many nodes at most, out of so many that fit: the store's capacity, the nodes, and the mark.
+    fn new(most: u64, fit: u64) -> (u64, u64, Self) {
+        let wanted = 2 * most.saturating_add(2 * CHUNK_NODES);
+        let capacity = wanted.min(fit);
+        let most = most.min((capacity / 2).saturating_sub(CHUNK_NODES));
+        let ration = Self {
+            // The collector begins at 95 in 100.
+            mark: (capacity / 100 * 95).saturating_sub(CHUNK_NODES),
+            overrun: AtomicBool::new(false),
+            nodes: AtomicU64::new(0),
+            work: AtomicU64::new(0),
+        };
+        (capacity, most, ration)
+    }
 }
 
 /// The kernel.
@@ -115,6 +155,9 @@ impl OxiDd {
         operation: impl Fn() -> AllocResult<BCDDFunction>,
     ) -> Result<Function, Limit> {
         self.limits.check_time()?;
+        if let Some(ration) = &self.shared.ration {
+            return self.attempt_within(ration, operation);
+        }
         for _ in 0..2 {
             if let Ok(function) = operation() {
                 return Ok(Function(function));
@@ -129,14 +172,55 @@ impl OxiDd {
         operation().map(Function).map_err(|_| Limit::Memory)
     }
 
+    /// Does an operation, and counts it.
+    fn attempt_within(
+        &self,
+        ration: &Ration,
+        operation: impl Fn() -> AllocResult<BCDDFunction>,
+    ) -> Result<Function, Limit> {
+        if ration.overrun.load(Ordering::Relaxed) {
+            return Err(Limit::Memory);
+        }
+        self.limits
+            .check_work(ration.work.load(Ordering::Relaxed))?;
+        let collections = || self.shared.store.with_manager_shared(|m| m.gc_count());
+        let collected = collections();
+        let result = operation();
+        let nodes = self.nodes();
+        // The nodes are looked at first: if any of them are gone, a collection has begun.
+        if nodes >= ration.mark || result.is_err() || collections() != collected {
+            ration.overrun.store(true, Ordering::Relaxed);
+            return Err(Limit::Memory);
+        }
+        let made = nodes.saturating_sub(ration.nodes.swap(nodes, Ordering::Relaxed));
+        ration.work.fetch_add(1 + made, Ordering::Relaxed);
+        if nodes > self.shared.capacity {
+            self.note_peak();
+            self.collect();
+            if self.nodes() > self.shared.capacity / 10 * 9 {
+                return Err(Limit::Memory);
+            }
+        }
+        result.map(Function).map_err(|_| Limit::Memory)
+    }
+
     fn note_peak(&self) {
         self.shared.peak.fetch_max(self.nodes(), Ordering::Relaxed);
     }
 
     fn collect(&self) {
         self.shared.store.with_manager_shared(|m| m.gc());
+        self.note_left();
+    }
+
+    /// Remembers how many nodes a collection has left.
+    fn note_left(&self) -> u64 {
         let left = self.nodes();
         self.shared.collected.store(left, Ordering::Relaxed);
+        if let Some(ration) = &self.shared.ration {
+            ration.nodes.store(left, Ordering::Relaxed);
+        }
+        left
     }
 
     /// Looks for a better order, with at most this much work.
@@ -156,11 +240,10 @@ impl OxiDd {
             drop(everything);
             set_order(&self.shared.store, &order);
         }
-        let left = self.nodes();
+        let left = self.note_left();
         let busiest = self.shared.busiest.swap(0, Ordering::Relaxed);
         self.shared.made.store(0, Ordering::Relaxed);
         self.shared.reordered.store(busiest, Ordering::Relaxed);
-        self.shared.collected.store(left, Ordering::Relaxed);
         self.shared.before.store(left, Ordering::Relaxed);
         Ok(())
     }
@@ -324,17 +407,29 @@ impl Kernel for OxiDd {
 
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit> {
         let pairs = order.pairs().len();
-        let capacity = limits.nodes(BYTES_PER_NODE, USUAL_NODES, MOST_NODES);
+        let most = limits.nodes(BYTES_PER_NODE, USUAL_NODES, MOST_NODES);
+        let is_limited = limits.most_nodes.is_some() || limits.most_work.is_some();
+        let (room, capacity, ration) = if is_limited {
+            let by_memory = Limits {
+                most_nodes: None,
+                ..*limits
+            };
+            let fit = by_memory.nodes(BYTES_PER_NODE, USUAL_NODES, MOST_NODES);
+            let (room, most, ration) = Ration::new(most, fit);
+            (room, most, Some(ration))
+        } else {
+            (most, most, None)
+        };
         let cache = if pairs > FEW_PAIRS {
             LARGE_CACHE
         } else {
             SMALL_CACHE
         };
-        if capacity < FEWEST_NODES {
+        if room < FEWEST_NODES {
             return Err(Limit::Memory);
         }
         let cache = cache.min(usize::try_from(capacity / 8).unwrap_or(cache));
-        let store = new_manager(capacity as usize, cache, 1);
+        let store = new_manager(room as usize, cache, 1);
         let variables = 2 * pairs as VarNo;
         store.with_manager_exclusive(|m| {
             m.add_vars(variables);
@@ -373,6 +468,7 @@ impl Kernel for OxiDd {
                 made: AtomicU64::new(0),
                 busiest: AtomicU64::new(0),
                 reordering: AtomicBool::new(true),
+                ration,
             }),
             limits: *limits,
         })
@@ -528,6 +624,11 @@ impl Kernel for OxiDd {
     fn peak_nodes(&self) -> u64 {
         self.note_peak();
         self.shared.peak.load(Ordering::Relaxed)
+    }
+
+    fn work(&self) -> u64 {
+        let ration = self.shared.ration.as_ref();
+        ration.map_or(0, |r| r.work.load(Ordering::Relaxed))
     }
 
     fn safe_point(&self) -> Result<(), Limit> {

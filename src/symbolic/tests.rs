@@ -297,6 +297,116 @@ fn out_of_nodes_is_a_value() {
     assert!(fills::<OxiDd>(&few));
 }
 
+/// The work that `chain` takes in a bad order and in the order that is found, and where it ends when there may be half of it.
+fn work_on<K: Kernel>() -> (u64, Result<(), Limit>, u64) {
+    let run = |most: u64| {
+        let limits = Limits {
+            most_work: Some(most),
+            ..small()
+        };
+        let m = K::new(&Order::natural(24), &limits)?;
+        let mut all = m.constant(true);
+        for i in 0..12 {
+            let (a, b) = (
+                m.literal(Bit(2 * i), true),
+                m.literal(Bit(2 * (i + 12)).primed(), true),
+            );
+            let result = m.iff(&a, &b).and_then(|same| m.and(&all, &same));
+            match result {
+                Ok(both) => all = both,
+                Err(limit) => return Ok((m.work(), Err(limit))),
+            }
+        }
+        m.sift()?;
+        let bits = BitSet::new((0..8).map(|b| Bit(2 * b)));
+        m.exists(&all, &bits)?;
+        Ok::<_, Limit>((m.work(), Ok(())))
+    };
+    let (whole, ended) = run(u64::MAX).unwrap();
+    assert_eq!(ended, Ok(()));
+    let (done, ended) = run(whole / 2).unwrap();
+    assert_eq!(ended, Err(Limit::Work(whole / 2)));
+    assert!(whole > 1_000, "{whole}");
+    (whole, ended, done)
+}
+
+/// On several threads at once, which disturb one another: the count and where it ends are the same.
+#[test]
+fn work_is_counted_alike_whatever_else_goes_on() {
+    fn alike<K: Kernel>() {
+        let alone = work_on::<K>();
+        std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..6).map(|_| scope.spawn(work_on::<K>)).collect();
+            for thread in threads {
+                assert_eq!(thread.join().unwrap(), alone, "{}", K::NAME);
+            }
+        });
+    }
+    alike::<Biodivine>();
+    alike::<OxiDd>();
+}
+
+/// Near a limit of nodes the package's own collector must not decide: with room for so many nodes an operation fits or it does not.
+#[test]
+fn room_for_nodes_is_the_same_every_time() {
+    let mut seen = [false; 2];
+    for most in [30_000, 60_000, 90_000, 120_000, 240_000] {
+        let limits = Limits {
+            most_nodes: Some(most),
+            most_work: Some(u64::MAX),
+            ..Limits::default()
+        };
+        let once = || {
+            let m = OxiDd::new(&Order::natural(34), &limits).unwrap();
+            let ends = (0..17).try_fold(m.constant(true), |all, i| {
+                let a = m.literal(Bit(2 * i), true);
+                let b = m.literal(Bit(2 * (i + 17)).primed(), true);
+                m.and(&all, &m.iff(&a, &b)?)
+            });
+            (ends.map(|f| m.size(&f)), m.work())
+        };
+        let first = once();
+        for _ in 0..4 {
+            assert_eq!(once(), first, "{most}");
+        }
+        seen[usize::from(first.0.is_ok())] = true;
+    }
+    assert!(seen[0], "{seen:?}");
+}
+
+#[test]
+fn effort_multiplies_budgets_and_tighter_limits_stay() {
+    let budget = Budget {
+        work: 1_000,
+        nodes: 50,
+    };
+    let effort = |factor| Limits {
+        effort: Effort::new(factor).unwrap(),
+        ..Limits::default()
+    };
+    let of = |limits: &Limits| (limits.most_work.unwrap(), limits.most_nodes.unwrap());
+    assert_eq!(of(&Limits::default().within(budget)), (1_000, 50));
+    assert_eq!(of(&effort(10.0).within(budget)), (10_000, 500));
+    assert_eq!(of(&effort(0.001).within(budget)), (1, 1));
+    assert_eq!(of(&effort(1e300).within(budget)), (u64::MAX, u64::MAX));
+    let tight = Limits {
+        most_work: Some(7),
+        ..effort(10.0)
+    };
+    assert_eq!(of(&tight.within(budget)), (7, 500));
+    for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(Effort::new(wrong), None);
+    }
+    let limits = Limits::default().within(budget);
+    assert_eq!(limits.name(Limit::Memory), Limit::Nodes(50));
+    assert_eq!(limits.name(Limit::Size), Limit::Size);
+    let small = Limits {
+        memory_mib: Some(0),
+        ..limits
+    };
+    assert_eq!(small.name(Limit::Memory), Limit::Memory);
+}
+
 #[test]
 fn sifting_finds_the_small_order_and_keeps_every_function() {
     let m = OxiDd::new(&Order::natural(24), &small()).unwrap();

@@ -1,6 +1,8 @@
 //! Limits end a run in time, whatever is being computed, and say what was reached.
 
 use crate::session::Session;
+use crate::support::root;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// How long the program may go on after a limit. The promise is a second; the rest is for a busy machine.
@@ -75,6 +77,50 @@ fn json_keeps_its_form_when_it_gives_up() {
     assert_eq!(contract["verdict"], "gave_up");
     assert_eq!(contract["statistics"]["pairs"], 42);
     assert_eq!(document["summary"]["gave_up"], 1);
+}
+
+/// What a proof may take is counted, so a busy computer and a generous time change nothing.
+#[test]
+fn proofs_are_limited_by_counted_work() {
+    let session = Session::new();
+    let example = root().join("examples/loader/line.lw");
+    std::fs::copy(example, session.path("loader.lw")).expect("a copy");
+    let run = |more: &str| {
+        let printed = session.run(&format!("check loader.lw -v --no-timing {more}"));
+        (printed.code, printed.out, printed.err)
+    };
+    let busy = |more: &str| {
+        let over = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| while !over.load(Ordering::Relaxed) {});
+            }
+            let printed = run(more);
+            over.store(true, Ordering::Relaxed);
+            printed
+        })
+    };
+    let whole = run("");
+    assert_eq!(whole.0, 0, "{}", whole.1);
+    assert!(!whole.1.contains("LW410"), "{}", whole.1);
+    assert_eq!(busy("--timeout 3000"), whole);
+
+    let little = run("--effort 0.000001");
+    let wanted = "the proof took more than 400 units of work";
+    assert!(little.1.contains(wanted), "{}", little.1);
+    assert!(little.1.contains("--effort 10"), "{}", little.1);
+    assert_eq!(busy("--effort 0.000001 --timeout 3000"), little);
+}
+
+#[test]
+fn an_effort_is_a_number_above_nothing() {
+    let session = Session::new();
+    for wrong in ["0", "-1", "inf", "much"] {
+        let printed = session.run(&format!("check lamp.lw --effort {wrong}"));
+        assert_eq!(printed.code, 2, "{}", printed.err);
+        let wanted = "expected a number above 0, such as 10 or 0.5";
+        assert!(printed.err.contains(wanted), "{}", printed.err);
+    }
 }
 
 #[cfg(unix)]

@@ -150,7 +150,7 @@ fn pair(
                 new.span,
                 format!("whether `{name}` was refined was not decided: {limit}"),
             )
-            .with_help("give it more with --timeout SECONDS and --memory MIB");
+            .with_help(crate::cli::closed::more(limit));
             finding.severity = Severity::Warning;
             findings.push(finding);
             entry(name, "gave_up")

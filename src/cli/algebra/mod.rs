@@ -254,7 +254,7 @@ fn gave_up(
         None,
         format!("it was not decided: {limit}"),
     )
-    .with_help("give it more with --timeout SECONDS and --memory MIB, or make the domains smaller");
+    .with_help(crate::cli::closed::more(limit));
     let sources = &loaded.library.sources;
     options.console().failed(command, sources, &[finding])?;
     Ok(ExitCode::GaveUp)

@@ -13,7 +13,7 @@ use crate::cli::closed::{self, bounded, undecided};
 use crate::cli::libraries::{self, Controlled};
 use crate::contract::machine::{Machine, Promised};
 use crate::diagnostics::{Diagnostic, Severity, codes};
-use crate::game::{Limit, Limits, RuleKind};
+use crate::game::{Budget, Limit, Limits, RuleKind};
 use crate::source::Span;
 use crate::station::composition::{By, Composition};
 
@@ -33,6 +33,7 @@ pub(super) struct Proved {
 /// Proves what is to be shown of a machine: of all controllers that keep the contracts, and of those that there are, since what no contract
 /// implies may still hold of them.
 pub(super) fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
+    let limits = &limits.within(Budget::MACHINE);
     let mut result = Proved::default();
     // An inner machine is known by what it promises; that it keeps the promise is shown first.
     layers::promises(controlled.machine, limits, &mut result.findings);

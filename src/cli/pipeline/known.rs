@@ -31,6 +31,9 @@ impl Reason {
                 "give it more memory with --memory MIB, or make its domains smaller"
             }
             Self::Limit(Limit::Size) => "make its domains smaller, or split it into two contracts",
+            Self::Limit(Limit::Work(_) | Limit::Nodes(_)) => {
+                "let it do more work with --effort FACTOR, or make its domains smaller"
+            }
             Self::Interrupt => "run it again for a verdict",
         }
     }

@@ -174,6 +174,11 @@ impl<K: Kernel> Board<K> {
         })
     }
 
+    /// The kernel.
+    pub fn kernel(&self) -> &K {
+        &self.m
+    }
+
     /// The conjuncts of a rule.
     fn conjuncts(&mut self, rules: &[Rule], index: usize) -> Result<Vec<K::Function>, Limit> {
         if let Some(known) = self.functions.get(&index) {

@@ -83,6 +83,8 @@ pub struct Runs {
     order: Order,
     limits: Limits,
     asked: Box<dyn Ask>,
+    /// What was done on the small kernel, once it was left.
+    before: u64,
 }
 
 /// More pairs of bits than this are not small.
@@ -100,6 +102,7 @@ trait Ask: Debug + Send {
         own: &[VarId],
     ) -> Result<Vec<VarId>, Limit>;
     fn count(&mut self, rules: &[Rule], keep: &[usize]) -> Result<f64, Limit>;
+    fn work(&self) -> u64;
 }
 
 impl Runs {
@@ -123,7 +126,25 @@ impl Runs {
             order,
             limits: *limits,
             asked,
+            before: 0,
         })
+    }
+
+    /// The work that was done for all questions so far; see [`Kernel::work`]. It is counted where [`Limits::most_work`] is given.
+    pub fn work(&self) -> u64 {
+        self.before + self.asked.work()
+    }
+
+    /// Asks, and once more on the large kernel where the small one has no room.
+    fn ask<T>(
+        &mut self,
+        question: impl Fn(&mut dyn Ask, &[Rule]) -> Result<T, Limit>,
+    ) -> Result<T, Limit> {
+        let answer = match question(&mut *self.asked, &self.rules) {
+            Err(Limit::Memory) if self.grow()? => question(&mut *self.asked, &self.rules),
+            answer => answer,
+        };
+        answer.map_err(|limit| self.limits.name(limit))
     }
 
     /// The rules.
@@ -153,12 +174,7 @@ impl Runs {
         answer: VarId,
         own: &[VarId],
     ) -> Result<Vec<VarId>, Limit> {
-        match self.asked.depends(&self.rules, keep, answer, own) {
-            Err(Limit::Memory) if self.grow()? => {
-                self.asked.depends(&self.rules, keep, answer, own)
-            }
-            found => found,
-        }
+        self.ask(|asked, rules| asked.depends(rules, keep, answer, own))
     }
 
     /// A run as it is wanted, or `None` when there is none. The shortest way into a cycle is taken, the cycle itself need not be
@@ -167,10 +183,7 @@ impl Runs {
     /// # Errors
     /// When a limit was reached.
     pub fn lasso(&mut self, wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
-        match self.asked.lasso(&self.rules, wanted) {
-            Err(Limit::Memory) if self.grow()? => self.asked.lasso(&self.rules, wanted),
-            answer => answer,
-        }
+        self.ask(|asked, rules| asked.lasso(rules, wanted))
     }
 
     /// Whether there is a run as it is wanted: [`Runs::lasso`] without the run, which costs less.
@@ -178,10 +191,7 @@ impl Runs {
     /// # Errors
     /// When a limit was reached.
     pub fn any_lasso(&mut self, wanted: &Wanted) -> Result<bool, Limit> {
-        match self.asked.any_lasso(&self.rules, wanted) {
-            Err(Limit::Memory) if self.grow()? => self.asked.any_lasso(&self.rules, wanted),
-            answer => answer,
-        }
+        self.ask(|asked, rules| asked.any_lasso(rules, wanted))
     }
 
     /// The shortest run up to a step that breaks the rule, that step included; `None` when no step can break it.
@@ -189,10 +199,7 @@ impl Runs {
     /// # Errors
     /// When a limit was reached.
     pub fn step(&mut self, slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit> {
-        match self.asked.step(&self.rules, slip) {
-            Err(Limit::Memory) if self.grow()? => self.asked.step(&self.rules, slip),
-            answer => answer,
-        }
+        self.ask(|asked, rules| asked.step(rules, slip))
     }
 
     /// How many states can be reached under these rules, a state being a value for every variable that they mention. Exact below 2⁵³.
@@ -200,10 +207,7 @@ impl Runs {
     /// # Errors
     /// When a limit was reached.
     pub fn count(&mut self, keep: &[usize]) -> Result<f64, Limit> {
-        match self.asked.count(&self.rules, keep) {
-            Err(Limit::Memory) if self.grow()? => self.asked.count(&self.rules, keep),
-            answer => answer,
-        }
+        self.ask(|asked, rules| asked.count(rules, keep))
     }
 
     /// Goes on with the large kernel, where that has not been done. Says whether there is any sense in asking again.
@@ -211,6 +215,7 @@ impl Runs {
         if self.order.pairs().len() > SMALL_PAIRS {
             return Ok(false);
         }
+        self.before = self.asked.work();
         self.asked = Box::new(Board::<OxiDd>::new(
             &self.specification,
             &self.order,
@@ -245,6 +250,10 @@ impl<K: Kernel> Ask for Board<K> {
 
     fn count(&mut self, rules: &[Rule], keep: &[usize]) -> Result<f64, Limit> {
         self.count_states(rules, keep)
+    }
+
+    fn work(&self) -> u64 {
+        self.kernel().work()
     }
 }
 

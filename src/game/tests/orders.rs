@@ -8,7 +8,9 @@ use super::super::progress::Progress;
 use super::super::set_up::set_up;
 use super::{Random, specification, specification_with_goals};
 use crate::gr1::Specification;
-use crate::symbolic::{Biodivine, Bit, BitSet, Diagram, Kernel, Limit, Limits, Order, OxiDd};
+use crate::symbolic::{
+    Biodivine, Bit, BitSet, Diagram, Effort, Kernel, Limit, Limits, Order, OxiDd,
+};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -41,6 +43,10 @@ impl Kernel for Restless {
             inner: self.inner.with_limits(limits),
             changed: Arc::clone(&self.changed),
         }
+    }
+
+    fn work(&self) -> u64 {
+        self.inner.work()
     }
 
     fn safe_point(&self) -> Result<(), Limit> {
@@ -158,6 +164,8 @@ const SMALL: Limits = Limits {
     memory_mib: None,
     most_nodes: Some(1 << 16),
     most_made: None,
+    most_work: None,
+    effort: Effort::ONE,
 };
 
 fn board<K: Kernel>(specification: &Specification, order: &Order, with: Heuristics) -> Arena<K> {

@@ -7,7 +7,7 @@
 use super::words::{all, count, is};
 use crate::contract::line::Belt;
 use crate::contract::machine::Machine;
-use crate::game::{Limit, Limits, Rule, RuleKind, Runs, Wanted};
+use crate::game::{Budget, Limit, Limits, Rule, RuleKind, Runs, Wanted};
 use crate::gr1::{BinaryOp, Domain, Expr, Owner, VarId, Variable};
 
 /// What is known of a belt.
@@ -23,11 +23,7 @@ pub(super) enum Room {
 
 /// Asks the contract.
 pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
-    // A contract of a belt is small; one that is not gets no answer, instead of a long one.
-    let limits = Limits {
-        most_nodes: Some(200_000),
-        ..Limits::default()
-    };
+    let limits = Limits::default().within(Budget::BELT);
     let (variables, mut rules, mut again) = contract(&belt.machine);
     let kept: Vec<usize> = (0..rules.len()).collect();
     let wire = |wire: usize| VarId(wire as u32);

@@ -11,13 +11,10 @@ use crate::contract::machine::Machine;
 use crate::game::order_by_structure;
 use crate::gr1::{Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable};
 use crate::source::Span;
-use crate::symbolic::{Biodivine, BitSet, Encoding, Kernel, Limit, Limits, OxiDd};
+use crate::symbolic::{Biodivine, BitSet, Budget, Encoding, Kernel, Limit, Limits, OxiDd};
 
 /// The kernel that starts at once is left when a question has made so many nodes there.
 const FEW_NODES: u64 = 500_000;
-
-/// A question that needs more nodes than this has no answer.
-const MOST_NODES: u64 = 2_000_000;
 
 /// Whether the goal follows from the hypotheses.
 pub(super) fn decide(machine: &Machine, goal: &Expr, hypotheses: &[&Expr]) -> Answer {
@@ -27,10 +24,7 @@ pub(super) fn decide(machine: &Machine, goal: &Expr, hypotheses: &[&Expr]) -> An
         most_made: Some(FEW_NODES),
         ..Limits::default()
     };
-    let many = Limits {
-        most_nodes: Some(MOST_NODES),
-        ..Limits::default()
-    };
+    let many = Limits::default().within(Budget::WIRES);
     let answer = question.answer::<Biodivine>(&few);
     answer
         .or_else(|_| question.answer::<OxiDd>(&many))
