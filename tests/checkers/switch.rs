@@ -1,6 +1,7 @@
 //! The switch: which mutant is on, which places are come by, and how much was done.
 
 use std::cell::{Cell, RefCell};
+use std::iter::{Skip, Take};
 
 /// A mutant of a checker.
 pub struct Mutant {
@@ -50,10 +51,7 @@ pub fn at(first: u32, count: u32) -> u32 {
 }
 
 /// A loop that is cut short: 1 over nothing, 2 over all but the first, 3 over the first only, 0 over all.
-pub fn shortened<I: IntoIterator>(
-    all: I,
-    how: u32,
-) -> std::iter::Take<std::iter::Skip<I::IntoIter>> {
+pub fn shortened<I: IntoIterator>(all: I, how: u32) -> Take<Skip<I::IntoIter>> {
     let most = match how {
         1 => 0,
         3 => 1,
@@ -72,6 +70,11 @@ pub fn with<T>(mutant: Option<u32>, fuel: u64, run: impl FnOnce() -> T) -> (T, u
     });
     let result = run();
     (result, STATE.with(|state| state.asked.get()))
+}
+
+/// Whether a mutant is on in this thread.
+pub fn is_on() -> bool {
+    STATE.with(|state| state.on.get().is_some())
 }
 
 /// Runs something without a mutant; gives with it which mutants' places it comes by, and how often switches were asked.
