@@ -104,7 +104,7 @@ impl Work<'_> {
         let verdict = self.timed(|s| &mut s.verify, verify)?;
         Ok(match verdict {
             Ok(()) => Ok(Controller::Machine(machine)),
-            Err(violation) => Err(violation.rule),
+            Err(violation) => Err(violation.clause.to_string()),
         })
     }
 
@@ -116,7 +116,7 @@ impl Work<'_> {
         let verdict = self.timed(|s| &mut s.verify, certify)?;
         Ok(match verdict {
             Ok(()) => Ok(Controller::Functions(Box::new(functions))),
-            Err(fault) => Err(fault.rule),
+            Err(fault) => Err(fault.clause.to_string()),
         })
     }
 

@@ -181,7 +181,9 @@ fn opponent(
     let machine = counter::machine(&specification, &attack);
     match verify_counterstrategy(&specification, &machine, limits) {
         Ok(Ok(())) => Ok(Ok(Opponent::Counterstrategy(machine))),
-        Ok(Err(violation)) => Err(InternalError::new(&specification, violation.rule).into()),
+        Ok(Err(violation)) => {
+            Err(InternalError::new(&specification, violation.clause.to_string()).into())
+        }
         Err(limit) => Ok(Err(gave_up(limit))),
     }
 }

@@ -16,19 +16,109 @@
 //! The steps of a mode become one relation: where it is taken, conjoined with what each output is. It is small, since it
 //! begins with the states and inputs that matter.
 
+use super::Port;
 use super::functions::Functions;
 use crate::game::{Aim, Assumed, Limit, Limits};
 use crate::gr1::{Expr, Owner, Specification, Time, Timing, VarId};
 use crate::symbolic::{Biodivine, Bit, BitSet, Diagram, Edge, Encoding, Kernel, OxiDd};
+use std::fmt;
 
 /// Functions of more nodes than this are checked on the kernel for large games.
 const SMALL_NODES: usize = 2_000;
 
-/// The rule that functions break, or that their certificate does not show.
+/// What functions break, or what their certificate does not show.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// The rule's name, or what is wrong with the functions.
-    pub rule: String,
+    /// The clause of the definition.
+    pub clause: Clause,
+}
+
+/// A clause of what is certified, by the way in which it can be broken. Where a contract's formula is broken, its name stands with it; the
+/// clauses about layers have the name of the goal.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Clause {
+    /// Ports, their bits, timing and the number of goals are those of the contract.
+    Ports,
+    /// Diagrams lead to earlier nodes and ask for bits that exist.
+    Diagram,
+    /// Sets of states ask for current bits only.
+    SetOfStates,
+    /// A layer waits for an assumption that exists.
+    LayerAssumption,
+    /// An output asks only for what is known when it is computed.
+    OutputKnown,
+    /// Only outputs are computed, each once.
+    OutputTwice,
+    /// Every output is computed.
+    OutputMissing,
+    /// A mode's condition asks only for what is known before the outputs.
+    ModeKnown,
+    /// A mode leads to a layer that exists.
+    ModeLayer,
+    /// One mode of a goal is for all states.
+    ModeMissing,
+    /// What is asked of a driver speaks of what the driver knows, and has the name of a formula.
+    AssumptionKnown,
+    /// The region lies within the domains; the output's name.
+    Domain(String),
+    /// The region lies within each guaranteed invariant.
+    Invariant(String),
+    /// Layers lie within each other and the region.
+    Layers,
+    /// Inputs that keep the assumptions are not refused.
+    Refused,
+    /// Inputs that break an assumption are refused.
+    NotRefused,
+    /// Step 0 keeps each initial condition.
+    Initial(String),
+    /// Step 0 leads into the region.
+    Start,
+    /// Every step keeps each safety formula.
+    Safety(String),
+    /// The next goal is pursued exactly after steps that reach this one.
+    Reached(String),
+    /// A step of a mode that reaches the goal does so, and stays in the region.
+    Missed(String),
+    /// A step leads into the layer that it is to lead to.
+    Strays(String),
+    /// A step does not lead back up from below the layer that it is to lead to.
+    Back(String),
+    /// A step waits only where the layer's assumption fails.
+    Waits(String),
+    /// A step that is to come nearer begins in a layer.
+    Nowhere(String),
+}
+
+impl fmt::Display for Clause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Ports => "the functions are not those of this contract",
+            Self::Diagram => "a diagram refers to what does not exist",
+            Self::SetOfStates => "a set of states speaks of next values",
+            Self::LayerAssumption => "a layer waits for an assumption that does not exist",
+            Self::OutputKnown => "an output asks for what is not known yet",
+            Self::OutputTwice => "an output is computed twice",
+            Self::OutputMissing => "an output is not computed",
+            Self::ModeKnown => "a mode asks for what is not known yet",
+            Self::ModeLayer => "a mode leads to a layer that does not exist",
+            Self::ModeMissing => "a goal has no mode for all states",
+            Self::AssumptionKnown => "an assumption asks for what is not known yet, or has no name",
+            Self::Domain(output) => return write!(f, "`{output}` can leave its domain"),
+            Self::Layers => "the layers do not lie within each other",
+            Self::Refused => "inputs that keep the assumptions are refused",
+            Self::NotRefused => "inputs that break an assumption are not refused",
+            Self::Start => "step 0 leads to a state of which nothing is known",
+            Self::Invariant(name)
+            | Self::Initial(name)
+            | Self::Safety(name)
+            | Self::Reached(name)
+            | Self::Missed(name)
+            | Self::Strays(name)
+            | Self::Back(name)
+            | Self::Waits(name)
+            | Self::Nowhere(name) => name,
+        })
+    }
 }
 
 /// Checks functions against their specification.
@@ -67,8 +157,8 @@ pub fn certify_on<K: Kernel>(
     Ok(Ok(()))
 }
 
-fn fault<T>(rule: impl Into<String>) -> Result<T, Fault> {
-    Err(Fault { rule: rule.into() })
+fn fault<T>(clause: Clause) -> Result<T, Fault> {
+    Err(Fault { clause })
 }
 
 /// Whether everything refers to what exists, and asks only for what is known by then.
@@ -78,20 +168,24 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
     let controls = &functions.controls;
     let pairs = encoding.pairs();
     let goals = specification.guarantees.justice.len().max(1);
-    if !specification
-        .inputs()
-        .map(bits)
-        .eq(functions.input_bits.iter().cloned())
-        || !specification
-            .outputs()
-            .map(bits)
-            .eq(functions.output_bits.iter().cloned())
+    let same = |ids: Vec<VarId>, ports: &[Port], port_bits: &[Vec<Bit>]| {
+        let variables = ids.iter().map(|v| specification.variable(*v));
+        ids.len() == ports.len()
+            && variables
+                .zip(ports)
+                .all(|(v, p)| v.name == p.name && v.domain == p.domain)
+            && ids.iter().map(|v| bits(*v)).eq(port_bits.iter().cloned())
+    };
+    let inputs = specification.inputs().collect();
+    let outputs = specification.outputs().collect();
+    if !same(inputs, &functions.inputs, &functions.input_bits)
+        || !same(outputs, &functions.outputs, &functions.output_bits)
         || functions.timing != specification.timing
         || controls.order.pairs().len() != pairs
         || controls.goals.len() != goals
         || controls.certificate.goals.len() != goals
     {
-        return fault("the functions are not those of this contract");
+        return fault(Clause::Ports);
     }
     let assumed = controls.assumed_first.iter().chain(&controls.assumed);
     let modes = || controls.goals.iter().flat_map(|g| &g.modes);
@@ -115,23 +209,19 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
     if !sound(&controls.diagram, Box::new(edges))
         || !sound(&controls.certificate.diagram, Box::new(sets.clone()))
     {
-        return fault("a diagram refers to what does not exist");
+        return fault(Clause::Diagram);
     }
     let states = Supports::new(&controls.certificate.diagram, 2 * pairs);
     if !sets
         .clone()
         .all(|set| states.of(set).all(|b| b != b.primed()))
     {
-        return fault("a set of states speaks of next values");
+        return fault(Clause::SetOfStates);
     }
-    if let Some(rank) = controls
-        .certificate
-        .goals
-        .iter()
-        .flatten()
-        .find(|r| r.assumption >= specification.assumptions.justice.len().max(1))
-    {
-        return fault(format!("there is no assumption {}", rank.assumption));
+    let assumptions = specification.assumptions.justice.len().max(1);
+    let mut ranks = controls.certificate.goals.iter().flatten();
+    if ranks.any(|r| r.assumption >= assumptions) {
+        return fault(Clause::LayerAssumption);
     }
 
     let supports = Supports::new(&controls.diagram, 2 * pairs);
@@ -161,10 +251,10 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         let mut count = 0;
         for (bit, edge) in outputs {
             if !supports.of(*edge).all(|b| known.contains(b)) {
-                return fault("an output asks for what is not known yet");
+                return fault(Clause::OutputKnown);
             }
             if !next_outputs.contains(*bit) || known.contains(*bit) {
-                return fault("an output is computed twice");
+                return fault(Clause::OutputTwice);
             }
             known.insert(*bit);
             count += 1;
@@ -172,22 +262,22 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         if count == next_outputs.iter().count() {
             Ok(())
         } else {
-            fault("an output is not computed")
+            fault(Clause::OutputMissing)
         }
     };
     computed(&controls.first, known(true))?;
     for (goal, ranks) in controls.goals.iter().zip(&controls.certificate.goals) {
         for mode in &goal.modes {
             if !supports.of(mode.when).all(|b| known(false).contains(b)) {
-                return fault("a mode asks for what is not known yet");
+                return fault(Clause::ModeKnown);
             }
             if matches!(mode.aim, Aim::Layer(k) if k >= ranks.len()) {
-                return fault("a mode leads to a layer that does not exist");
+                return fault(Clause::ModeLayer);
             }
             computed(&mode.outputs, known(false))?;
         }
         if goal.modes.last().is_none_or(|m| m.when != Edge::TRUE) {
-            return fault("a goal has no mode for all states");
+            return fault(Clause::ModeMissing);
         }
     }
     let inputs_only = |first: bool, list: &[(Assumed, Edge)]| {
@@ -196,8 +286,21 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
             signals.all(|b| next_inputs.contains(b) || (!first && b != b.primed()))
         })
     };
-    if !inputs_only(true, &controls.assumed_first) || !inputs_only(false, &controls.assumed) {
-        return fault("an assumption asks for what is not known yet");
+    let side = &specification.assumptions;
+    let named = |list: &[(Assumed, Edge)], names: &[String]| {
+        let name = |(assumed, _): &(Assumed, Edge)| match assumed {
+            Assumed::Initial(i) => side.initial.get(*i).map(|f| &f.name),
+            Assumed::Invariant(i) => side.invariants.get(*i).map(|f| &f.name),
+            Assumed::Safety(i) => side.safety.get(*i).map(|f| &f.name),
+        };
+        list.iter().map(name).eq(names.iter().map(Some))
+    };
+    if !inputs_only(true, &controls.assumed_first)
+        || !inputs_only(false, &controls.assumed)
+        || !named(&controls.assumed_first, &functions.names_first)
+        || !named(&controls.assumed, &functions.names)
+    {
+        return fault(Clause::AssumptionKnown);
     }
     Ok(())
 }
@@ -415,19 +518,19 @@ impl<'a, K: Kernel> Check<'a, K> {
             let domain = self.encoding.in_domain(m, output, Time::Now)?;
             if !within(&self.region, &domain)? {
                 let name = &self.specification.variable(output).name;
-                return Ok(fault(format!("`{name}` can leave its domain")));
+                return Ok(fault(Clause::Domain(name.clone())));
             }
         }
         for formula in &self.specification.guarantees.invariants {
             if !within(&self.region, &self.encoding.formula(m, &formula.expr)?)? {
-                return Ok(fault(formula.name.clone()));
+                return Ok(fault(Clause::Invariant(formula.name.clone())));
             }
         }
         for layers in &self.layers {
             let bounds = layers.iter().skip(1).chain([&self.region]);
             for (layer, bound) in layers.iter().zip(bounds) {
                 if !within(layer, bound)? {
-                    return Ok(fault("the layers do not lie within each other"));
+                    return Ok(fault(Clause::Layers));
                 }
             }
         }
@@ -449,7 +552,7 @@ impl<'a, K: Kernel> Check<'a, K> {
             }
             for function in asked.iter().filter(|f| !promises.contains(f)) {
                 if self.possible(m.and_not(&at, function)?, promises)? {
-                    return Ok(fault("inputs that keep the assumptions are refused"));
+                    return Ok(fault(Clause::Refused));
                 }
             }
             // What a driver gives lies in its domain, which it is asked for before.
@@ -458,7 +561,7 @@ impl<'a, K: Kernel> Check<'a, K> {
             }
             for promise in promises.iter().filter(|p| !asked.contains(p)) {
                 if self.possible(m.and_not(&at, promise)?, &asked)? {
-                    return Ok(fault("inputs that break an assumption are not refused"));
+                    return Ok(fault(Clause::NotRefused));
                 }
             }
         }
@@ -472,11 +575,11 @@ impl<'a, K: Kernel> Check<'a, K> {
         for formula in &self.specification.guarantees.initial {
             let function = m.prime(&self.encoding.formula(m, &formula.expr)?)?;
             if !m.is_false(&m.and_not(&steps, &function)?) {
-                return Ok(fault(formula.name.clone()));
+                return Ok(fault(Clause::Initial(formula.name.clone())));
             }
         }
         if !m.is_false(&m.and_not(&steps, &m.prime(&self.region)?)?) {
-            return Ok(fault("step 0 leads to a state of which nothing is known"));
+            return Ok(fault(Clause::Start));
         }
         Ok(Ok(()))
     }
@@ -487,6 +590,7 @@ impl<'a, K: Kernel> Check<'a, K> {
         let pursuit = &self.functions.controls.goals[goal];
         let justice = &self.specification.guarantees.justice;
         let name = justice.get(goal).map_or("true", |f| f.name.as_str());
+        let name = || name.to_owned();
         let wrong = m.xor(&self.at(pursuit.reached)?, &self.goals[goal])?;
         let reach = m.and(&self.goals[goal], &m.prime(&self.region)?)?;
         let mut rest = m.and(&self.region, &m.all(&self.may_do)?)?;
@@ -495,46 +599,57 @@ impl<'a, K: Kernel> Check<'a, K> {
             let steps = self.steps(m.and(&rest, &when)?, &mode.outputs)?;
             rest = m.and_not(&rest, &when)?;
             if let Some(i) = self.broken(&steps)? {
-                return Ok(fault(self.specification.guarantees.safety[i].name.clone()));
+                let broken = &self.specification.guarantees.safety[i];
+                return Ok(fault(Clause::Safety(broken.name.clone())));
             }
             if !m.is_false(&m.and(&steps, &wrong)?) {
-                return Ok(fault(name));
+                return Ok(fault(Clause::Reached(name())));
             }
             let missed = m.and_not(&steps, &reach)?;
             let late = match mode.aim {
-                Aim::Goal => missed,
+                Aim::Goal => (!m.is_false(&missed)).then_some(Late::Missed),
                 Aim::Layer(layer) => self.late(goal, layer, &missed)?,
                 Aim::Nearer => self.late_anywhere(goal, &missed)?,
             };
-            if !m.is_false(&late) {
-                return Ok(fault(name));
+            if let Some(late) = late {
+                return Ok(fault(match late {
+                    Late::Missed => Clause::Missed(name()),
+                    Late::Strays => Clause::Strays(name()),
+                    Late::Back => Clause::Back(name()),
+                    Late::Waits => Clause::Waits(name()),
+                    Late::Nowhere => Clause::Nowhere(name()),
+                }));
             }
             m.safe_point()?;
         }
         Ok(Ok(()))
     }
 
-    /// Those of the steps that do not come nearer from the layer they begin in, nor wait in it where they may.
-    fn late_anywhere(&self, goal: usize, steps: &K::Function) -> Result<K::Function, Limit> {
+    /// What is wrong with one of the steps: it does not come nearer from the layer that it begins in, nor wait in it where it may.
+    fn late_anywhere(&self, goal: usize, steps: &K::Function) -> Result<Option<Late>, Limit> {
         let m = &self.kernel;
         let stages = &self.functions.controls.certificate.goals[goal];
         let mut below = m.constant(false);
         let mut rest = steps.clone();
-        let mut late = m.constant(false);
         for (reached, stage) in self.layers[goal].iter().zip(stages) {
             let here = m.and(&rest, reached)?;
             rest = m.and_not(&rest, reached)?;
             let kept = m.and_not(&here, &m.prime(&below)?)?;
-            let idle = m.and_not(&m.prime(reached)?, &self.assumptions[stage.assumption])?;
-            late = m.or(&late, &m.and_not(&kept, &idle)?)?;
+            let waits = m.and(&kept, &m.prime(reached)?)?;
+            if !m.is_false(&m.and(&waits, &self.assumptions[stage.assumption])?) {
+                return Ok(Some(Late::Waits));
+            }
+            if waits != kept {
+                return Ok(Some(Late::Strays));
+            }
             below = reached.clone();
         }
-        m.or(&late, &rest)
+        Ok((!m.is_false(&rest)).then_some(Late::Nowhere))
     }
 
-    /// Those of the steps that neither come nearer to the goal nor wait where they may; those that leave the region are among
-    /// them.
-    fn late(&self, goal: usize, layer: usize, steps: &K::Function) -> Result<K::Function, Limit> {
+    /// What is wrong with one of the steps: it neither comes nearer to the goal nor waits where it may. One that leaves the region
+    /// strays.
+    fn late(&self, goal: usize, layer: usize, steps: &K::Function) -> Result<Option<Late>, Limit> {
         let m = &self.kernel;
         let layers = &self.layers[goal];
         let reached = &layers[layer];
@@ -545,10 +660,23 @@ impl<'a, K: Kernel> Check<'a, K> {
         let assumption = self.functions.controls.certificate.goals[goal][layer].assumption;
         // From above, all moves into the layer are right; from within, all moves below it and those that wait. What is right is
         // never written down: sets of states are put together first, and of the steps only what is wrong is left.
+        if !m.is_false(&m.and_not(steps, &m.prime(reached)?)?) {
+            return Ok(Some(Late::Strays));
+        }
+        if !m.is_false(&m.and(steps, &below)?) {
+            return Ok(Some(Late::Back));
+        }
         let wakes = m.and(&m.and_not(reached, &below)?, &self.assumptions[assumption])?;
         let stays = m.and_not(&m.and(steps, &wakes)?, &m.prime(&below)?)?;
-        let back = m.and(steps, &below)?;
-        let elsewhere = m.and_not(steps, &m.prime(reached)?)?;
-        m.or(&m.or(&elsewhere, &back)?, &stays)
+        Ok((!m.is_false(&stays)).then_some(Late::Waits))
     }
+}
+
+/// What is wrong with a step towards a goal: see the [clauses](Clause) of these names.
+enum Late {
+    Missed,
+    Strays,
+    Back,
+    Waits,
+    Nowhere,
 }

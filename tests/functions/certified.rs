@@ -17,14 +17,14 @@ fn certified(specification: &Specification, functions: &Functions) -> Result<(),
     let one = certify_on::<Biodivine>(specification, functions, &limits).expect("no limit");
     let other = certify_on::<OxiDd>(specification, functions, &limits).expect("no limit");
     assert_eq!(one, other);
-    one.map_err(|fault| fault.rule)
+    one.map_err(|fault| fault.clause.to_string())
 }
 
 /// The verdict of the explicit checker, which is complete.
 fn verified(specification: &Specification, functions: &Functions) -> Result<(), String> {
     let machine = explicit::machine(functions);
     let verdict = verify(specification, &machine, &Limits::default()).expect("no limit");
-    verdict.map_err(|violation| violation.rule)
+    verdict.map_err(|violation| violation.clause.to_string())
 }
 
 #[test]

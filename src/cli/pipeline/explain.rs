@@ -49,7 +49,12 @@ pub(super) fn explain(
     let machine = mealy::counter::machine(&small, &attack);
     match mealy::verify::verify_counterstrategy(&small, &machine, &limits) {
         Ok(Ok(())) => explained.counterstrategy = Some(machine),
-        Ok(Err(violation)) => return Err(InternalError::new(specification, violation.rule)),
+        Ok(Err(violation)) => {
+            return Err(InternalError::new(
+                specification,
+                violation.clause.to_string(),
+            ));
+        }
         Err(limit) => explained = explained.stopped(limit),
     }
     explained.play = Some(attack.play.clone().within(core));

@@ -10,7 +10,7 @@
 
 use super::fair::fair_cycle;
 use super::residual::{Id, Place, Pool, Tree, key};
-use super::{Edge, MOST_PAIRS, Violation};
+use super::{Clause, Edge, MOST_PAIRS, Violation};
 use crate::game::{Limit, Limits};
 use crate::gr1::interval::{Interval, interval};
 use crate::gr1::{Formula, Specification, Time, Timing, VarId};
@@ -30,18 +30,18 @@ pub fn verify_counterstrategy(
         interval(&formula.expr, &domain).map_err(|_| Limit::Size)?;
     }
     let mut check = Check::new(specification, counterstrategy, limits);
-    if let Some(rule) = check.malformed() {
+    if let Some(clause) = check.malformed() {
         return Ok(Err(Violation {
-            rule,
+            clause,
             trace: Vec::new(),
             repeats_from: None,
         }));
     }
-    if let Some((node, last, rule)) = check.explore()? {
+    if let Some((node, last, clause)) = check.explore()? {
         let mut trace = check.trace_to(node);
         trace.push(last);
         return Ok(Err(Violation {
-            rule,
+            clause,
             trace,
             repeats_from: None,
         }));
@@ -82,8 +82,8 @@ struct Check<'a> {
     pairs: u64,
 }
 
-/// What is found wrong: the node, the valuation of the step after it, and the rule.
-type Wrong = (usize, Vec<i64>, String);
+/// What is found wrong: the node, the valuation of the step after it, and the clause.
+type Wrong = (usize, Vec<i64>, Clause);
 
 /// The answers of one step, being enumerated.
 struct Letter<'a> {
@@ -181,7 +181,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn malformed(&self) -> Option<String> {
+    fn malformed(&self) -> Option<Clause> {
         let fits = |ports: &[crate::mealy::Port], ids: &[VarId]| {
             let variables = ids.iter().map(|v| self.specification.variable(*v));
             ports.len() == ids.len()
@@ -192,28 +192,34 @@ impl<'a> Check<'a> {
         };
         if !fits(&self.machine.inputs, &self.answered) || !fits(&self.machine.outputs, &self.given)
         {
-            return Some("the counterstrategy's ports are not the contract's".to_owned());
+            return Some(Clause::Ports);
+        }
+        if self.machine.timing == self.specification.timing {
+            return Some(Clause::Timing);
         }
         let first = self.specification.timing == Timing::Mealy;
         for transitions in std::iter::once(&self.machine.initial).chain(&self.machine.states) {
             if transitions.is_empty() {
-                return Some("a state gives nothing".to_owned());
+                return Some(Clause::Nothing);
             }
             for t in transitions {
-                let ports = &self.machine.outputs;
-                if t.output.len() != ports.len() || t.to >= self.machine.states.len() {
-                    return Some("a transition does not fit the counterstrategy".to_owned());
+                if t.to >= self.machine.states.len() {
+                    return Some(Clause::Target);
                 }
-                let values = ports.iter().zip(&t.output);
-                if values.into_iter().any(|(p, v)| !p.domain.contains(*v)) {
-                    return Some("an input leaves its domain".to_owned());
+                if t.output.len() != self.given.len() {
+                    return Some(Clause::Values);
                 }
-                if first && t.output != transitions[0].output {
-                    return Some("the environment does not move first".to_owned());
+                for (port, value) in self.machine.outputs.iter().zip(&t.output) {
+                    if !port.domain.contains(*value) {
+                        return Some(Clause::Domain(port.name.clone()));
+                    }
                 }
                 let mut tests = t.guard.0.iter().flat_map(|c| &c.0);
                 if tests.any(|test| test.input >= self.answered.len()) {
-                    return Some("a guard asks for an output that does not exist".to_owned());
+                    return Some(Clause::Guard);
+                }
+                if first && t.output != transitions[0].output {
+                    return Some(Clause::First);
                 }
             }
         }
@@ -282,7 +288,8 @@ impl<'a> Check<'a> {
         // A rule of the environment that is broken whatever the answer is.
         for (index, id) in formulas[..self.rules[0]].iter().enumerate() {
             if self.pool.value(*id) == Some(0) {
-                return Ok(Some((node, next, self.names[index].clone())));
+                let name = self.names[index].clone();
+                return Ok(Some((node, next, Clause::Assumption(name))));
             }
         }
         let machine = formulas[self.rules[0]..self.rules[0] + self.rules[1]].to_vec();
@@ -301,7 +308,7 @@ impl<'a> Check<'a> {
         letter.candidates[0] = cubes.collect();
         let wrong = self.walk(&mut letter, 0, place, complete)?;
         edges.append(&mut letter.edges);
-        Ok(wrong.map(|rule| (node, letter.next, rule)))
+        Ok(wrong.map(|clause| (node, letter.next, clause)))
     }
 
     fn walk(
@@ -310,7 +317,7 @@ impl<'a> Check<'a> {
         depth: usize,
         place: Place,
         complete: bool,
-    ) -> Result<Option<String>, Limit> {
+    ) -> Result<Option<Clause>, Limit> {
         if place == self.broken || !complete && letter.candidates[depth].is_empty() {
             return Ok(None);
         }
@@ -340,7 +347,7 @@ impl<'a> Check<'a> {
     }
 
     /// A legal answer.
-    fn leaf(&mut self, letter: &mut Letter<'a>) -> Result<Option<String>, Limit> {
+    fn leaf(&mut self, letter: &mut Letter<'a>) -> Result<Option<Clause>, Limit> {
         self.pairs += 1;
         if self.pairs > self.limits.most_nodes.unwrap_or(MOST_PAIRS).min(MOST_PAIRS) {
             return Err(Limit::Size);
@@ -351,17 +358,13 @@ impl<'a> Check<'a> {
         let next = &letter.next;
         for (index, id) in letter.formulas[..self.rules[0]].iter().enumerate() {
             if self.pool.eval(*id, next) == 0 {
-                return Ok(Some(self.names[index].clone()));
+                return Ok(Some(Clause::Assumption(self.names[index].clone())));
             }
         }
         let transition = match letter.candidates[self.answered.len()][..] {
-            [] => {
-                return Ok(Some(
-                    "no transition for an answer that keeps the guarantees".to_owned(),
-                ));
-            }
+            [] => return Ok(Some(Clause::Unanswered)),
             [(t, _)] => &letter.transitions[t],
-            _ => return Ok(Some("two transitions for the same answer".to_owned())),
+            _ => return Ok(Some(Clause::AnsweredTwice)),
         };
         let justice = &letter.formulas[self.rules[0] + self.rules[1]..];
         let label: Vec<bool> = justice
@@ -415,27 +418,23 @@ impl<'a> Check<'a> {
             edges: Vec::new(),
         };
         letter.candidates[0] = cubes.collect();
-        Ok(if self.gap(&mut letter, 0)? {
-            let rule = "nothing is given for an answer, or two things".to_owned();
-            Some((node, letter.next, rule))
-        } else {
-            None
-        })
+        let wrong = self.gap(&mut letter, 0)?;
+        Ok(wrong.map(|clause| (node, letter.next, clause)))
     }
 
-    /// Whether some answer below satisfies no cube, or several.
-    fn gap(&mut self, letter: &mut Letter<'a>, depth: usize) -> Result<bool, Limit> {
+    /// Looks for an answer below that satisfies no cube, or several.
+    fn gap(&mut self, letter: &mut Letter<'a>, depth: usize) -> Result<Option<Clause>, Limit> {
         let here = &letter.candidates[depth];
         if here.is_empty() {
-            return Ok(true);
+            return Ok(Some(Clause::Unanswered));
         }
         if let [(_, cube)] = here[..]
             && cube.0.iter().all(|t| t.input < depth)
         {
-            return Ok(false);
+            return Ok(None);
         }
         let Some(output) = self.answered.get(depth).copied() else {
-            return Ok(here.len() > 1);
+            return Ok((here.len() > 1).then_some(Clause::AnsweredTwice));
         };
         self.pairs += 1;
         if self.pairs > MOST_PAIRS {
@@ -445,11 +444,12 @@ impl<'a> Check<'a> {
         for value in domain.low()..=domain.high() {
             letter.next[output.index()] = value;
             narrow(&mut letter.candidates, depth, value);
-            if self.gap(letter, depth + 1)? {
-                return Ok(true);
+            let wrong = self.gap(letter, depth + 1)?;
+            if wrong.is_some() {
+                return Ok(wrong);
             }
         }
-        Ok(false)
+        Ok(None)
     }
 
     fn trace_to(&self, mut node: usize) -> Vec<Vec<i64>> {
@@ -467,7 +467,7 @@ impl<'a> Check<'a> {
         let assumptions = self.specification.assumptions.justice.len();
         let goals = self.specification.guarantees.justice.len();
         let holds = |label: u32, place: usize| self.labels[label as usize][place];
-        let wrong = |rule: &str, cycle: &[(usize, Edge)]| {
+        let wrong = |clause: Clause, cycle: &[(usize, Edge)]| {
             let mut trace = self.trace_to(cycle[0].0);
             let from = trace.len();
             for (_, edge) in cycle {
@@ -475,7 +475,7 @@ impl<'a> Check<'a> {
                 trace.extend(reached.map(|(_, valuation)| valuation.clone()));
             }
             Violation {
-                rule: rule.to_owned(),
+                clause,
                 trace,
                 repeats_from: Some(from),
             }
@@ -485,12 +485,12 @@ impl<'a> Check<'a> {
             let cycle = fair_cycle(&self.edges, 0, &starved, &|_, _| true, self.limits)?;
             if let Some(cycle) = cycle {
                 let name = &self.specification.assumptions.justice[i].name;
-                return Ok(Some(wrong(name, &cycle)));
+                return Ok(Some(wrong(Clause::Starved(name.clone()), &cycle)));
             }
         }
         let met = |label: u32, j: usize| holds(label, assumptions + j);
         let cycle = fair_cycle(&self.edges, goals, &|_| true, &met, self.limits)?;
-        Ok(cycle.map(|cycle| wrong("the machine keeps all guarantees", &cycle)))
+        Ok(cycle.map(|cycle| wrong(Clause::Won, &cycle)))
     }
 }
 

@@ -10,10 +10,12 @@
 //! assumption again and again; that is a strongly connected part of the graph without the transitions that satisfy `j`, in
 //! which every assumption's justice occurs (`fair.rs`).
 
+mod clause;
 mod counter;
 mod fair;
 mod residual;
 
+pub use clause::Clause;
 pub use counter::verify_counterstrategy;
 
 use super::{Cube, Machine, Transition};
@@ -30,8 +32,8 @@ pub const MOST_PAIRS: u64 = 50_000_000;
 /// What a machine does wrong, with the play that shows it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Violation {
-    /// The formula's name, or what else is wrong (no transition for a legal input).
-    pub rule: String,
+    /// What it breaks.
+    pub clause: Clause,
     /// The valuations of all variables, step by step, up to the violation. After a missing transition, the outputs of the
     /// last step are the smallest values of their domains.
     pub trace: Vec<Vec<i64>>,
@@ -47,9 +49,9 @@ pub fn verify(
     limits: &Limits,
 ) -> Result<Result<(), Violation>, Limit> {
     let mut check = Check::new(specification, machine, limits)?;
-    if let Some(rule) = check.malformed() {
+    if let Some(clause) = check.malformed() {
         return Ok(Err(Violation {
-            rule,
+            clause,
             trace: Vec::new(),
             repeats_from: None,
         }));
@@ -201,7 +203,7 @@ impl<'a> Check<'a> {
     }
 
     /// What is wrong with the machine's form, if anything: its ports, its targets, its outputs, a Moore machine's outputs.
-    fn malformed(&self) -> Option<String> {
+    fn malformed(&self) -> Option<Clause> {
         let machine = self.machine;
         let same = |ports: &[super::Port], ids: &[VarId]| {
             let variables = ids.iter().map(|v| self.specification.variable(*v));
@@ -212,32 +214,33 @@ impl<'a> Check<'a> {
                     .all(|(p, v)| p.name == v.name && p.domain == v.domain)
         };
         if !same(&machine.inputs, &self.inputs) || !same(&machine.outputs, &self.outputs) {
-            return Some("the machine's ports are not the contract's".to_owned());
+            return Some(Clause::Ports);
+        }
+        if machine.timing != self.specification.timing {
+            return Some(Clause::Timing);
         }
         let lists = std::iter::once(&machine.initial).chain(&machine.states);
         for transitions in lists {
             for transition in transitions {
                 if transition.to >= machine.states.len() {
-                    return Some("a transition leads to a state that does not exist".to_owned());
+                    return Some(Clause::Target);
                 }
                 if transition.output.len() != self.outputs.len() {
-                    return Some("a transition has too few or too many outputs".to_owned());
+                    return Some(Clause::Values);
                 }
                 for (port, value) in machine.outputs.iter().zip(&transition.output) {
                     if !port.domain.contains(*value) {
-                        return Some(format!("domain of {}", port.name));
+                        return Some(Clause::Domain(port.name.clone()));
                     }
                 }
                 let tests = transition.guard.0.iter().flat_map(|c| &c.0);
                 if tests.into_iter().any(|t| t.input >= self.inputs.len()) {
-                    return Some("a guard asks for an input that does not exist".to_owned());
+                    return Some(Clause::Guard);
                 }
                 if self.specification.timing == Timing::Moore
                     && transition.output != transitions[0].output
                 {
-                    return Some(
-                        "a Moore machine's output depends on the inputs of the step".to_owned(),
-                    );
+                    return Some(Clause::First);
                 }
             }
         }
@@ -281,7 +284,8 @@ impl<'a> Check<'a> {
             let wrong = self.letters(current, &mut |check, transition, next| {
                 for (id, name) in &context.guarantees {
                     if check.pool.eval(*id, next) == 0 {
-                        return Some(check.guarantee_names[*name].clone());
+                        let name = check.guarantee_names[*name].clone();
+                        return Some(Clause::Guarantee(name));
                     }
                 }
                 for (bit, id) in label.iter_mut().zip(&context.justice) {
@@ -311,11 +315,11 @@ impl<'a> Check<'a> {
                 }
                 None
             })?;
-            if let Some((rule, next)) = wrong {
+            if let Some((clause, next)) = wrong {
                 let mut trace = self.trace_to(current);
                 trace.push(next);
                 return Ok(Some(Violation {
-                    rule,
+                    clause,
                     trace,
                     repeats_from: None,
                 }));
@@ -329,13 +333,13 @@ impl<'a> Check<'a> {
     }
 
     /// Calls `visit` with the machine's transition and the valuation of the next step for all next inputs that keep the
-    /// assumptions. Stops when it gives the name of a broken rule, or when there is no transition or more than one, and
-    /// gives the rule with the valuation.
+    /// assumptions. Stops when it gives a broken clause, or when there is no transition or more than one, and gives the
+    /// clause with the valuation.
     fn letters(
         &mut self,
         node: usize,
         visit: &mut Visit<'_, 'a>,
-    ) -> Result<Option<(String, Vec<i64>)>, Limit> {
+    ) -> Result<Option<(Clause, Vec<i64>)>, Limit> {
         self.limits.check_time()?;
         let context = self.context(self.nodes[node].context);
         let transitions = self.machine.transitions(self.nodes[node].state);
@@ -350,8 +354,8 @@ impl<'a> Check<'a> {
             next: next.map(|v| v.domain.low()).collect(),
         };
         walk.candidates[0] = cubes.collect();
-        let rule = self.walk(&mut walk, 0, context.legal, visit)?;
-        Ok(rule.map(|rule| (rule, walk.next)))
+        let broken = self.walk(&mut walk, 0, context.legal, visit)?;
+        Ok(broken.map(|clause| (clause, walk.next)))
     }
 
     fn walk(
@@ -360,7 +364,7 @@ impl<'a> Check<'a> {
         depth: usize,
         place: Place,
         visit: &mut Visit<'_, 'a>,
-    ) -> Result<Option<String>, Limit> {
+    ) -> Result<Option<Clause>, Limit> {
         if place == self.broken {
             return Ok(None);
         }
@@ -373,7 +377,7 @@ impl<'a> Check<'a> {
                 self.limits.check_time()?;
             }
             return Ok(match walk.candidates[depth][..] {
-                [] => Some("no transition for inputs that keep the assumptions".to_owned()),
+                [] => Some(Clause::Gap),
                 [(t, _)] => {
                     let transition = &walk.transitions[t];
                     for (v, value) in self.outputs.iter().zip(&transition.output) {
@@ -381,7 +385,7 @@ impl<'a> Check<'a> {
                     }
                     visit(self, transition, &walk.next)
                 }
-                _ => Some("two transitions for the same inputs".to_owned()),
+                _ => Some(Clause::Overlap),
             });
         };
         let domain = &self.specification.variable(input).domain;
@@ -398,9 +402,9 @@ impl<'a> Check<'a> {
             } else {
                 place
             };
-            let rule = self.walk(walk, depth + 1, below, visit)?;
-            if rule.is_some() {
-                return Ok(rule);
+            let broken = self.walk(walk, depth + 1, below, visit)?;
+            if broken.is_some() {
+                return Ok(broken);
             }
         }
         Ok(None)
@@ -433,7 +437,7 @@ impl<'a> Check<'a> {
                 trace.push(self.letter_of(from, edge)?);
             }
             return Ok(Err(Violation {
-                rule: formula.name.clone(),
+                clause: Clause::Justice(formula.name.clone()),
                 trace,
                 repeats_from,
             }));
@@ -451,14 +455,15 @@ impl<'a> Check<'a> {
                 .iter()
                 .zip(&context.justice);
             let same = label.all(|(bit, id)| *bit == (check.pool.eval(*id, next) != 0));
-            (same && target == (Some(transition.to), place)).then(String::new)
+            // Whatever is given stops the enumeration here.
+            (same && target == (Some(transition.to), place)).then_some(Clause::Gap)
         })?;
         Ok(found.map(|(_, next)| next).unwrap_or_default())
     }
 }
 
 /// What is called for every letter: with the transition taken and the valuation of the step.
-type Visit<'v, 'a> = dyn FnMut(&mut Check<'a>, &Transition, &[i64]) -> Option<String> + 'v;
+type Visit<'v, 'a> = dyn FnMut(&mut Check<'a>, &Transition, &[i64]) -> Option<Clause> + 'v;
 
 /// The state of an enumeration of letters.
 struct Walk<'a> {

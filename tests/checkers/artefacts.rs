@@ -1,0 +1,738 @@
+//! Right machines, counterstrategies and functions, and what they become when something is changed: of contracts of the
+//! repository and of random specifications.
+
+use super::random::{self, Random};
+use super::support;
+use linewright::cli::proof;
+use linewright::contract::load;
+use linewright::diagnostics::has_errors;
+use linewright::game::{
+    Aim, Assumed, DiagramNode, Edge, Limits, Options, Order, Outcome, attack, solve_with,
+};
+use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Specification, Time, Timing, VarId};
+use linewright::mealy::functions::Functions;
+use linewright::mealy::{Cube, Machine, Port, Test, Transition, counter, extract::extract};
+use linewright::source::Span;
+use linewright::symbolic::{Bit, Diagram};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// What is checked.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Artefact {
+    Machine(Machine),
+    Counterstrategy(Machine),
+    Functions(Box<Functions>),
+    /// A document, and whether its states and inputs are tried or counted through.
+    Proof(Value, bool),
+}
+
+/// As many valuations, and as many pairs of bits, are counted through.
+const MOST_VALUATIONS: u64 = 130;
+const MOST_PAIRS: usize = 7;
+
+/// Proofs are checked state by state and step by step.
+const MOST_STATES: u128 = 40;
+
+fn sizes(specification: &Specification) -> u128 {
+    let sizes = specification.variables.iter().map(|v| v.domain.size());
+    sizes.map(u128::from).product()
+}
+
+fn small(specification: &Specification) -> bool {
+    sizes(specification) <= u128::from(MOST_VALUATIONS)
+}
+
+/// What the solver makes of a specification.
+pub fn right(specification: &Specification) -> Vec<Artefact> {
+    let limits = Limits::default();
+    let options = Options {
+        without_core: true,
+        ..Options::default()
+    };
+    match solve_with(specification, &options).outcome {
+        Outcome::Realizable(won) => {
+            let machine = extract(specification, &won, &limits).expect("no limit");
+            let functions = Functions::extract(specification, &won, &limits).expect("no limit");
+            let mut found = vec![Artefact::Machine(machine)];
+            if functions.pairs() <= MOST_PAIRS {
+                found.push(Artefact::Functions(Box::new(functions)));
+            }
+            if sizes(specification) <= MOST_STATES {
+                let ranking = won.ranking(specification, &limits).expect("no limit");
+                let text = proof::to_text(specification, &ranking);
+                let document: Value = serde_json::from_str(&text).expect("a document");
+                found.push(Artefact::Proof(document, sizes(specification) % 5 == 0));
+            }
+            found
+        }
+        Outcome::Unrealizable(_) => {
+            let attack = attack(specification, &[], &limits).expect("no limit");
+            let attack = attack.expect("something beats it");
+            vec![Artefact::Counterstrategy(counter::machine(
+                specification,
+                &attack,
+            ))]
+        }
+        Outcome::GaveUp(limit) => panic!("{limit}"),
+    }
+}
+
+/// The small contracts of the repository, and random ones.
+pub fn specifications(random_ones: u64) -> Vec<Specification> {
+    let mut found = Vec::new();
+    for folder in ["contracts", "examples", "tests/cases"] {
+        let mut files = Vec::new();
+        collect(&support::root().join(folder), &mut files);
+        files.sort();
+        for file in files {
+            let Ok(text) = std::fs::read_to_string(&file) else {
+                continue;
+            };
+            let files = [(file.display().to_string(), text)];
+            let (library, findings) = load(&files, &|_, _| Err("no imports".to_owned()));
+            if has_errors(&findings) {
+                continue;
+            }
+            for contract in &library.contracts {
+                let specification = (*contract.specification).clone();
+                if small(&specification) && !found.contains(&specification) {
+                    found.push(specification);
+                }
+            }
+        }
+    }
+    for seed in 0..random_ones {
+        let mut r = Random::new(seed);
+        let specification = if seed % 2 == 0 {
+            random::specification(&mut r)
+        } else {
+            random::specification_with_goals(&mut r)
+        };
+        if small(&specification) {
+            found.push(specification);
+        }
+    }
+    found
+}
+
+fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            collect(&path, found);
+        } else if path.extension().is_some_and(|e| e == "lw") {
+            found.push(path);
+        }
+    }
+}
+
+/// Changes a specification or what was made of it.
+pub fn change(
+    r: &mut Random,
+    specification: &mut Specification,
+    artefact: &mut Artefact,
+    steps: &[[Vec<i64>; 2]],
+) {
+    if r.chance(30) {
+        change_specification(r, specification, steps);
+        return;
+    }
+    match artefact {
+        Artefact::Machine(machine) | Artefact::Counterstrategy(machine) => {
+            change_machine(r, machine)
+        }
+        Artefact::Functions(functions) => change_functions(r, functions),
+        Artefact::Proof(document, _) => change_proof(r, document),
+    }
+}
+
+fn pick<T>(r: &mut Random, list: &[T]) -> Option<usize> {
+    (!list.is_empty()).then(|| r.below(list.len() as u64) as usize)
+}
+
+/// A formula more, or less, or another one.
+fn change_specification(
+    r: &mut Random,
+    specification: &mut Specification,
+    steps: &[[Vec<i64>; 2]],
+) {
+    let kind = r.below(8);
+    let variables = specification.variables.clone();
+    let inputs = |v: usize| variables[v].owner == linewright::gr1::Owner::Environment;
+    // What may be mentioned: current and next variables.
+    let (now, next): (Vec<usize>, Vec<usize>) = {
+        let all = 0..variables.len();
+        match kind {
+            0 | 1 => (all.filter(|v| inputs(*v)).collect(), Vec::new()),
+            2 => (all.clone().collect(), all.filter(|v| inputs(*v)).collect()),
+            4 | 5 => (all.collect(), Vec::new()),
+            _ => (all.clone().collect(), all.collect()),
+        }
+    };
+    let step = pick(r, steps).map(|i| &steps[i]);
+    let mut parts = Vec::new();
+    for (list, time) in [(&now, Time::Now), (&next, Time::Next)] {
+        for v in list {
+            if !r.chance(60) {
+                continue;
+            }
+            let domain = &variables[*v].domain;
+            // Initial conditions and invariants speak of the step that is taken, too.
+            let place = usize::from(time == Time::Next || matches!(kind, 0 | 1 | 4 | 5));
+            let value = match step {
+                Some(step) if r.chance(80) => step[place][*v],
+                _ => domain.low() + r.below(domain.size()) as i64,
+            };
+            let variable = Expr::Var(VarId(*v as u32), time);
+            parts.push(Expr::binary(BinaryOp::Eq, variable, Expr::Const(value)));
+        }
+    }
+    let expr = parts
+        .into_iter()
+        .reduce(|a, b| Expr::binary(BinaryOp::And, a, b));
+    let expr = expr.unwrap_or(Expr::Const(1));
+    let expr = if r.chance(70) { expr.not() } else { expr };
+    let added = Formula {
+        name: "added".to_owned(),
+        requirement: None,
+        text: format!("{expr:?}"),
+        expr,
+        span: Span::default(),
+    };
+    let (assume, guarantee) = (
+        &mut specification.assumptions,
+        &mut specification.guarantees,
+    );
+    let list = match kind {
+        0 => &mut assume.initial,
+        1 => &mut assume.invariants,
+        2 => &mut assume.safety,
+        3 => &mut assume.justice,
+        4 => &mut guarantee.initial,
+        5 => &mut guarantee.invariants,
+        6 => &mut guarantee.safety,
+        _ => &mut guarantee.justice,
+    };
+    let at = r.below(list.len() as u64 + 1) as usize;
+    match r.below(5) {
+        0 if at < list.len() => drop(list.remove(at)),
+        1 if at < list.len() => list[at] = added,
+        _ => list.insert(at, added),
+    }
+}
+
+fn change_ports(r: &mut Random, ports: &mut Vec<Port>) {
+    let Some(i) = pick(r, ports) else {
+        return;
+    };
+    match r.below(5) {
+        0 => ports[i].name.push('x'),
+        1 => drop(ports.remove(i)),
+        2 => ports.push(ports[i].clone()),
+        3 => ports.reverse(),
+        _ => {
+            let (low, high) = (ports[i].domain.low(), ports[i].domain.high());
+            let low = low + r.below(2) as i64;
+            ports[i].domain = Domain::Range {
+                low,
+                high: high + 1,
+            };
+        }
+    }
+}
+
+fn flipped(timing: Timing) -> Timing {
+    match timing {
+        Timing::Mealy => Timing::Moore,
+        Timing::Moore => Timing::Mealy,
+    }
+}
+
+fn change_machine(r: &mut Random, machine: &mut Machine) {
+    let states = machine.states.len();
+    let inputs = machine.inputs.clone();
+    let outputs = machine.outputs.clone();
+    match r.below(30) {
+        0 => return change_ports(r, &mut machine.inputs),
+        1 => return change_ports(r, &mut machine.outputs),
+        2 => return machine.timing = flipped(machine.timing),
+        3 => {
+            // A state that is never reached.
+            let state = machine.states.first().cloned().unwrap_or_default();
+            machine
+                .states
+                .push(if r.chance(40) { Vec::new() } else { state });
+            return;
+        }
+        _ => {}
+    }
+    let list = match r.below(1 + states as u64) as usize {
+        0 => &mut machine.initial,
+        i => &mut machine.states[i - 1],
+    };
+    let Some(i) = pick(r, list) else {
+        return;
+    };
+    let Some(k) = pick(r, &outputs) else {
+        return;
+    };
+    let domain = &outputs[k].domain;
+    match r.below(17) {
+        0 => list[i].to = states + r.below(2) as usize,
+        1 => list[i].to = r.below(states as u64) as usize,
+        2 => list[i].output.push(0),
+        3 => drop(list[i].output.pop()),
+        4 => list[i].output[k] = domain.high() + 1,
+        5 => list[i].output[k] = domain.low() - 1,
+        6 => {
+            let test = Test {
+                input: inputs.len(),
+                low: 0,
+                high: 1,
+            };
+            match pick(r, &list[i].guard.0) {
+                Some(c) => list[i].guard.0[c].0.push(test),
+                None => list[i].guard.0.push(Cube(vec![test])),
+            }
+        }
+        7 => list[i].output[k] = domain.low() + r.below(domain.size()) as i64,
+        8 => {
+            let value = domain.low() + r.below(domain.size()) as i64;
+            for transition in list {
+                transition.output[k] = value;
+            }
+        }
+        9 => drop(list.remove(i)),
+        10 => {
+            if let Some(c) = pick(r, &list[i].guard.0) {
+                list[i].guard.0.remove(c);
+            }
+        }
+        11 => {
+            let again = list[i].clone();
+            list.push(again);
+        }
+        12 => {
+            if let Some(c) = pick(r, &list[i].guard.0) {
+                let again = list[i].guard.0[c].clone();
+                list[i].guard.0.push(again);
+            }
+        }
+        13 => list.clear(),
+        14 => list[i].guard.0.push(Cube::default()),
+        _ => change_cube(r, &mut list[i], &inputs),
+    }
+}
+
+/// A test wider, narrower, elsewhere, one more or one less.
+fn change_cube(r: &mut Random, transition: &mut Transition, inputs: &[Port]) {
+    let Some(c) = pick(r, &transition.guard.0) else {
+        return;
+    };
+    let tests = &mut transition.guard.0[c].0;
+    let (Some(t), true) = (pick(r, tests), r.chance(80)) else {
+        let Some(input) = pick(r, inputs) else {
+            return;
+        };
+        let domain = &inputs[input].domain;
+        let low = domain.low() + r.below(domain.size()) as i64;
+        tests.push(Test {
+            input,
+            low,
+            high: low,
+        });
+        return;
+    };
+    match r.below(5) {
+        0 => tests[t].low -= 1,
+        1 => tests[t].low += 1,
+        2 => tests[t].high -= 1,
+        3 => tests[t].high += 1,
+        _ => drop(tests.remove(t)),
+    }
+}
+
+/// The function with one valuation of some bits given a value.
+fn pointed(diagram: &mut Diagram, edge: Edge, bits: &[(Bit, bool)], value: bool) -> Edge {
+    let mut inner = if value { Edge::TRUE } else { Edge::FALSE };
+    for (bit, set) in bits {
+        let (high, low) = if *set { (inner, edge) } else { (edge, inner) };
+        diagram.nodes.push(DiagramNode {
+            bit: *bit,
+            high,
+            low,
+        });
+        inner = Edge::to(diagram.nodes.len() - 1);
+    }
+    inner
+}
+
+fn literal(diagram: &mut Diagram, bit: Bit) -> Edge {
+    diagram.nodes.push(DiagramNode {
+        bit,
+        high: Edge::TRUE,
+        low: Edge::FALSE,
+    });
+    Edge::to(diagram.nodes.len() - 1)
+}
+
+/// One of the edges of the functions.
+fn some_edge<'f>(r: &mut Random, functions: &'f mut Functions) -> Option<&'f mut Edge> {
+    let controls = &mut functions.controls;
+    let mut edges: Vec<&mut Edge> = match r.below(6) {
+        0 => controls.assumed_first.iter_mut().map(|(_, e)| e).collect(),
+        1 => controls.assumed.iter_mut().map(|(_, e)| e).collect(),
+        2 => controls.first.iter_mut().map(|(_, e)| e).collect(),
+        3 => controls.goals.iter_mut().map(|g| &mut g.reached).collect(),
+        4 => controls
+            .goals
+            .iter_mut()
+            .flat_map(|g| g.modes.iter_mut().map(|m| &mut m.when))
+            .collect(),
+        _ => {
+            let modes = controls.goals.iter_mut().flat_map(|g| &mut g.modes);
+            modes
+                .flat_map(|m| m.outputs.iter_mut().map(|(_, e)| e))
+                .collect()
+        }
+    };
+    let i = pick(r, &edges)?;
+    Some(edges.swap_remove(i))
+}
+
+/// One of the sets of the certificate.
+fn some_set<'f>(r: &mut Random, functions: &'f mut Functions) -> Option<&'f mut Edge> {
+    let certificate = &mut functions.controls.certificate;
+    if r.chance(30) {
+        return Some(&mut certificate.region);
+    }
+    let mut sets: Vec<&mut Edge> = certificate
+        .goals
+        .iter_mut()
+        .flatten()
+        .map(|s| &mut s.reached)
+        .collect();
+    let i = pick(r, &sets)?;
+    Some(sets.swap_remove(i))
+}
+
+fn change_functions(r: &mut Random, functions: &mut Functions) {
+    let pairs = functions.pairs();
+    let any_bit = |r: &mut Random| Bit(r.below(2 * pairs as u64) as u16);
+    let point = |r: &mut Random, share: u64, only_now: bool| -> Vec<(Bit, bool)> {
+        let bits = (0..2 * pairs as u16).filter(|b| !only_now || b % 2 == 0);
+        bits.filter_map(|b| r.chance(share).then(|| (Bit(b), r.chance(50))))
+            .collect()
+    };
+    let goal = r.below(functions.controls.goals.len() as u64) as usize;
+    match r.below(34) {
+        0 => change_ports(r, &mut functions.inputs),
+        1 => change_ports(r, &mut functions.outputs),
+        2 => functions.timing = flipped(functions.timing),
+        3 => {
+            let lists = if r.chance(50) {
+                &mut functions.input_bits
+            } else {
+                &mut functions.output_bits
+            };
+            if let Some(i) = pick(r, lists) {
+                match r.below(3) {
+                    0 => lists[i].reverse(),
+                    1 => drop(lists.pop()),
+                    _ => lists[i].push(Bit(0)),
+                }
+            }
+        }
+        4 => functions.controls.order = Order::natural(pairs + 1 - 2 * r.below(2) as usize),
+        5 => match r.below(4) {
+            0 => drop(functions.controls.goals.pop()),
+            1 => {
+                let again = functions.controls.goals[goal].clone();
+                functions.controls.goals.push(again);
+            }
+            2 => drop(functions.controls.certificate.goals.pop()),
+            _ => functions.controls.certificate.goals.push(Vec::new()),
+        },
+        6 => {
+            let later = Edge::to(functions.controls.diagram.nodes.len());
+            if let Some(edge) = some_edge(r, functions) {
+                *edge = later;
+            }
+        }
+        7 => {
+            let later = Edge::to(functions.controls.certificate.diagram.nodes.len());
+            if let Some(edge) = some_set(r, functions) {
+                *edge = later;
+            }
+        }
+        8 => {
+            let controls = &mut functions.controls;
+            let diagram = if r.chance(50) {
+                &mut controls.diagram
+            } else {
+                &mut controls.certificate.diagram
+            };
+            if let Some(i) = pick(r, &diagram.nodes) {
+                match r.below(3) {
+                    0 => diagram.nodes[i].bit = Bit(2 * pairs as u16),
+                    1 => diagram.nodes[i].high = Edge::to(i),
+                    _ => diagram.nodes[i].low = Edge::to(i),
+                }
+            }
+        }
+        // A set that asks for any bit, a function that does.
+        9 => {
+            let edge = literal(&mut functions.controls.certificate.diagram, any_bit(r));
+            if let Some(set) = some_set(r, functions) {
+                *set = edge;
+            }
+        }
+        10 | 11 => {
+            let edge = literal(&mut functions.controls.diagram, any_bit(r));
+            if let Some(place) = some_edge(r, functions) {
+                *place = edge;
+            }
+        }
+        12 => {
+            let mut stages: Vec<_> = functions
+                .controls
+                .certificate
+                .goals
+                .iter_mut()
+                .flatten()
+                .collect();
+            if let Some(i) = pick(r, &stages) {
+                stages[i].assumption = r.below(4) as usize;
+            }
+        }
+        13 | 14 => {
+            let controls = &mut functions.controls;
+            let mut lists = vec![&mut controls.first];
+            lists.extend(
+                controls
+                    .goals
+                    .iter_mut()
+                    .flat_map(|g| g.modes.iter_mut().map(|m| &mut m.outputs)),
+            );
+            let i = r.below(lists.len() as u64) as usize;
+            let list = &mut lists[i];
+            if let Some(i) = pick(r, list) {
+                match r.below(4) {
+                    0 => list.reverse(),
+                    1 => drop(list.remove(i)),
+                    2 => list.push(list[i]),
+                    _ => list[i].0 = any_bit(r),
+                }
+            }
+        }
+        15 => {
+            let modes = &mut functions.controls.goals[goal].modes;
+            match r.below(4) {
+                0 => drop(modes.pop()),
+                1 => modes.reverse(),
+                2 => {
+                    if let Some(last) = modes.last_mut() {
+                        last.when = Edge::FALSE;
+                    }
+                }
+                _ => {
+                    let mut first = modes[0].clone();
+                    first.when = Edge::TRUE;
+                    modes.push(first);
+                }
+            }
+        }
+        16..=18 => {
+            let modes = &mut functions.controls.goals[goal].modes;
+            if let Some(i) = pick(r, modes) {
+                modes[i].aim = match r.below(6) {
+                    0 => Aim::Goal,
+                    1 | 2 => Aim::Nearer,
+                    _ => Aim::Layer(r.below(4) as usize),
+                };
+            }
+        }
+        19 => {
+            let controls = &mut functions.controls;
+            let (list, names) = if r.chance(50) {
+                (&mut controls.assumed_first, &mut functions.names_first)
+            } else {
+                (&mut controls.assumed, &mut functions.names)
+            };
+            let Some(i) = pick(r, list) else {
+                return;
+            };
+            match r.below(6) {
+                0 => drop((list.remove(i), names.remove(i))),
+                1 => drop(names.pop()),
+                2 => names[i].push('x'),
+                3 => list[i].0 = Assumed::Safety(9),
+                4 => list[i].0 = Assumed::Invariant(9),
+                _ => list[i].0 = Assumed::Initial(9),
+            }
+        }
+        20 => {
+            let stages = &mut functions.controls.certificate.goals[goal];
+            if let Some(i) = pick(r, stages) {
+                match r.below(4) {
+                    0 => stages.reverse(),
+                    1 => drop(stages.remove(i)),
+                    2 => stages.insert(i, stages[i]),
+                    _ => stages.swap(0, i),
+                }
+            }
+        }
+        21 => {
+            let region = functions.controls.certificate.region;
+            if let Some(set) = some_set(r, functions) {
+                *set = if r.chance(50) { region } else { Edge::FALSE };
+            }
+        }
+        22 => {
+            if let Some(edge) = some_edge(r, functions) {
+                *edge = match r.below(3) {
+                    0 => Edge::TRUE,
+                    1 => Edge::FALSE,
+                    _ => edge.negated(),
+                };
+            }
+        }
+        23..=27 => {
+            let (bits, value) = (point(r, 80, true), r.chance(50));
+            let mut diagram = std::mem::take(&mut functions.controls.certificate.diagram);
+            if let Some(set) = some_set(r, functions) {
+                *set = pointed(&mut diagram, *set, &bits, value);
+            }
+            functions.controls.certificate.diagram = diagram;
+        }
+        // A state less, or one more, everywhere.
+        28 | 29 => {
+            let (bits, value) = (point(r, 90, true), r.chance(30));
+            let certificate = &mut functions.controls.certificate;
+            let mut sets: Vec<&mut Edge> = certificate
+                .goals
+                .iter_mut()
+                .flatten()
+                .map(|s| &mut s.reached)
+                .collect();
+            sets.push(&mut certificate.region);
+            for set in sets {
+                *set = pointed(&mut certificate.diagram, *set, &bits, value);
+            }
+        }
+        _ => {
+            let now = r.chance(40);
+            let (bits, value) = (point(r, 70, now), r.chance(50));
+            let mut diagram = std::mem::take(&mut functions.controls.diagram);
+            if let Some(edge) = some_edge(r, functions) {
+                *edge = pointed(&mut diagram, *edge, &bits, value);
+            }
+            functions.controls.diagram = diagram;
+        }
+    }
+}
+
+/// A function of a proof that is another one in one state, or some.
+fn another(r: &mut Random, document: &mut Value, edge: &Value) -> Value {
+    let variables = document["variables"].as_array().into_iter().flatten();
+    let bits = variables.flat_map(|v| v["bits"].as_array().into_iter().flatten());
+    let bits: Vec<u64> = bits.filter_map(Value::as_u64).collect();
+    let mut inner = json!(r.below(2));
+    let Some(nodes) = document["nodes"].as_array_mut() else {
+        return inner;
+    };
+    for bit in bits {
+        if r.chance(85) {
+            let set = r.chance(50);
+            nodes.push(if set {
+                json!([bit, inner, edge])
+            } else {
+                json!([bit, edge, inner])
+            });
+            inner = json!(2 * nodes.len());
+        }
+    }
+    inner
+}
+
+/// Another function in one place of a proof, a part less, or something that is no proof.
+fn change_proof(r: &mut Random, document: &mut Value) {
+    let count = document["nodes"].as_array().map_or(0, Vec::len) as u64;
+    let goals = document["goals"].as_array().map_or(0, Vec::len) as u64;
+    let goal = r.below(goals.max(1)) as usize;
+    let layers = document["goals"][goal]["layers"]
+        .as_array()
+        .map_or(0, Vec::len) as u64;
+    let layer = r.below(layers.max(1)) as usize;
+    let edge = |r: &mut Random| match r.below(4) {
+        0 => json!(r.below(2)),
+        _ => json!(2 + r.below(2 * count.max(1))),
+    };
+    match r.below(16) {
+        0 if count > 0 => {
+            let node = r.below(count) as usize;
+            let child = 1 + r.below(2) as usize;
+            let later = 2 * node as u64 + 2;
+            document["nodes"][node][child] = if r.chance(30) {
+                json!(later)
+            } else {
+                json!(r.below(later))
+            };
+        }
+        1 => {
+            let end = json!(2 * count + 2 + r.below(2));
+            match r.below(3) {
+                0 => document["region"] = end,
+                1 if layers > 0 => document["goals"][goal]["layers"][layer]["wait"] = end,
+                _ if layers > 0 => document["goals"][goal]["layers"][layer]["reached"] = end,
+                _ => {}
+            }
+        }
+        2 => {
+            let field = ["variables", "nodes", "region", "goals"][r.below(4) as usize];
+            document[field] = json!("none");
+        }
+        3 => {
+            let Some(list) = document["goals"].as_array_mut() else {
+                return;
+            };
+            match r.below(3) {
+                0 => list.reverse(),
+                1 => drop(list.pop()),
+                _ => list.push(json!({"layers": []})),
+            }
+        }
+        4 => {
+            let edge = edge(r);
+            document["region"] = edge;
+        }
+        5 | 6 => {
+            let old = document["region"].clone();
+            document["region"] = another(r, document, &old);
+        }
+        _ if layers == 0 => {}
+        7 | 8 => {
+            let list = document["goals"][goal]["layers"]
+                .as_array_mut()
+                .expect("a list");
+            match r.below(3) {
+                0 => drop(list.remove(layer)),
+                1 => list.insert(layer, list[layer].clone()),
+                _ => list.reverse(),
+            }
+        }
+        9 => document["goals"][goal]["layers"][layer]["assumption"] = json!(r.below(3)),
+        10 => {
+            let field = ["assumption", "wait", "reached"][r.below(3) as usize];
+            document["goals"][goal]["layers"][layer][field] = json!(-1);
+        }
+        11 => document["goals"][goal]["layers"][layer]["wait"] = edge(r),
+        12 => document["goals"][goal]["layers"][layer]["reached"] = edge(r),
+        n => {
+            let field = if n == 13 { "wait" } else { "reached" };
+            let old = document["goals"][goal]["layers"][layer][field].clone();
+            document["goals"][goal]["layers"][layer][field] = another(r, document, &old);
+        }
+    }
+}
