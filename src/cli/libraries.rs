@@ -55,6 +55,7 @@ pub fn misfits(controlled: &Controlled<'_>) -> Vec<Diagnostic> {
             let open = verdict.open.iter();
             let open = open.filter(|o| !closed::is_completion(&closed, o));
             findings.extend(open.map(|o| closed::open(&closed, &machine.name, o, machine.span)));
+            findings.extend(verdict.stuck.iter().map(|s| closed::stuck(&closed, s)));
         }
     }
     findings

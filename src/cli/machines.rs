@@ -65,6 +65,11 @@ impl<'a> Planned<'a> {
                     "has no verdict",
                     "see at the contract what would give it one",
                 ),
+                Verdict::InternalError => (
+                    codes::INTERNAL,
+                    "could not be looked at",
+                    "this is a fault of linewright: see the finding at the contract",
+                ),
                 Verdict::Realizable | Verdict::Invalid => continue,
             };
             findings.push(

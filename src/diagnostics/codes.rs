@@ -75,6 +75,7 @@ codes! {
     IMPORT_MISSING = "LW004", "an imported file does not exist";
     NOTATION = "LW005", "another tool's notation means something unusual";
     OWN_TOOL = "LW006", "a specification's own tool answers otherwise";
+    INTERNAL = "LW007", "linewright itself failed";
 
     NAME_UNKNOWN = "LW101", "a name is not declared";
     NAME_DOUBLE = "LW102", "a name is declared twice";

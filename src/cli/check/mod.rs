@@ -134,7 +134,7 @@ fn check(
         .map(|m| Planned::new(m, &mut jobs))
         .collect();
     let progress = console.progress(jobs.len(), "checking");
-    let checked = jobs.run_with(memory, settings, &progress)?;
+    let checked = jobs.run_with(memory, settings, &progress);
 
     let report = Assembly {
         loaded: &loaded,
@@ -175,6 +175,7 @@ fn check(
         .map(|c| match c.verdict {
             "unrealizable" | "invalid" => ExitCode::Findings,
             "gave_up" => ExitCode::GaveUp,
+            "internal_error" => ExitCode::Internal,
             _ => ExitCode::Success,
         })
         .fold(ExitCode::Success, ExitCode::and);
