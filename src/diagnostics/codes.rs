@@ -159,6 +159,7 @@ codes! {
     LAYOUT_OPEN = "LW544", "a probe's dump does not determine the layout of UF_Value";
     LAYOUT_REFUTED = "LW545", "the host did not read back what was returned";
     FILE_KEPT = "LW546", "a file is already there and differs";
+    SIZES_OF_LINE = "LW547", "a machine is built with the sizes that a line gives it";
 }
 
 /// The code of an id such as `LW101`, in either case.
