@@ -22,10 +22,10 @@ typedef volatile LONG lw_count;
 static uint64_t lw_moment(void)
 {
     LARGE_INTEGER ticks;
-    FILETIME time;
+    FILETIME now;
     QueryPerformanceCounter(&ticks);
-    GetSystemTimeAsFileTime(&time);
-    return (uint64_t)ticks.QuadPart ^ ((uint64_t)time.dwHighDateTime << 32 | time.dwLowDateTime)
+    GetSystemTimeAsFileTime(&now);
+    return (uint64_t)ticks.QuadPart ^ ((uint64_t)now.dwHighDateTime << 32 | now.dwLowDateTime)
            ^ (uint64_t)GetCurrentProcessId() << 44;
 }
 #else
