@@ -80,10 +80,11 @@ pub fn stuck(closed: &Closed<'_>, stuck: &Stuck) -> Diagnostic {
             component.name
         ),
     };
+    let them = if names.len() == 1 { "it" } else { "them" };
     let mut finding = Diagnostic::error(
         codes::ASSUMPTION_OPEN,
         component.span,
-        format!("{what} {place}: no inputs keep them, so it has no answer"),
+        format!("{what} {place}: no inputs keep {them}, so it has no answer"),
     );
     for formula in among {
         finding = finding.with_label(formula.span, "this is assumed");
