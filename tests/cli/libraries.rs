@@ -213,7 +213,12 @@ fn a_file_with_machines_and_a_line_builds_what_the_line_needs() {
     assert_eq!(names, ["Lamp", "Lamp_2", "Idle"]);
     let finding = &document["findings"][0];
     assert_eq!(finding["code"], "LW547", "{finding}");
-    assert!(finding["help"].as_str().expect("a help").contains("mixed.lw::Lamp"));
+    assert!(
+        finding["help"]
+            .as_str()
+            .expect("a help")
+            .contains("mixed.lw::Lamp")
+    );
     // By its name it has its own sizes.
     let alone = session.run("build mixed.lw::Lamp --target source --out d --format json");
     let document: serde_json::Value = serde_json::from_str(&alone.out).expect("a document");

@@ -69,7 +69,20 @@ impl Assembly<'_> {
                 }
                 match declaration.kind {
                     Kind::Contract => {
-                        let entry = self.contract(file, declaration, &mut findings);
+                        let name = &declaration.name;
+                        let doing = || format!("explaining the contract `{name}`");
+                        let told = internal::caught(doing, || {
+                            self.contract(file, declaration, &mut findings)
+                        });
+                        let entry = told.unwrap_or_else(|fault| {
+                            findings.push(fault.finding(Some(declaration.extent)));
+                            ContractEntry {
+                                name: name.clone(),
+                                verdict: Verdict::InternalError.word(),
+                                findings: json::findings(sources, &findings),
+                                ..nameless(file.name)
+                            }
+                        });
                         document.contracts.push(entry);
                     }
                     Kind::Machine => {
