@@ -28,8 +28,8 @@
  *     station_describe()                     string: static JSON
  *
  * A string that is returned belongs to the library, since who owns it and when it is copied is not known of the host. Each instance has room
- * for one, which stays as it is until the next string that is returned for that instance; so has the library itself, for calls without a valid
- * handle. Several threads that read texts of one instance use lw_last_error, which copies.
+ * for one, which stays as it is until the next string that is returned for that instance. Several threads that read texts of one instance use
+ * lw_last_error, which copies. What is returned without a valid handle never changes, so that threads may read it as they like.
  *
  * The codes are those of station.h. Listing 2 of the paper loads and frees the library at every entry, which loses all
  * state: load it once, when the model starts, and make one instance for each station. */
@@ -77,7 +77,7 @@ static lw_slot *lw_enter_value(const UF_Value *arg, int32_t *code)
 {
     lw_slot *slot;
     if (!lw_is_handle(arg)) {
-        *code = lw_fail_alone(LW_ERROR_ARGUMENT, "the handle must be an integer");
+        *code = lw_fail_alone(LW_ERROR_ARGUMENT, LW_ALONE_KIND);
         return NULL;
     }
     slot = lw_enter(lw_handle_of(arg));
@@ -116,15 +116,28 @@ LW_EXPORT void reset(UF_Value *ret, UF_Value *arg)
     lw_give_integer(ret, code);
 }
 
-/* The text that was last shown for each instance, in the host's encoding; the last place is that of the library. */
+/* The text that was last shown for each instance, in the host's encoding. */
 #define LW_SHOWN_SIZE 512
-static lw_uf_unit lw_shown[LW_SLOTS + 1][LW_SHOWN_SIZE];
+static lw_uf_unit lw_shown[LW_SLOTS][LW_SHOWN_SIZE];
 
-/* Shows a text, cut where it is too long, for an instance or, without one, for the library. The caller holds its lock. */
+/* Shows a text, cut where it is too long, for an instance. The caller holds its lock. */
 static void lw_show(UF_Value *ret, const lw_slot *slot, const char *text)
 {
-    lw_uf_unit *place = lw_shown[slot == NULL ? LW_SLOTS : slot - lw_slots];
+    lw_uf_unit *place = lw_shown[slot - lw_slots];
     lw_uf_encode(text, place, LW_SHOWN_SIZE);
+    lw_give_string(ret, place);
+}
+
+/* The texts about calls without an instance. Each is written once, before it is first shown. */
+static lw_uf_unit lw_shown_alone[LW_ALONE_COUNT][LW_SHOWN_SIZE];
+
+/* Shows the last of them. The caller holds the table's lock. */
+static void lw_show_alone(UF_Value *ret)
+{
+    lw_uf_unit *place = lw_shown_alone[lw_last_alone];
+    if (place[0] == 0 && lw_last_alone != LW_ALONE_FINE) {
+        lw_uf_encode(lw_alone_texts[lw_last_alone], place, LW_SHOWN_SIZE);
+    }
     lw_give_string(ret, place);
 }
 
@@ -365,13 +378,15 @@ LW_EXPORT void last_error(UF_Value *ret, UF_Value *arg)
 {
     lw_text text;
     lw_slot *slot = lw_is_handle(arg) ? lw_enter_quietly(lw_handle_of(arg)) : NULL;
-    lw_lock *lock = slot == NULL ? &lw_table_lock : &slot->lock;
     if (slot == NULL) {
-        lw_lock_take(lock);
+        lw_lock_take(&lw_table_lock);
+        lw_show_alone(ret);
+        lw_lock_give(&lw_table_lock);
+        return;
     }
-    lw_put_into_words(slot == NULL ? &lw_table_error : &slot->error, &text);
+    lw_put_into_words(&slot->error, &text);
     lw_show(ret, slot, text.text);
-    lw_lock_give(lock);
+    lw_lock_give(&slot->lock);
 }
 
 LW_EXPORT void station_describe(UF_Value *ret, UF_Value *arg)

@@ -4,8 +4,6 @@
  * lock guards which places are taken; each place has a lock for its instance. */
 #include "step.c"
 
-#include <time.h>
-
 #if defined(_WIN32)
 #ifndef WIN32_LEAN_AND_MEAN
 #define WIN32_LEAN_AND_MEAN
@@ -19,8 +17,21 @@ typedef SRWLOCK lw_lock;
 #define lw_read(at) InterlockedCompareExchange((at), 0, 0)
 #define lw_set(at, value) ((void)InterlockedExchange((at), (value)))
 typedef volatile LONG lw_count;
+
+/* The finest clock there is, and the process. */
+static uint64_t lw_moment(void)
+{
+    LARGE_INTEGER ticks;
+    FILETIME now;
+    QueryPerformanceCounter(&ticks);
+    GetSystemTimeAsFileTime(&now);
+    return (uint64_t)ticks.QuadPart ^ ((uint64_t)now.dwHighDateTime << 32 | now.dwLowDateTime)
+           ^ (uint64_t)GetCurrentProcessId() << 44;
+}
 #else
 #include <pthread.h>
+#include <sys/time.h>
+#include <unistd.h>
 typedef pthread_mutex_t lw_lock;
 #define LW_LOCK_INITIALIZER PTHREAD_MUTEX_INITIALIZER
 #define lw_lock_create(lock) ((void)pthread_mutex_init((lock), NULL))
@@ -29,6 +40,14 @@ typedef pthread_mutex_t lw_lock;
 #define lw_read(at) __atomic_load_n((at), __ATOMIC_ACQUIRE)
 #define lw_set(at, value) __atomic_store_n((at), (value), __ATOMIC_RELEASE)
 typedef int lw_count;
+
+/* The time in microseconds, in which no library is unloaded and loaded again, and the process. */
+static uint64_t lw_moment(void)
+{
+    struct timeval now = {0, 0};
+    (void)gettimeofday(&now, NULL);
+    return ((uint64_t)now.tv_sec * 1000000U + (uint64_t)now.tv_usec) ^ (uint64_t)getpid() << 44;
+}
 #endif
 
 /* For the tests: a library without locks, which a thread sanitizer must complain about. */
@@ -42,11 +61,11 @@ typedef int lw_count;
 /* ---- Instances --------------------------------------------------------------------------------------------------- */
 
 /* A handle: 10 bits of the machine's mark, 11 bits of generation, 10 bits of place. A place whose generations are used up is not given
- * again. The first generation is another one in every process: a model that was saved with handles of another process must not end
- * instances of this one with them. */
+ * again. A model that was saved with handles of another process, or that has kept those of a library that was unloaded since, must not end
+ * instances with them. So both begin somewhere else each time that the library is loaded: of two million handles that an instance may get, it
+ * is one that it had before by chance alone. */
 #define LW_SLOTS 1024
 #define LW_GENERATIONS 2047
-#define LW_FIRST_GENERATIONS 512U
 
 typedef struct lw_slot {
     lw_lock lock;
@@ -64,8 +83,48 @@ static lw_slot lw_slots[LW_SLOTS];
 /* How many places have a lock. It only grows, and a place is ready before it is counted. */
 static lw_count lw_slots_used;
 static lw_lock lw_table_lock = LW_LOCK_INITIALIZER;
-static int32_t lw_first_generation; /* 0 until the first instance */
-static lw_error lw_table_error;
+/* Where this process begins; the generation is 0 until the first instance. */
+static int32_t lw_first_generation;
+static int lw_first_place;
+
+/* What can be wrong with a call that has no instance. Each text is a constant, so that one that was given to a host stays as it is. */
+enum lw_alone { LW_ALONE_FINE, LW_ALONE_HANDLE, LW_ALONE_KIND, LW_ALONE_ROOM, LW_ALONE_COUNT };
+static const char *const lw_alone_texts[LW_ALONE_COUNT] = {
+    "",
+    "the handle was never given by this library, or its instance has been destroyed",
+    "the handle must be an integer",
+    "there is no free place for an instance",
+};
+static enum lw_alone lw_last_alone;
+
+/* Bits that depend on all bits of a number: the finalizer of SplitMix64 (Steele, Lea and Flood 2014). */
+static uint64_t lw_mix(uint64_t number)
+{
+    number += UINT64_C(0x9E3779B97F4A7C15);
+    number = (number ^ number >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
+    number = (number ^ number >> 27) * UINT64_C(0x94D049BB133111EB);
+    return number ^ number >> 31;
+}
+
+/* Chooses where handles begin. The addresses differ from process to process where a system lays memory out at random. */
+static void lw_begin_handles(void)
+{
+    uint64_t chosen = lw_mix(lw_moment());
+    chosen = lw_mix(chosen ^ (uint64_t)(uintptr_t)lw_slots ^ (uint64_t)(uintptr_t)&chosen << 20);
+    lw_first_place = (int)(chosen % LW_SLOTS);
+    lw_first_generation = (int32_t)(chosen / LW_SLOTS % LW_GENERATIONS) + 1;
+}
+
+/* The generation after another, and the one before the first: a place is used up when it comes to that one. */
+static int32_t lw_after(int32_t generation)
+{
+    return generation % LW_GENERATIONS + 1;
+}
+
+static int32_t lw_last_generation(void)
+{
+    return lw_first_generation == 1 ? LW_GENERATIONS : lw_first_generation - 1;
+}
 
 /* The state of an instance, to work with. */
 static void lw_wake(const lw_slot *slot, lw_state *state)
@@ -92,41 +151,51 @@ static void lw_lay_down(lw_slot *slot, const lw_state *state)
 }
 
 /* An error of a call that has no instance. */
-static int32_t lw_fail_alone(int32_t code, const char *text)
+static int32_t lw_fail_alone(int32_t code, enum lw_alone what)
 {
     lw_lock_take(&lw_table_lock);
-    lw_fail(&lw_table_error, code, text);
+    lw_last_alone = what;
     lw_lock_give(&lw_table_lock);
     return code;
+}
+
+/* Whether a handle may be one of this library's, and the place in its array then. Places are used from the first one on. */
+static int lw_is_ours(lw_handle handle, int *place)
+{
+    int used;
+    if (handle <= 0 || (handle >> 21) != LW_HANDLE_MARK) {
+        return 0;
+    }
+    /* The first place is chosen before any is counted. */
+    used = (int)lw_read(&lw_slots_used);
+    if (used == 0) {
+        return 0;
+    }
+    *place = (int)(((unsigned)handle - (unsigned)lw_first_place) & (LW_SLOTS - 1));
+    return *place < used;
 }
 
 /* The instance of a handle, locked; or null. */
 static lw_slot *lw_enter_quietly(lw_handle handle)
 {
-    int place = handle & (LW_SLOTS - 1);
-    int known;
-    lw_slot *slot = &lw_slots[place];
-    if (handle > 0 && (handle >> 21) == LW_HANDLE_MARK) {
-        known = place < (int)lw_read(&lw_slots_used);
-        if (known) {
-            lw_lock_take(&slot->lock);
-            if (slot->live && slot->generation == ((handle >> 10) & LW_GENERATIONS)) {
-                return slot;
-            }
-            lw_lock_give(&slot->lock);
+    int place;
+    if (lw_is_ours(handle, &place)) {
+        lw_slot *slot = &lw_slots[place];
+        lw_lock_take(&slot->lock);
+        if (slot->live && slot->generation == ((handle >> 10) & LW_GENERATIONS)) {
+            return slot;
         }
+        lw_lock_give(&slot->lock);
     }
     return NULL;
 }
-
-#define LW_HANDLE_TEXT "the handle was never given by this library, or its instance has been destroyed"
 
 /* The same, and the library's own error says why there is none. */
 static lw_slot *lw_enter(lw_handle handle)
 {
     lw_slot *slot = lw_enter_quietly(handle);
     if (slot == NULL) {
-        lw_fail_alone(LW_ERROR_HANDLE, LW_HANDLE_TEXT);
+        lw_fail_alone(LW_ERROR_HANDLE, LW_ALONE_HANDLE);
     }
     return slot;
 }
@@ -168,33 +237,32 @@ lw_handle lw_create(void)
     lw_handle handle;
     lw_lock_take(&lw_table_lock);
     used = (int)lw_read(&lw_slots_used);
-    while (place < used && (lw_slots[place].live || lw_slots[place].generation == LW_GENERATIONS)) {
+    while (place < used && (lw_slots[place].live || lw_slots[place].generation == lw_last_generation())) {
         place++;
     }
     if (place == LW_SLOTS) {
-        lw_fail(&lw_table_error, LW_ERROR_MEMORY, "there is no free place for an instance");
+        lw_last_alone = LW_ALONE_ROOM;
         lw_lock_give(&lw_table_lock);
         return LW_ERROR_MEMORY;
     }
     lw_slot *slot = &lw_slots[place];
     if (place == used) {
         if (lw_first_generation == 0) {
-            /* Seconds that follow each other are spread over all generations that may be the first. */
-            uint32_t spread = (uint32_t)time(NULL) * 2654435769U;
-            lw_first_generation = (int32_t)(spread >> 16 & (LW_FIRST_GENERATIONS - 1U)) + 1;
+            lw_begin_handles();
         }
-        slot->generation = lw_first_generation - 1;
+        slot->generation = lw_last_generation();
         lw_lock_create(&slot->lock);
         lw_set(&lw_slots_used, used + 1);
     }
     lw_lock_take(&slot->lock);
     slot->live = 1;
-    slot->generation++;
+    slot->generation = lw_after(slot->generation);
     memset(&slot->state, 0, sizeof slot->state);
     slot->verdict = LW_OK;
     slot->ended = 0;
     slot->error.pieces = 0;
     slot->error.rule = NULL;
+    place = (place + lw_first_place) & (LW_SLOTS - 1);
     handle = (lw_handle)((LW_HANDLE_MARK << 21) | (slot->generation << 10) | place);
     lw_lock_give(&slot->lock);
     lw_lock_give(&lw_table_lock);
@@ -204,10 +272,10 @@ lw_handle lw_create(void)
 int32_t lw_destroy(lw_handle handle)
 {
     /* `live` is read by lw_create under the table's lock alone, so that one is taken first here. */
-    int place = handle & (LW_SLOTS - 1);
+    int place;
     int32_t code = LW_ERROR_HANDLE;
     lw_lock_take(&lw_table_lock);
-    if (handle > 0 && (handle >> 21) == LW_HANDLE_MARK && place < (int)lw_read(&lw_slots_used)) {
+    if (lw_is_ours(handle, &place)) {
         lw_slot *slot = &lw_slots[place];
         lw_lock_take(&slot->lock);
         if (slot->live && slot->generation == ((handle >> 10) & LW_GENERATIONS)) {
@@ -217,7 +285,7 @@ int32_t lw_destroy(lw_handle handle)
         lw_lock_give(&slot->lock);
     }
     if (code != LW_OK) {
-        lw_fail(&lw_table_error, code, LW_HANDLE_TEXT);
+        lw_last_alone = LW_ALONE_HANDLE;
     }
     lw_lock_give(&lw_table_lock);
     return code;
@@ -322,15 +390,17 @@ static int32_t lw_read_error(lw_handle handle, int rule, char *text, size_t size
 {
     lw_text words;
     lw_slot *slot = lw_enter_quietly(handle);
-    const lw_error *error = slot == NULL ? &lw_table_error : &slot->error;
     if (slot == NULL) {
         lw_lock_take(&lw_table_lock);
     }
-    if (rule) {
-        words.length = 0;
-        lw_write(&words, error->rule == NULL ? "" : error->rule);
+    words.length = 0;
+    words.text[0] = '\0';
+    if (slot == NULL) {
+        lw_write(&words, rule ? "" : lw_alone_texts[lw_last_alone]);
+    } else if (rule) {
+        lw_write(&words, slot->error.rule == NULL ? "" : slot->error.rule);
     } else {
-        lw_put_into_words(error, &words);
+        lw_put_into_words(&slot->error, &words);
     }
     lw_lock_give(slot == NULL ? &lw_table_lock : &slot->lock);
     if (text != NULL && size > 0) {

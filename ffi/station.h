@@ -5,7 +5,8 @@
  *
  * Handles.  `lw_create` gives an instance's handle, a number above 0 that fits 31 bits. It carries a mark of the library
  * and a generation, so that a handle of another machine, one that was destroyed, and one that was never given are all
- * answered with LW_ERROR_HANDLE. There are 1023 marks, so that one pair of machines in a thousand has the same; and two copies of one
+ * answered with LW_ERROR_HANDLE. Handles begin somewhere else each time that the library is loaded: one that was kept from before is valid by
+ * chance, one in two million for each instance there is. There are 1023 marks, so that one pair of machines in a thousand has the same; and two copies of one
  * library file have instances of their own, but the same mark: load it from one path. A library holds up to 1024 instances at a time.
  *
  * Errors.  Every function that can fail gives a negative code. A text that says what is wrong can be read with
@@ -13,7 +14,9 @@
  * been reset. Nothing aborts, and nothing unwinds into the host.
  *
  * Threads.  Every function may be called from several threads at once; calls on one instance wait for each other. The
- * text of the last error belongs to the instance, so with several threads on one instance it is that of the last of them.
+ * text of the last error belongs to the instance, so with several threads on one instance it is that of the last of them; in the same way
+ * what a call without a valid handle leaves is of whichever thread made the last of them. `lw_last_error` copies, so no text changes under
+ * its reader.
  *
  * Memory.  The library allocates nothing, and keeps no pointer that it was given. */
 #ifndef LW_STATION_H

@@ -410,8 +410,9 @@ LW_INLINE int32_t lw_begin(int index, const lw_state *before, lw_state *after, l
     const int64_t *previous = &before->values[component->first_value];
     int64_t *current = &after->values[component->first_value];
     if (!lw_respond_first(component, before->place[index], previous, current)) {
-        return lw_fail_name(error, LW_ERROR_INTERNAL, "", component->name,
-                            ": there is no transition at all; please report this");
+        /* The table was verified: it has a row for all inputs that keep the assumptions, so none do. */
+        return lw_fail_name(error, LW_ERROR_ASSUMPTION, "", component->name,
+                            ": its assumptions contradict each other here: no inputs keep them");
     }
     return LW_OK;
 }

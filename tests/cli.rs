@@ -13,6 +13,8 @@ mod exits;
 mod fmt;
 #[path = "cli/inputs.rs"]
 mod inputs;
+#[path = "cli/internal.rs"]
+mod internal;
 #[path = "cli/libraries.rs"]
 mod libraries;
 #[path = "cli/limits.rs"]
@@ -21,6 +23,8 @@ mod limits;
 mod names;
 #[path = "cli/outside.rs"]
 mod outside;
+#[path = "cli/places.rs"]
+mod places;
 #[path = "cli/session.rs"]
 mod session;
 mod support;

@@ -3,6 +3,8 @@
 
 #[path = "closed/brute.rs"]
 mod brute;
+#[path = "closed/contradictory.rs"]
+mod contradictory;
 #[path = "oracle/random.rs"]
 #[allow(dead_code, reason = "only its generator is used")]
 mod random;
@@ -350,6 +352,22 @@ fn machine(file: &str) -> Machine {
     let path = format!("{}/examples/{file}.lw", env!("CARGO_MANIFEST_DIR"));
     let loaded = files::load(&[path], &StandardLibrary::default());
     loaded.library.machines[0].clone()
+}
+
+/// The controllers, where all contracts are realizable.
+fn synthesized_as_far_as_can_be(machine: &Machine) -> Option<Vec<mealy::Controller>> {
+    let limits = Limits::default();
+    let components = machine.components.iter();
+    let controllers = components.map(|c| {
+        let Outcome::Realizable(won) = game::solve(&c.specification, &limits) else {
+            return None;
+        };
+        let table = extract(&c.specification, &won, &limits).expect("a table");
+        let verified = mealy::verify::verify(&c.specification, &table, &limits);
+        assert!(matches!(verified, Ok(Ok(()))), "{verified:?}");
+        Some(table.into())
+    });
+    controllers.collect()
 }
 
 fn synthesized(machine: &Machine) -> Vec<mealy::Controller> {

@@ -9,9 +9,9 @@ use std::fmt::Write as _;
 
 /// Codes that no contract shows: they need a plant that runs, a compiler, a damaged file, or a limit. Their pages show a console.
 const NOT_IN_A_CONTRACT: &[&str] = &[
-    "LW001", "LW204", "LW311", "LW312", "LW317", "LW403", "LW404", "LW405", "LW406", "LW407",
-    "LW409", "LW501", "LW502", "LW503", "LW504", "LW505", "LW506", "LW507", "LW530", "LW540",
-    "LW541", "LW542", "LW543", "LW544", "LW545", "LW546",
+    "LW001", "LW007", "LW204", "LW311", "LW312", "LW317", "LW403", "LW404", "LW405", "LW406",
+    "LW407", "LW409", "LW501", "LW502", "LW503", "LW504", "LW505", "LW506", "LW507", "LW530",
+    "LW540", "LW541", "LW542", "LW543", "LW544", "LW545", "LW546", "LW547",
 ];
 
 /// A finding as a document of `check` shows it.

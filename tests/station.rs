@@ -137,5 +137,6 @@ fn faults_of_a_controller_are_caught_alike() {
     stuck[0].states.iter_mut().for_each(Vec::clear);
     let stuck = Arc::new(stuck.into_iter().map(Into::into).collect());
     let counts = differential(&machine, &stuck, 2_000, 3, folder.path());
-    assert!(counts.of(ErrorCode::Internal) > 100);
+    assert!(counts.of(ErrorCode::Assumption) > 100);
+    assert!(counts.of(ErrorCode::Internal) == 0);
 }

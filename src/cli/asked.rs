@@ -92,6 +92,8 @@ fn open(
     if let Some(controlled) = controlled {
         let closed = Closed::of_called(controlled.machine, &controlled.controllers, called);
         if let Ok(verdict) = closed.decide(&closed::bounded(limits))
+            // Where a component is stuck, what is asked of it afterwards is not looked at.
+            && verdict.stuck.is_empty()
             && { called.asked.iter() }.all(|at| !verdict.undecided.contains(at))
         {
             return Ok(about_calls(verdict.open));

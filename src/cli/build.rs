@@ -3,6 +3,7 @@
 use super::console::schema;
 use super::controller::Wish;
 use super::exit::ExitCode;
+use super::internal;
 use super::judgement;
 use super::libraries::{self, Target, Written};
 use super::machines::{self, Planned};
@@ -29,8 +30,8 @@ use std::path::{Path, PathBuf};
 `linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` \
 needs none. `fmu` takes what there is.")]
 pub struct Arguments {
-    /// A file with machines or lines, and the name of one of them; without a name, all machines that the file declares, or, where it
-    /// declares lines only, those of the lines with the sizes that they have there
+    /// A file with machines or lines, and the name of one of them; without a name, the machines of all lines that the file declares, with
+    /// the sizes that they have there, and the machines that it declares beside, with their default sizes
     #[arg(value_name = "FILE[::NAME]", required_unless_present = "probe")]
     pub selection: Option<Selection>,
     /// What to build; can be given several times
@@ -84,14 +85,16 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Err(code) => return Ok(code),
     };
     let library = &loaded.library;
-    let picked = machines::told_apart(&machines::picked(selection, &loaded)?);
+    let chosen = machines::picked(selection, &loaded)?;
+    let picked = machines::told_apart(&chosen.machines);
     let mut jobs = Jobs::default().wishing(Wish {
         functions: true,
         ..Wish::default()
     });
     let planned: Vec<Planned<'_>> = picked.iter().map(|m| Planned::new(m, &mut jobs)).collect();
-    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"))?;
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"));
     let mut findings = loaded.findings.clone();
+    findings.extend(chosen.notes);
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
 
     // A missing compiler is said once, not once a machine.
@@ -110,6 +113,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let folder = arguments.out.as_deref().unwrap_or(&default);
     let mut libraries = Vec::new();
     for plan in planned.iter().filter_map(|p| p.controlled(&checked)) {
+        let (name, span) = (&plan.machine.name, plan.machine.span);
+        let doing = || format!("building the machine `{name}`");
         let misfits = judgement::findings(&plan, &settings.limits, settings.cache.as_ref());
         let fits = !has_errors(&misfits);
         findings.extend(misfits);
@@ -118,7 +123,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
         for (target, toolchain) in &toolchains {
             let toolchain = toolchain.as_ref();
-            let built = libraries::build(&plan, &profile, toolchain, folder, arguments.rebuild);
+            let built = internal::caught(doing, || {
+                libraries::build(&plan, &profile, toolchain, folder, arguments.rebuild)
+            });
+            let built = built.unwrap_or_else(|fault| Err(Box::new(fault.finding(Some(span)))));
             built_one(
                 &plan.machine.name,
                 **target,
@@ -128,7 +136,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             );
         }
         if let Some(toolchains) = &units {
-            let built = libraries::build_units(&plan, toolchains, folder);
+            let built =
+                internal::caught(doing, || libraries::build_units(&plan, toolchains, folder));
+            let built = built.unwrap_or_else(|fault| Err(Box::new(fault.finding(Some(span)))));
             built_one(
                 &plan.machine.name,
                 Target::Fmu,

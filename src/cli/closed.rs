@@ -2,7 +2,8 @@
 
 use super::algebra::found;
 use super::algebra::words::{Told, lasso_end, steps_table};
-use crate::algebra::closed::{Closed, Misrun, Verdict, Wrong};
+use super::findings::list;
+use crate::algebra::closed::{Closed, Misrun, Stuck, Verdict, Wrong};
 use crate::algebra::machine::COMPLETES;
 use crate::algebra::proof::{Open, Proof};
 use crate::algebra::replay;
@@ -37,6 +38,64 @@ pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagno
     };
     let mut findings = found::of_proof(told, &proof, &at);
     findings.swap_remove(0)
+}
+
+/// A component that has no answer: what it assumes contradicts itself after a run.
+///
+/// # Panics
+/// When its table has a gap although its assumptions can be kept: it was verified that it has none.
+pub fn stuck(closed: &Closed<'_>, stuck: &Stuck) -> Diagnostic {
+    let component = &closed.machine.components[stuck.component];
+    assert!(
+        stuck.silent,
+        "the controller of `{}` has no answer although its assumptions are kept; please report this",
+        component.name
+    );
+    let before = stuck.trace.len().saturating_sub(1);
+    let place = match before {
+        0 => "at the start",
+        _ => "after the run below",
+    };
+    let among = closed.contradiction(stuck, &Limits::default());
+    let among = among.unwrap_or_default();
+    let names: Vec<String> = among.iter().map(|f| format!("`{}`", f.name)).collect();
+    let what = match names.as_slice() {
+        [] => format!(
+            "the assumptions of `{}` contradict each other",
+            component.name
+        ),
+        [one] => format!(
+            "the assumption {one} of `{}` contradicts itself",
+            component.name
+        ),
+        several => format!(
+            "the assumptions {} of `{}` contradict each other",
+            list(several),
+            component.name
+        ),
+    };
+    let them = if names.len() == 1 { "it" } else { "them" };
+    let mut finding = Diagnostic::error(
+        codes::ASSUMPTION_OPEN,
+        component.span,
+        format!("{what} {place}: no inputs keep {them}, so it has no answer"),
+    );
+    for formula in among {
+        finding = finding.with_label(formula.span, "this is assumed");
+    }
+    if before > 0 {
+        let first = closed.taking[stuck.component].first;
+        let wires = component.specification.outputs().count();
+        let mut shown: BTreeSet<VarId> = (first..first + wires).map(|w| VarId(w as u32)).collect();
+        for binding in &component.bindings {
+            binding.for_each_var(&mut |v, _| {
+                shown.insert(v);
+            });
+        }
+        let shown: Vec<VarId> = shown.into_iter().collect();
+        finding = finding.with_note(steps_table(&closed.system, &shown, &stuck.trace[..before]));
+    }
+    finding.with_help("weaken one of them, or let the machine avoid what leads there")
 }
 
 /// Whether it is that all requests complete: of that it is told operation by operation.

@@ -8,6 +8,10 @@ use anyhow::Context as _;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether something was printed on standard output.
+static PRINTED: AtomicBool = AtomicBool::new(false);
 
 /// The two streams, and how to write to them.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +46,7 @@ impl Console {
 
     /// Prints a part of a result that goes on. Gives whether somebody still reads it.
     pub fn part(&self, text: &str) -> anyhow::Result<bool> {
+        PRINTED.store(true, Ordering::Relaxed);
         let mut out = AutoStream::new(io::stdout(), self.color);
         open(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
             .context("standard output cannot be written")
@@ -97,6 +102,16 @@ impl Console {
             }),
             Format::Sarif => self.document(&sarif::document(sources, findings)),
         }
+    }
+
+    /// Says why a command was ended by a fault of this program. Where a format for programs was asked for, that is the document, unless one
+    /// was printed already.
+    pub fn aborted(&self, command: &str, finding: &Diagnostic) -> anyhow::Result<()> {
+        let sources = SourceMap::default();
+        if PRINTED.load(Ordering::Relaxed) {
+            return self.remark(&render::human(&sources, std::slice::from_ref(finding)));
+        }
+        self.failed(command, &sources, std::slice::from_ref(finding))
     }
 
     /// A progress bar over `count` things; it is there only when standard error is a terminal.

@@ -14,10 +14,12 @@ pub enum ExitCode {
     CannotRun = 2,
     /// It gave up at a limit.
     GaveUp = 3,
+    /// The program itself failed (LW007): what it was looking at has no verdict.
+    Internal = 4,
 }
 
 impl ExitCode {
-    /// The code for two things together: the first of 2, 3, 1, 0 that occurs.
+    /// The code for two things together: the first of 4, 2, 3, 1, 0 that occurs.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let rank = |code: Self| match code {
@@ -25,6 +27,7 @@ impl ExitCode {
             Self::Findings => 1,
             Self::GaveUp => 2,
             Self::CannotRun => 3,
+            Self::Internal => 4,
         };
         if rank(other) > rank(self) {
             other
@@ -61,7 +64,9 @@ impl ExitCode {
             codes::DUMP,
             codes::FILE_KEPT,
         ];
-        if CANNOT_RUN.contains(&finding.code) {
+        if finding.code == codes::INTERNAL {
+            Self::Internal
+        } else if CANNOT_RUN.contains(&finding.code) {
             Self::CannotRun
         } else if finding.code == codes::GAVE_UP {
             Self::GaveUp
@@ -82,9 +87,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_of_2_3_1_wins() {
-        use ExitCode::{CannotRun, Findings, GaveUp, Success};
-        let order = [Success, Findings, GaveUp, CannotRun];
+    fn the_first_of_4_2_3_1_wins() {
+        use ExitCode::{CannotRun, Findings, GaveUp, Internal, Success};
+        let order = [Success, Findings, GaveUp, CannotRun, Internal];
         for (i, a) in order.into_iter().enumerate() {
             for (j, b) in order.into_iter().enumerate() {
                 assert_eq!(a.and(b), order[i.max(j)]);
@@ -108,6 +113,10 @@ mod tests {
         assert_eq!(
             of(&[error(codes::SYNTAX), error(codes::GAVE_UP)]),
             ExitCode::CannotRun
+        );
+        assert_eq!(
+            of(&[error(codes::SYNTAX), error(codes::INTERNAL)]),
+            ExitCode::Internal
         );
     }
 }

@@ -290,16 +290,7 @@ pub fn every(paths: &[String]) -> Vec<Read> {
     let mut files: Vec<Read> = Vec::new();
     for path in paths {
         let place = Path::new(path);
-        let found = if place.is_dir() {
-            search(place).map_err(|why| (shown(place), why))
-        } else {
-            Ok(vec![place.to_owned()])
-        };
-        let found: Vec<Found> = match found {
-            Ok(list) => list.iter().map(|f| read_named(f)).collect(),
-            Err(why) => vec![Err(why)],
-        };
-        for file in found {
+        for file in within(place) {
             let file = file.map_err(|(name, why)| unreadable(&name, &why));
             let known = |f: &Read| matches!((f, &file), (Ok(a), Ok(b)) if a.0 == b.0);
             if !files.iter().any(known) {
@@ -322,6 +313,11 @@ fn collect(path: &str, standard: &StandardLibrary) -> Vec<Found> {
             Err(why) => Err((name, why)),
         }];
     }
+    within(place)
+}
+
+/// A file itself, or every `.lw` file below a folder; there is at least one.
+fn within(place: &Path) -> Vec<Found> {
     if !place.is_dir() {
         return vec![read_named(place)];
     }
@@ -365,12 +361,11 @@ fn search(folder: &Path) -> Result<Vec<PathBuf>, String> {
         for entry in entries {
             let entry = entry.map_err(|e| describe(&e))?;
             let (path, kind) = (entry.path(), entry.file_type().map_err(|e| describe(&e))?);
-            if kind.is_dir() {
-                if !entry.file_name().to_string_lossy().starts_with('.') {
-                    folders.push(path);
-                }
-            } else if path.extension().is_some_and(|e| e == "lw") && !path.is_dir() {
+            // Whatever has the name of a contract is one, or is said to be none when it is read.
+            if path.extension().is_some_and(|e| e == "lw") {
                 found.push(path);
+            } else if kind.is_dir() && !entry.file_name().to_string_lossy().starts_with('.') {
+                folders.push(path);
             }
         }
     }
@@ -389,10 +384,46 @@ fn embedded(folder: &Dir<'_>, paths: &mut Vec<String>) {
     }
 }
 
-/// The text of a file, or why it cannot be read.
+/// The text of a file, or why it cannot be read. Only a regular file is: whoever reads a named pipe or a terminal may wait for ever.
 pub fn read(path: &Path) -> Result<String, String> {
+    is_regular(path)?;
     let bytes = std::fs::read(path).map_err(|e| describe(&e))?;
     String::from_utf8(bytes).map_err(|_| "it is not a text in UTF-8".to_owned())
+}
+
+/// Whether a path leads to a regular file; if not, what else is there.
+///
+/// # Errors
+/// What is there instead, in words.
+pub fn is_regular(path: &Path) -> Result<(), String> {
+    let kind = { std::fs::metadata(path) }
+        .map_err(|e| describe(&e))?
+        .file_type();
+    if kind.is_file() {
+        return Ok(());
+    }
+    if kind.is_dir() {
+        return Err("it is a folder".to_owned());
+    }
+    Err(format!("it is {}, and no regular file", special(kind)))
+}
+
+/// What is neither a file nor a folder.
+#[cfg(unix)]
+fn special(kind: std::fs::FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt as _;
+    if kind.is_fifo() {
+        "a named pipe"
+    } else if kind.is_socket() {
+        "a socket"
+    } else {
+        "a device"
+    }
+}
+
+#[cfg(not(unix))]
+fn special(_: std::fs::FileType) -> &'static str {
+    "a device"
 }
 
 fn describe(error: &std::io::Error) -> String {

@@ -5,6 +5,7 @@
 
 use super::cache::{Cache, Key};
 use super::check;
+use super::internal;
 use super::libraries::Controlled;
 use crate::diagnostics::Diagnostic;
 use crate::game::Limits;
@@ -21,7 +22,10 @@ pub fn findings(
     {
         return Vec::new();
     }
-    let findings = check::judge(controlled, limits);
+    let machine = controlled.machine;
+    let doing = || format!("judging the machine `{}`", machine.name);
+    let findings = internal::caught(doing, || check::judge(controlled, limits))
+        .unwrap_or_else(|fault| vec![fault.finding(Some(machine.span))]);
     remember(&findings, controlled, cache);
     findings
 }

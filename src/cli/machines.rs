@@ -1,6 +1,7 @@
 //! The controllers of machines: every component's contract with the arguments that the machine gives it.
 
 use super::files::Loaded;
+use super::findings;
 use super::libraries::Controlled;
 use super::pipeline::{CheckedContract, Jobs, Verdict};
 use super::select::Selection;
@@ -65,6 +66,11 @@ impl<'a> Planned<'a> {
                     "has no verdict",
                     "see at the contract what would give it one",
                 ),
+                Verdict::InternalError => (
+                    codes::INTERNAL,
+                    "could not be looked at",
+                    "this is a fault of linewright: see the finding at the contract",
+                ),
                 Verdict::Realizable | Verdict::Invalid => continue,
             };
             findings.push(
@@ -93,28 +99,71 @@ impl<'a> Planned<'a> {
     }
 }
 
-/// The machines that a selection names, or those of the line that it names. Without a name those that the file itself declares, or,
-/// where it declares lines only, those of its lines.
-pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<Vec<&'a Machine>> {
+/// What is to be built.
+#[derive(Debug, Default)]
+pub struct Picked<'a> {
+    /// The machines.
+    pub machines: Vec<&'a Machine>,
+    /// What is to be said of the choice.
+    pub notes: Vec<Diagnostic>,
+}
+
+/// The machines that a selection names, or those of the line that it names. Without a name those of the file's lines, with the sizes that they
+/// have there, as `run` would build them; and those that the file declares and no line of it uses, with their default sizes.
+pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<Picked<'a>> {
     let library = &loaded.library;
-    let machines = selection.find(loaded, &library.machines, |m| (&m.name, m.span));
-    if !machines.is_empty() {
-        return Ok(machines);
+    let declared = selection.find(loaded, &library.machines, |m| (&m.name, m.span));
+    if selection.name.is_some() && !declared.is_empty() {
+        return Ok(Picked {
+            machines: declared,
+            notes: Vec::new(),
+        });
     }
     let lines = selection.find(loaded, &library.lines, |l| (&l.name, l.span));
-    let mut machines: Vec<&Machine> = Vec::new();
-    for machine in lines.into_iter().flat_map(of_line) {
-        if !machines
-            .iter()
-            .any(|m| std::ptr::eq(*m, Arc::as_ptr(machine)))
-        {
-            machines.push(machine);
+    let mut picked = Picked::default();
+    for machine in lines.iter().flat_map(|l| of_line(l)) {
+        let known = |m: &&Machine| std::ptr::eq(*m, Arc::as_ptr(machine)) || is_alike(m, machine);
+        if !picked.machines.iter().any(known) {
+            picked.machines.push(machine);
         }
     }
-    if machines.is_empty() {
-        return selection.pick(loaded, "machine", &library.machines, |m| (&m.name, m.span));
+    for machine in declared {
+        let mut used = picked.machines.iter().filter(|m| m.span == machine.span);
+        if used.clone().count() == 0 {
+            picked.machines.push(machine);
+        } else if !used.any(|m| is_alike(m, machine)) {
+            picked
+                .notes
+                .push(sized(selection, machine, lines.as_slice()));
+        }
     }
-    Ok(machines)
+    if picked.machines.is_empty() {
+        picked.machines =
+            selection.pick(loaded, "machine", &library.machines, |m| (&m.name, m.span))?;
+    }
+    Ok(picked)
+}
+
+/// That a machine is built with other sizes than its own.
+fn sized(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnostic {
+    let name = &machine.name;
+    let users = lines
+        .iter()
+        .filter(|l| of_line(l).iter().any(|m| m.span == machine.span))
+        .map(|l| format!("`{}`", l.name));
+    let users: Vec<String> = users.collect();
+    Diagnostic::note(
+        codes::SIZES_OF_LINE,
+        machine.span,
+        format!(
+            "`{name}` is built with the sizes that it has in {}",
+            findings::list(&users)
+        ),
+    )
+    .with_help(format!(
+        "`linewright build {}::{name}` builds it with its default sizes",
+        selection.path
+    ))
 }
 
 /// The same machines under names whose files differ: of two that would be written to the same file, such as one machine in two sizes, the

@@ -21,6 +21,7 @@ pub mod files;
 pub mod findings;
 pub mod fmt;
 pub mod import;
+pub mod internal;
 pub mod interrupt;
 pub mod judgement;
 mod libraries;
@@ -43,6 +44,7 @@ pub mod worker;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use exit::ExitCode;
+use internal::Fault;
 use options::GlobalOptions;
 use std::ffi::OsString;
 
@@ -53,7 +55,8 @@ const STACK_BYTES: usize = 256 << 20;
 #[derive(Debug, Parser)]
 #[command(name = "linewright", version, arg_required_else_help = true)]
 #[command(
-    after_help = "Exit codes: 0 all is well; 1 findings; 2 it could not run; 3 it gave up at a limit."
+    after_help = "Exit codes: 0 all is well; 1 findings; 2 it could not run; 3 it gave up at a limit; 4 an internal error, \
+                  which is no verdict."
 )]
 pub struct Arguments {
     /// What to do.
@@ -119,20 +122,51 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             };
         }
     };
-    report_panics();
+    internal::watch_panics();
     let console = arguments.options.console();
-    let result = on_large_stack(|| dispatch(&arguments));
-    let result = result.map(|code| {
-        if interrupt::interrupted() {
-            code.and(ExitCode::GaveUp)
-        } else {
-            code
+    let command = arguments.command.name();
+    let doing = || format!("running `{command}`");
+    let result = on_large_stack(|| internal::caught(doing, || dispatch(&arguments)));
+    let fault = match result {
+        Ok(Ok(Ok(code))) if interrupt::interrupted() => return code.and(ExitCode::GaveUp),
+        Ok(Ok(Ok(code))) => return code,
+        Ok(Ok(Err(error))) if error.is::<pipeline::InternalError>() => {
+            Fault::noticed(doing(), error.to_string())
         }
-    });
-    result.unwrap_or_else(|error| {
-        let _ = console.remark(&format!("\u{1b}[1m\u{1b}[91merror\u{1b}[0m: {error:#}\n"));
-        ExitCode::CannotRun
-    })
+        Err(error) | Ok(Ok(Err(error))) => {
+            let _ = console.remark(&format!("\u{1b}[1m\u{1b}[91merror\u{1b}[0m: {error:#}\n"));
+            return ExitCode::CannotRun;
+        }
+        Ok(Err(fault)) => fault,
+    };
+    let _ = console.aborted(command, &fault.finding(None));
+    ExitCode::Internal
+}
+
+impl Command {
+    /// As it is written on the command line.
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Check(_) => "check",
+            Self::Synth(_) => "synth",
+            Self::Step(_) => "step",
+            Self::Build(_) => "build",
+            Self::Run(_) => "run",
+            Self::Fmt(_) => "fmt",
+            Self::Compose(_) => "compose",
+            Self::Refine(_) => "refine",
+            Self::Compat(_) => "compat",
+            Self::Conjoin(_) => "conjoin",
+            Self::Quotient(_) => "quotient",
+            Self::Merge(_) => "merge",
+            Self::Import(_) => "import",
+            Self::Explain(_) => "explain",
+            Self::Order(_) => "order",
+            Self::Din(_) => "din",
+            Self::Doctor(_) => "doctor",
+            Self::Completions(_) => "completions",
+        }
+    }
 }
 
 fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
@@ -160,9 +194,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
 }
 
 /// Runs `work` on a thread with a large stack, and gives rayon's threads one too.
-fn on_large_stack(
-    work: impl FnOnce() -> anyhow::Result<ExitCode> + Send,
-) -> anyhow::Result<ExitCode> {
+fn on_large_stack<R: Send>(work: impl FnOnce() -> R + Send) -> anyhow::Result<R> {
     // Fails only when the pool exists already (in tests, where it does not matter).
     let _ = rayon::ThreadPoolBuilder::new()
         .stack_size(STACK_BYTES)
@@ -171,22 +203,10 @@ fn on_large_stack(
         let thread = std::thread::Builder::new()
             .stack_size(STACK_BYTES)
             .spawn_scoped(scope, work)?;
-        thread
+        Ok(thread
             .join()
-            .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     })
-}
-
-/// A broken inner rule panics; the user is asked to report it.
-fn report_panics() {
-    let default = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |info| {
-        default(info);
-        eprintln!(
-            "\nThis is a fault of linewright {}: please report it, with the command and the files that lead to it.",
-            env!("CARGO_PKG_VERSION")
-        );
-    }));
 }
 
 #[cfg(test)]

@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .into_iter()
         .map(|m| Planned::new(m, &mut jobs))
         .collect();
-    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"))?;
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"));
     let mut findings = loaded.findings.clone();
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
     let controlled: Option<Vec<_>> = planned.iter().map(|p| p.controlled(&checked)).collect();

@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         ),
         None => jobs.add(&contract.specification, contract.span),
     };
-    let checked = jobs.run(&settings, &console.progress(jobs.len(), "solving"))?;
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "solving"));
     let Some(checked) = checked.into_iter().next() else {
         anyhow::bail!("there is nothing to play");
     };

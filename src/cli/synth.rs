@@ -203,7 +203,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             None => jobs.add(&c.specification, c.span),
         }));
     }
-    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"))?;
+    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"));
     if arguments.stats {
         for (contract, index) in contracts.iter().zip(&indices) {
             let statistics = checked[*index].statistics.timed(!options.no_timing);

@@ -4,7 +4,7 @@
 //! last minutes. So whoever waits here goes on shortly after the deadline, or after Ctrl-C, with what the work had
 //! reported until then. The thread goes on until the program ends, which is soon.
 
-use super::interrupt;
+use super::{internal, interrupt};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
@@ -62,7 +62,8 @@ where
         let report = |partly: P| {
             let _ = sender.send(Err(partly));
         };
-        let result = work(&report);
+        // A panic goes on to whoever waits, with its place.
+        let result = internal::within("", || work(&report));
         let _ = sender.send(Ok(result));
     });
     let thread = thread.unwrap_or_else(|e| panic!("no thread can be started: {e}"));
@@ -112,8 +113,14 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "broken")]
     fn a_panic_is_passed_on() {
-        run(None, |_: &dyn Fn(u8)| panic!("broken"));
+        let work = || run(None, |_: &dyn Fn(u8)| panic!("broken"));
+        let caught = internal::caught(|| "waiting".to_owned(), work);
+        let finding = caught.unwrap_err().finding(None);
+        assert!(
+            finding.message.contains("waiting: broken"),
+            "{}",
+            finding.message
+        );
     }
 }

@@ -75,6 +75,7 @@ codes! {
     IMPORT_MISSING = "LW004", "an imported file does not exist";
     NOTATION = "LW005", "another tool's notation means something unusual";
     OWN_TOOL = "LW006", "a specification's own tool answers otherwise";
+    INTERNAL = "LW007", "linewright itself failed";
 
     NAME_UNKNOWN = "LW101", "a name is not declared";
     NAME_DOUBLE = "LW102", "a name is declared twice";
@@ -161,6 +162,7 @@ codes! {
     LAYOUT_OPEN = "LW544", "a probe's dump does not determine the layout of UF_Value";
     LAYOUT_REFUTED = "LW545", "the host did not read back what was returned";
     FILE_KEPT = "LW546", "a file is already there and differs";
+    SIZES_OF_LINE = "LW547", "a machine is built with the sizes that a line gives it";
 }
 
 /// The code of an id such as `LW101`, in either case.

@@ -91,7 +91,7 @@ impl Interpreter {
             let output = match &self.controllers[c] {
                 mealy::Controller::Machine(controller) => {
                     let first = controller.transitions(before.places[c]).first();
-                    let missing = || CallError::no_transition_at_all(&machine.components[c].name);
+                    let missing = || CallError::no_legal_inputs(&machine.components[c].name);
                     first.ok_or_else(missing)?.output.clone()
                 }
                 mealy::Controller::Functions(functions) => {

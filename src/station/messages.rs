@@ -241,10 +241,12 @@ impl CallError {
         )
     }
 
-    pub(super) fn no_transition_at_all(component: &str) -> Self {
+    /// A component that answers first has no outputs where it is: a verified table has a row for all inputs that keep the assumptions,
+    /// so none do.
+    pub(super) fn no_legal_inputs(component: &str) -> Self {
         Self::plain(
-            ErrorCode::Internal,
-            format!("{component}: there is no transition at all; please report this"),
+            ErrorCode::Assumption,
+            format!("{component}: its assumptions contradict each other here: no inputs keep them"),
         )
     }
 

@@ -186,3 +186,42 @@ fn what_is_built_is_not_built_again() {
     // With a compiler that works, all is well again.
     assert_eq!(session.run(&line).code, 0);
 }
+
+/// Of a file with machines and a line, what the line needs is built, as `run` would; and what no line uses, with its default sizes.
+#[test]
+fn a_file_with_machines_and_a_line_builds_what_the_line_needs() {
+    let session = Session::new();
+    let text = std::fs::read_to_string(session.path("lamp.lw")).expect("a text");
+    let line = text.find("line Lamps").expect("a line");
+    let machine = text[..line].replace("machine Lamp {", "machine Lamp(steps: 1..3 = 1) {");
+    let machine = machine.replace("time 1 s", "time steps s");
+    let idle = machine[machine.find("machine Lamp").expect("a machine")..]
+        .replace("machine Lamp", "machine Idle");
+    let mixed = format!(
+        "{machine}{idle}line Lamps {{\n part Bulb\n product Bulb\n source shelf: Bulb on order\n sink out\n\
+         station one: Lamp(steps = 2) {{ perform shine on Bulb }}\n\
+         station two: Lamp(steps = 3) {{ perform shine on Bulb }}\n\
+         route Bulb: shelf -> one -> two -> out\n limit 5 products\n}}\n"
+    );
+    std::fs::write(session.path("mixed.lw"), mixed).expect("a file");
+    let built = session.run("build mixed.lw --target source --out c --format json");
+    assert_eq!(built.code, 0, "{}{}", built.out, built.err);
+    let document: serde_json::Value = serde_json::from_str(&built.out).expect("a document");
+    let names: Vec<&str> = { document["libraries"].as_array().expect("a list").iter() }
+        .map(|l| l["machine"].as_str().expect("a name"))
+        .collect();
+    assert_eq!(names, ["Lamp", "Lamp_2", "Idle"]);
+    let finding = &document["findings"][0];
+    assert_eq!(finding["code"], "LW547", "{finding}");
+    assert!(
+        finding["help"]
+            .as_str()
+            .expect("a help")
+            .contains("mixed.lw::Lamp")
+    );
+    // By its name it has its own sizes.
+    let alone = session.run("build mixed.lw::Lamp --target source --out d --format json");
+    let document: serde_json::Value = serde_json::from_str(&alone.out).expect("a document");
+    assert_eq!(document["libraries"].as_array().map(Vec::len), Some(1));
+    assert_eq!(document["findings"].as_array().map(Vec::len), Some(0));
+}

@@ -10,7 +10,7 @@ use linewright::contract::machine::{Machine, PlantSource};
 use linewright::gr1::eval;
 use linewright::station::interpret::Interpreter;
 use linewright::station::load::{Instance, Library};
-use linewright::station::{Controller, Package, Toolchain};
+use linewright::station::{Controller, ErrorCode, Package, Toolchain};
 use std::sync::Arc;
 
 /// An interpreter and an instance of the library that have gone the same way.
@@ -109,6 +109,10 @@ fn values(machine: &Machine, call: usize, random: &mut Random) -> Vec<f64> {
     properties
         .map(|p| match (&p.domain, call) {
             (_, 0) => p.default,
+            // Only full blanks are milled.
+            (Some(domain), _) if machine.name == "Milling" && p.name.starts_with("heights") => {
+                domain.high() as f64
+            }
             (Some(domain), _) => random.within(domain) as f64,
             (None, _) => 45.0 * random.below(9) as f64,
         })
@@ -221,4 +225,29 @@ fn check_written(machine: &str, operation: &str, before: &[f64], after: &[f64]) 
         other => panic!("{other:?} is new: say what it leaves"),
     }
     assert_eq!(after, wanted, "{machine}.{operation}");
+}
+
+/// A blank of which something is missing cannot be milled to more than is there: it is refused, and stays as it is.
+#[test]
+fn a_part_that_is_lower_than_its_target_is_not_milled() {
+    let folder = tempfile::tempdir().unwrap();
+    let milling = { machines().iter() }.find(|m| m.machine.name == "Milling");
+    let milling = milling.expect("it is there");
+    let package = Package::emit(&milling.machine, &milling.controllers);
+    let built = Toolchain::host().build(&package, folder.path(), false);
+    let library = Library::open(&built.unwrap().path).unwrap();
+    let mut pair = Pair::new(milling, &library);
+    for [low, high] in [[0.0, 0.0], [0.0, 1.0], [2.0, 0.0], [1.0, 1.0], [2.0, 1.0]] {
+        let values = [low, high, 2.0, 1.0];
+        let error = pair.ours.simulate(0, &mut values.clone()).unwrap_err();
+        assert_eq!(error.code, ErrorCode::Assumption);
+        assert_eq!(error.rule.as_deref(), Some("cutter: begins_full"));
+        let mut after = values;
+        assert_eq!(pair.simulate(0, &mut after), None);
+        assert_eq!(after, values);
+    }
+    // The instance is as good as before.
+    let mut values = [2.0, 2.0, 2.0, 1.0];
+    assert!(pair.simulate(0, &mut values).is_some());
+    assert_eq!(values, [2.0, 1.0, 2.0, 1.0]);
 }

@@ -15,6 +15,7 @@ fn breakable(machine: &str) -> &'static [&'static str] {
     match machine {
         "Printer" => &["layers: target_held"],
         "Milling" => &[
+            "cutter: begins_full",
             "cutter: clamped_while_cutting",
             "cutter: fresh",
             "cutter: target_held",

@@ -112,12 +112,15 @@ impl Asked<'_> {
 
     fn conclude(&mut self, owed: &Owed, broken: Option<Vec<Vec<i64>>>) {
         match (owed.duty, broken) {
+            // What a component without outputs assumes is not met in the step in which it has none.
+            (Duty::Assumed(_), None) if self.is_silent(owed.component) => {}
             (Duty::Assumed(at), None) => self.met(at),
             (Duty::Assumed(at), Some(trace)) => self.open(at, Broken::Trace(trace)),
             (Duty::Speaks | Duty::Covered, None) => {}
             (Duty::Speaks | Duty::Covered, Some(trace)) => {
                 let stuck = Stuck {
                     component: owed.component,
+                    silent: owed.duty == Duty::Speaks,
                     trace,
                 };
                 if self.is_real(replay::stuck(self.closed, &stuck)) {
@@ -125,6 +128,11 @@ impl Asked<'_> {
                 }
             }
         }
+    }
+
+    fn is_silent(&self, component: usize) -> bool {
+        let mut stuck = self.verdict.stuck.iter();
+        stuck.any(|s| s.silent && s.component == component)
     }
 
     fn met(&mut self, at: FormulaRef) {

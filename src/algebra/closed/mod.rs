@@ -17,6 +17,7 @@
 mod decide;
 pub mod replay;
 mod rules;
+mod silent;
 mod table;
 mod watch;
 
@@ -89,7 +90,10 @@ pub enum Met {
 pub struct Stuck {
     /// The component.
     pub component: usize,
-    /// The run; in its last step there is no answer.
+    /// Whether it answers first and has no outputs where it is. A table that was verified has a row for all inputs that keep the
+    /// assumptions, so no inputs keep them there ([`Closed::contradiction`]).
+    pub silent: bool,
+    /// The run; in its last step there is no answer. Of a silent component, what wires are in that step means nothing.
     pub trace: Vec<Vec<i64>>,
 }
 

@@ -310,14 +310,16 @@ pub fn stuck(closed: &Closed<'_>, found: &Stuck) -> Result<(), String> {
         closed.controllers[component].timing() == Timing::Moore
             && playing.spoken(component).is_none()
     };
-    if last == 0 && silent(&Playing::new(closed)) {
-        return Ok(());
-    }
-    if last > 0 {
-        let playing = closed.play(&steps[..last], Until::End)?;
-        if silent(&playing) {
-            return Ok(());
-        }
+    if found.silent {
+        let playing = match last {
+            0 => Playing::new(closed),
+            _ => closed.play(&steps[..last], Until::End)?,
+        };
+        return if silent(&playing) {
+            Ok(())
+        } else {
+            Err("it has outputs".to_owned())
+        };
     }
     let mut playing = closed.play(steps, Until::Before(component))?;
     closed.assumptions(&[component], steps, last)?;

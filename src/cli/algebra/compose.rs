@@ -171,7 +171,7 @@ fn synth(
     let mut jobs = Jobs::examining();
     let job = jobs.add(&specification, span);
     let console = options.console();
-    let checked = jobs.run(&options.settings(), &console.progress(1, "synthesizing"))?;
+    let checked = jobs.run(&options.settings(), &console.progress(1, "synthesizing"));
     let checked = &checked[job];
     let findings = checked.findings_where_needed();
     let sources = &joined.loaded.library.sources;

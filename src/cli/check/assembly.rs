@@ -4,12 +4,14 @@ use super::document::{
     ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, PremiseEntry, SkillsEntry,
     Summary,
 };
+use super::machine::Proved;
 use super::view::FileView;
 use super::{explained, machine};
 use crate::cli::cache::Cache;
 use crate::cli::console::schema;
 use crate::cli::files::Loaded;
 use crate::cli::findings::lost;
+use crate::cli::internal;
 use crate::cli::judgement;
 use crate::cli::lines;
 use crate::cli::machines::{self, Planned};
@@ -20,7 +22,7 @@ use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json};
 use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
-use crate::order::{self, bound::Until};
+use crate::order::{self, Skills, bound::Until};
 use crate::source::Span;
 use std::path::Path;
 
@@ -74,7 +76,20 @@ impl Assembly<'_> {
                 }
                 match declaration.kind {
                     Kind::Contract => {
-                        let entry = self.contract(file, declaration, &mut findings);
+                        let name = &declaration.name;
+                        let doing = || format!("explaining the contract `{name}`");
+                        let told = internal::caught(doing, || {
+                            self.contract(file, declaration, &mut findings)
+                        });
+                        let entry = told.unwrap_or_else(|fault| {
+                            findings.push(fault.finding(Some(declaration.extent)));
+                            ContractEntry {
+                                name: name.clone(),
+                                verdict: Verdict::InternalError.word(),
+                                findings: json::findings(sources, &findings),
+                                ..nameless(file.name)
+                            }
+                        });
                         document.contracts.push(entry);
                     }
                     Kind::Machine => {
@@ -107,6 +122,7 @@ impl Assembly<'_> {
                 "realizable" => &mut document.summary.realizable,
                 "unrealizable" => &mut document.summary.unrealizable,
                 "gave_up" => &mut document.summary.gave_up,
+                "internal_error" => &mut document.summary.internal_error,
                 _ => &mut document.summary.invalid,
             };
             *count += 1;
@@ -128,19 +144,24 @@ impl Assembly<'_> {
         let Document {
             machines, lines, ..
         } = document;
-        let broken = [Verdict::Invalid.word(), Verdict::Unrealizable.word()];
-        let invalid = |name: &str| {
+        let broken = [Verdict::Invalid, Verdict::Unrealizable].map(Verdict::word);
+        let failed = [Verdict::InternalError].map(Verdict::word);
+        let has = |verdicts: &[&str], name: &str| {
             machines
                 .iter()
-                .any(|m| m.name == name && broken.contains(&m.verdict))
+                .any(|m| m.name == name && verdicts.contains(&m.verdict))
         };
         for model in &self.loaded.library.lines {
-            let affected = machines::of_line(model).iter().any(|m| invalid(&m.name));
-            for entry in lines
-                .iter_mut()
-                .filter(|l| affected && l.name == model.name)
-            {
-                entry.verdict = "invalid";
+            let of_line = machines::of_line(model);
+            let verdict = if of_line.iter().any(|m| has(&failed, &m.name)) {
+                Verdict::InternalError.word()
+            } else if of_line.iter().any(|m| has(&broken, &m.name)) {
+                Verdict::Invalid.word()
+            } else {
+                continue;
+            };
+            for entry in lines.iter_mut().filter(|l| l.name == model.name) {
+                entry.verdict = verdict;
                 entry.proof = None;
                 entry.premises.clear();
                 entry.undecided.clear();
@@ -229,8 +250,14 @@ impl Assembly<'_> {
         let known = self.loaded.library.skills.iter();
         let skills = { known }.find(|s| sound && declaration.holds(s.span));
         let until = Until::new(self.limits.deadline);
-        let examined = skills.map(|s| order::findings::examine(s, until));
+        let examine = |s: &Skills| {
+            let doing = || format!("checking the skills `{}`", s.name);
+            internal::caught(doing, || order::findings::examine(s, until))
+                .unwrap_or_else(|fault| vec![fault.finding(Some(s.span))])
+        };
+        let examined = skills.map(|s| examine(s));
         let verdict = match &examined {
+            Some(examined) if is_failed(examined) => Verdict::InternalError.word(),
             Some(examined) if has_errors(examined) => "contradictory",
             Some(_) => "consistent",
             None => "invalid",
@@ -269,10 +296,20 @@ impl Assembly<'_> {
                 findings.extend(found);
             }
         }
-        let proof =
-            { line }.map(|line| lines::examine(line, controlled, &self.limits, self.verbose));
-        let verdict = proof.as_ref().map(|proof| proof.verdict);
-        let proof = proof.unwrap_or_default();
+        let failed = is_failed(findings);
+        let proof = line.map(|line| {
+            let doing = || format!("proving the line `{}`", line.name);
+            internal::caught(doing, || {
+                lines::examine(line, controlled, &self.limits, self.verbose)
+            })
+        });
+        let verdict = { proof.as_ref() }.and_then(|p| Some(p.as_ref().ok()?.verdict));
+        let proof = proof.unwrap_or_else(|| Ok(lines::Proof::default()));
+        let proof = proof.unwrap_or_else(|fault| lines::Proof {
+            findings: vec![fault.finding(line.map(|l| l.span))],
+            ..lines::Proof::default()
+        });
+        let failed = failed || is_failed(&proof.findings);
         if proof.routes_decided {
             findings.retain(|f| f.code != codes::LINE_ROUTE || f.severity == Severity::Error);
         }
@@ -280,7 +317,11 @@ impl Assembly<'_> {
         LineEntry {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
-            verdict: if sound && fits { "valid" } else { "invalid" },
+            verdict: match (failed, sound && fits) {
+                (true, _) => Verdict::InternalError.word(),
+                (false, true) => "valid",
+                (false, false) => "invalid",
+            },
             proof: verdict.filter(|_| fits),
             premises: proof.premises.into_iter().map(PremiseEntry::from).collect(),
             undecided: proof.undecided,
@@ -316,14 +357,22 @@ impl Assembly<'_> {
         let proved = planned
             .and_then(|p| p.controlled(self.checked))
             .map(|c| {
-                let proved = machine::proved(&c, &self.limits);
+                let (name, span) = (&c.machine.name, c.machine.span);
+                let doing = || format!("checking the machine `{name}`");
+                let proved = internal::caught(doing, || machine::proved(&c, &self.limits));
+                let proved = proved.unwrap_or_else(|fault| Proved {
+                    findings: vec![fault.finding(Some(span))],
+                    ..Proved::default()
+                });
                 judgement::remember(&proved.findings, &c, self.cache);
                 proved
             })
             .unwrap_or_default();
         let fits = !has_errors(&proved.findings);
+        let failed = is_failed(&proved.findings);
         findings.extend(proved.findings);
         let verdict = match planned {
+            _ if failed => Verdict::InternalError,
             Some(planned) if fits => planned.verdict(self.checked),
             _ => Verdict::Invalid,
         };
@@ -350,6 +399,11 @@ impl Assembly<'_> {
             findings: json::findings(&self.loaded.library.sources, findings),
         }
     }
+}
+
+/// Whether this program failed at what the findings are about.
+fn is_failed(findings: &[Diagnostic]) -> bool {
+    findings.iter().any(|f| f.code == codes::INTERNAL)
 }
 
 /// Whether a finding only follows from a slip that was found in the text of the same formula.

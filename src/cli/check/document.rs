@@ -110,7 +110,7 @@ pub(super) struct WellSeparation {
 pub(super) struct SkillsEntry {
     pub(super) name: String,
     pub(super) file: String,
-    /// `consistent`; `contradictory`, when its rules allow nothing or lead nowhere; or `invalid`.
+    /// `consistent`; `contradictory`, when its rules allow nothing or lead nowhere; `invalid`; or `internal_error`.
     pub(super) verdict: &'static str,
     pub(super) skills: usize,
     pub(super) rules: usize,
@@ -180,7 +180,7 @@ pub(super) struct RefinesEntry {
 pub(super) struct LineEntry {
     pub(super) name: String,
     pub(super) file: String,
-    /// `valid` or `invalid`.
+    /// `valid`, `invalid`, or `internal_error`.
     pub(super) verdict: &'static str,
     /// Of a valid one: `proved`; `safe`, when nothing gets lost or stuck in it, but it was not decided in time that everything goes on;
     /// `open` or `gave_up`.
@@ -217,5 +217,16 @@ pub(super) struct Summary {
     pub(super) unrealizable: usize,
     pub(super) gave_up: usize,
     pub(super) invalid: usize,
+    /// Contracts that this program failed at; left out where there are none.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub(super) internal_error: usize,
     pub(super) findings: usize,
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde gives a reference to every field"
+)]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }

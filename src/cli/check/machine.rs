@@ -10,6 +10,7 @@ use crate::algebra::system::{FormulaRef, System};
 use crate::cli::algebra::found;
 use crate::cli::algebra::words::{DischargeEntry, HANDED_ON, Told, entry, rule};
 use crate::cli::closed::{self, bounded, undecided};
+use crate::cli::internal::within;
 use crate::cli::libraries::{self, Controlled};
 use crate::contract::machine::{Machine, Promised};
 use crate::diagnostics::{Diagnostic, Severity, codes};
@@ -36,12 +37,16 @@ pub(super) fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
     let limits = &limits.within(Budget::MACHINE);
     let mut result = Proved::default();
     // An inner machine is known by what it promises; that it keeps the promise is shown first.
-    layers::promises(controlled.machine, limits, &mut result.findings);
+    within("proving what inner machines promise", || {
+        layers::promises(controlled.machine, limits, &mut result.findings);
+    });
     let beyond = layers::beyond(controlled.machine);
     let machine = controlled.machine.abstracted();
     let (system, claim) = of_machine(machine);
     let closed = Closed::of_machine(controlled.machine, &controlled.controllers);
-    let decided = closed.decide(&bounded(limits));
+    let decided = within("putting its controllers together", || {
+        closed.decide(&bounded(limits))
+    });
     result.closed = Some(closed_entry(&closed, &decided));
     // Of what is too large for that, the coordinator's states are walked, with all else left free.
     let walked = match &decided {
@@ -133,6 +138,12 @@ impl Both<'_> {
                 .map(|d| (d.what, entry(self.told, d))),
         );
         if let Some(verdict) = self.verdict.filter(|_| proof.loops.is_empty()) {
+            // Of a component that is stuck it is told why, and nothing else.
+            let is_stuck = |part: Option<usize>| {
+                let mut stuck = verdict.stuck.iter();
+                stuck.any(|s| Some(s.component) == part)
+            };
+            proof.open.retain(|o| !is_stuck(o.what.part));
             for open in &proof.open {
                 if let Some(met) = verdict.is_met(open.what) {
                     entries.push((open.what, self.shown(open.what, met)));
@@ -188,10 +199,7 @@ impl Both<'_> {
         let open =
             open.filter(|o| !closed::is_completion(self.closed, o) && !but.contains(&o.what));
         findings.extend(open.map(|o| closed::open(self.closed, self.told.whole, o, self.span)));
-        assert!(
-            verdict.stuck.is_empty(),
-            "a controller has no answer although its assumptions are kept; please report this"
-        );
+        findings.extend(verdict.stuck.iter().map(|s| closed::stuck(self.closed, s)));
     }
 
     /// What the contracts do not show, and the controllers neither show nor break.

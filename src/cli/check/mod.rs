@@ -137,7 +137,7 @@ fn check(
         .collect();
     let sized = sized(&files, library, &machines, &mut jobs);
     let progress = console.progress(jobs.len(), "checking");
-    let checked = jobs.run_with(memory, settings, &progress)?;
+    let checked = jobs.run_with(memory, settings, &progress);
 
     let report = Assembly {
         loaded: &loaded,
@@ -180,6 +180,7 @@ fn check(
         .map(|c| match c.verdict {
             "unrealizable" | "invalid" => ExitCode::Findings,
             "gave_up" => ExitCode::GaveUp,
+            "internal_error" => ExitCode::Internal,
             _ => ExitCode::Success,
         })
         .fold(ExitCode::Success, ExitCode::and);

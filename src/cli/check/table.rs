@@ -51,7 +51,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         let mut cells = vec![String::new(); COLUMNS];
         cells[0] = format!("skills {}", s.name);
         cells[2] = format!("{}, {}", count(s.skills, "skill"), count(s.rules, "rule"));
-        s.verdict.clone_into(&mut cells[3]);
+        cells[3] = s.verdict.replace('_', " ");
         cells[6] = file(&s.file);
         rows.push(Row {
             verdict: s.verdict,
@@ -77,7 +77,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     for l in &document.lines {
         let mut cells = vec![String::new(); COLUMNS];
         cells[0] = format!("line {}", l.name);
-        l.verdict.clone_into(&mut cells[3]);
+        cells[3] = l.verdict.replace('_', " ");
         cells[4] = match l.proof {
             Some("proved") if l.premises.is_empty() => "proved".to_owned(),
             Some("proved") => "proved, provided".to_owned(),
@@ -287,6 +287,7 @@ fn summary(document: &Document) -> String {
         (s.unrealizable, "unrealizable"),
         (s.gave_up, "gave up"),
         (s.invalid, "invalid"),
+        (s.internal_error, "internal error"),
     ] {
         if n > 0 {
             parts.push(format!("{n} {what}"));

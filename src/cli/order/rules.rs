@@ -3,7 +3,7 @@
 use super::Choice;
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
-use crate::cli::files::Loaded;
+use crate::cli::files::{self, Loaded};
 use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::diagnostics::nearest;
@@ -118,7 +118,11 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     for path in entries.map(|e| e.path()) {
         let is_contract = path.extension().is_some_and(|e| e == "lw");
-        let text = std::fs::read_to_string(&path).ok().filter(|_| is_contract);
+        let text = if is_contract {
+            files::read(&path).ok()
+        } else {
+            None
+        };
         // Only a hint where to look: the file is read properly afterwards.
         if text.is_some_and(|t| t.lines().any(|l| l.starts_with("skills "))) {
             found.push(path.to_string_lossy().into_owned());

@@ -203,6 +203,24 @@ pub(super) fn gave_up(job: &Job, reason: Reason, solve: &Progress) -> CheckedCon
     }
 }
 
+/// A contract that this program failed at.
+pub(super) fn failed(job: &Job, finding: Diagnostic) -> CheckedContract {
+    let statistics = Progress::default().statistics();
+    CheckedContract {
+        verdict: Verdict::InternalError,
+        findings: vec![finding],
+        core: Vec::new(),
+        environment: None,
+        lost: None,
+        controller: None,
+        ranking: None,
+        seconds: 0.0,
+        peak_nodes: None,
+        statistics: Statistics::of_solver(&statistics, &job.specification),
+        left_out: false,
+    }
+}
+
 /// LW208, for each guarantee that can ask for a next value outside its domain.
 fn overflows(specification: &Specification) -> Vec<Diagnostic> {
     let found = overflow::overflows(specification).into_iter();

@@ -1,6 +1,6 @@
 //! From a specification to a verified controller: solve → extract → verify, many at once.
 //!
-//! A controller that the verifier refuses is a fault of this program; it ends the command and is never written out. What was
+//! A controller that the verifier refuses is a fault of this program, and is never written out. What was
 //! solved before comes from the [cache](super::cache): results, from which the findings are made anew. A task finds out what
 //! is to be known of a contract, and that is then put into words.
 
@@ -15,6 +15,7 @@ pub use memory::Memory;
 
 use super::cache::Cache;
 use super::controller::Wish;
+use super::internal::{self, Fault};
 use super::interrupt::Watch;
 use super::statistics::Statistics;
 use crate::diagnostics::{Diagnostic, codes};
@@ -39,6 +40,8 @@ pub enum Verdict {
     GaveUp,
     /// It could not be understood.
     Invalid,
+    /// This program failed while it looked at it: nothing is known.
+    InternalError,
 }
 
 impl Verdict {
@@ -49,6 +52,7 @@ impl Verdict {
             Self::Unrealizable => "unrealizable",
             Self::GaveUp => "gave_up",
             Self::Invalid => "invalid",
+            Self::InternalError => "internal_error",
         }
     }
 
@@ -60,6 +64,7 @@ impl Verdict {
             Self::GaveUp => 1,
             Self::Unrealizable => 2,
             Self::Invalid => 3,
+            Self::InternalError => 4,
         };
         if rank(other) > rank(self) {
             other
@@ -100,8 +105,7 @@ pub struct CheckedContract {
 /// A fault of this program.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "internal error: the controller synthesized for `{contract}` was refused by the verifier ({rule}). \
-     Nothing was written. This is a fault of linewright: please report it together with the contract"
+    "the controller synthesized for `{contract}` was refused by the verifier ({rule}); nothing was written"
 )]
 pub struct InternalError {
     contract: String,
@@ -281,11 +285,7 @@ impl Jobs {
 
     /// Does them all, in parallel; the results are in the order of the jobs. It ends shortly after the time limit, and after
     /// Ctrl-C, whatever is being done then.
-    pub fn run(
-        &self,
-        settings: &Settings,
-        progress: &ProgressBar,
-    ) -> Result<Vec<CheckedContract>, InternalError> {
+    pub fn run(&self, settings: &Settings, progress: &ProgressBar) -> Vec<CheckedContract> {
         self.run_with(None, settings, progress)
     }
 
@@ -295,23 +295,15 @@ impl Jobs {
         memory: Option<&mut Memory>,
         settings: &Settings,
         progress: &ProgressBar,
-    ) -> Result<Vec<CheckedContract>, InternalError> {
+    ) -> Vec<CheckedContract> {
         let _watch = Watch::new();
         let results = self
             .list
             .par_iter()
             .map(|job| {
                 let result = match memory.as_ref().and_then(|m| m.find(job)) {
-                    Some(known) => Ok(known),
-                    None => Task {
-                        job: job.clone(),
-                        examine: self.examine,
-                        rank: self.rank,
-                        wish: self.wish,
-                        settings: settings.clone(),
-                        solve: Arc::default(),
-                    }
-                    .in_time(),
+                    Some(known) => known,
+                    None => self.done(job, settings),
                 };
                 progress.set_message(job.specification.name.clone());
                 progress.inc(1);
@@ -319,11 +311,30 @@ impl Jobs {
             })
             .collect::<Vec<_>>();
         progress.finish_and_clear();
-        let results: Vec<CheckedContract> = results.into_iter().collect::<Result<_, _>>()?;
         if let Some(memory) = memory {
             memory.keep(&self.list, &results);
         }
-        Ok(results)
+        results
+    }
+
+    /// Does one of them. A fault of this program is told where the contract stands, and leaves the others alone.
+    fn done(&self, job: &Job, settings: &Settings) -> CheckedContract {
+        let name = &job.specification.name;
+        let doing = || format!("checking the contract `{name}`");
+        let task = Task {
+            job: job.clone(),
+            examine: self.examine,
+            rank: self.rank,
+            wish: self.wish,
+            settings: settings.clone(),
+            solve: Arc::default(),
+        };
+        let fault = match internal::caught(doing, || task.in_time()) {
+            Ok(Ok(known)) => return known,
+            Ok(Err(refused)) => Fault::noticed(doing(), refused.to_string()),
+            Err(fault) => fault,
+        };
+        known::failed(job, fault.finding(Some(job.span)))
     }
 }
 
@@ -362,6 +373,7 @@ mod tests {
             Verdict::GaveUp,
             Verdict::Unrealizable,
             Verdict::Invalid,
+            Verdict::InternalError,
         ];
         for (i, a) in order.into_iter().enumerate() {
             for (j, b) in order.into_iter().enumerate() {

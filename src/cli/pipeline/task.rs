@@ -5,6 +5,7 @@ use super::known::{Known, gave_up};
 use super::{CheckedContract, Goal, InternalError, Job, Reason, Settings};
 use crate::cli::cache::{self, Cache, Entry, Hints, Key, Version};
 use crate::cli::controller::{Controller, Wish, controller};
+use crate::cli::internal::within;
 use crate::cli::statistics::Statistics;
 use crate::cli::worker::{self, Ended};
 use crate::game::{self, Heuristic, Limit, Limits, Outcome, Phase, Progress};
@@ -157,7 +158,7 @@ impl Task {
         let version = cache.filter(|_| self.job.goal != Goal::Controller);
         let hints = version.and_then(|c| c.version(specification));
         let hints = hints.map(|v| v.hints(specification)).unwrap_or_default();
-        let solved = self.play(&hints);
+        let solved = within("solving the game", || self.play(&hints));
         let mut statistics = Statistics::of_solver(&solved.statistics, specification);
         let large = statistics.large;
         if large {
@@ -192,12 +193,14 @@ impl Task {
             if self.job.goal > Goal::Answer
                 && let Some(core) = known.core.clone()
             {
-                let lost = explain(specification, &core, limits, &mut |lost| {
-                    let lost = Some(Box::new(lost.clone()));
-                    report(Known {
-                        lost,
-                        ..known.clone()
-                    });
+                let lost = within("saying why it is unrealizable", || {
+                    explain(specification, &core, limits, &mut |lost| {
+                        let lost = Some(Box::new(lost.clone()));
+                        report(Known {
+                            lost,
+                            ..known.clone()
+                        });
+                    })
                 })?;
                 known.lost = Some(Box::new(lost));
             }
@@ -211,14 +214,16 @@ impl Task {
         }
         if self.extracts(large) {
             let statistics = &mut known.statistics;
-            known.controller = controller(
-                specification,
-                &won,
-                statistics.pairs,
-                self.wish(),
-                limits,
-                statistics.seconds.as_mut(),
-            )?;
+            known.controller = within("extracting its controller", || {
+                controller(
+                    specification,
+                    &won,
+                    statistics.pairs,
+                    self.wish(),
+                    limits,
+                    statistics.seconds.as_mut(),
+                )
+            })?;
         }
         report(known.clone());
         if self.examines(large) {
@@ -227,14 +232,16 @@ impl Task {
                 most_nodes: Some(MOST_EXAMINED_NODES),
                 ..*limits
             };
-            let environment = match &self.job.own {
+            let environment = within("examining its plant", || match &self.job.own {
                 Some(own) => game::examine_environment(own, &limits),
                 None => won.examine_environment(specification, &limits),
-            };
+            });
             known.examined = !matches!(environment, Err(Limit::Time));
             known.environment = environment.ok();
             report(known.clone());
-            let shape = won.shape(specification, &limits);
+            let shape = within("examining its formulas", || {
+                won.shape(specification, &limits)
+            });
             known.examined &= !matches!(shape, Err(Limit::Time));
             known.shape = shape.ok();
         }

@@ -536,6 +536,7 @@ impl<'a> Run<'a> {
                     format!("the guarantee \"{rule}\" was broken")
                 }
                 (Some(rule), _) => format!("\"{rule}\" was broken"),
+                (None, ErrorCode::Assumption) => "no inputs keep its assumptions".to_owned(),
                 (None, ErrorCode::Limit) => "the operation did not end".to_owned(),
                 (None, ErrorCode::Domain) => "a value is outside its domain".to_owned(),
                 (None, _) => "the controller refused a call".to_owned(),

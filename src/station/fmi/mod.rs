@@ -18,7 +18,7 @@ pub mod variables;
 use super::interpret::Interpreter;
 use super::package::file_stem;
 use super::profile::Profile;
-use super::toolchain::Platform;
+use super::toolchain::{Platform, WorkFolder};
 use super::{Controller as _, Error, Package, Toolchain, emit};
 use crate::contract::machine::{Machine, PlantSource};
 use crate::diagnostics::{Diagnostic, codes};
@@ -221,10 +221,7 @@ pub fn build(
         path: folder.to_owned(),
         cause,
     };
-    let work = tempfile::Builder::new()
-        .prefix(".build-")
-        .tempdir_in(folder)
-        .map_err(unwritable)?;
+    let work = WorkFolder::new(folder)?;
     let units = Version::ALL.map(|version| Unit::emit(machine, controllers, version));
     let tasks: Vec<(&Unit, &Toolchain)> = units
         .iter()

@@ -19,6 +19,7 @@ pub mod compiler;
 mod manifest;
 pub mod survey;
 mod trial;
+mod work;
 
 use super::package::{Package, create_folder, write};
 use super::{Error, emit};
@@ -29,6 +30,7 @@ use sha2::{Digest, Sha256};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+pub(super) use work::WorkFolder;
 
 /// `LW_ABI_VERSION` of `ffi/station.h`.
 pub(super) const ABI_VERSION: i32 = 1;
@@ -248,13 +250,7 @@ impl Toolchain {
     fn compile(&self, package: &Package, folder: &Path, path: &Path) -> Result<(), Error> {
         create_folder(folder)?;
         // Beside its place, so that the library can be renamed into it.
-        let work = tempfile::Builder::new()
-            .prefix(".build-")
-            .tempdir_in(folder)
-            .map_err(|cause| Error::Unwritable {
-                path: folder.to_owned(),
-                cause,
-            })?;
+        let work = WorkFolder::new(folder)?;
         let source = package.write_source(work.path())?;
         let source = source.file_name().unwrap_or_default();
         let compiler = self.compiler(work.path())?;

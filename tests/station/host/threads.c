@@ -107,6 +107,31 @@ static void together(int thread)
     }
 }
 
+/* ---- No instance ------------------------------------------------------------------------------------------------- */
+
+/* What is said of calls without a valid handle belongs to all threads, so it may be about another one's call; but it stays as it was returned
+ * as long as it is read. */
+static void without_an_instance(int thread)
+{
+    const library *lib = shared_library;
+    UF_Value arg = value_integer(-1 - thread);
+    UF_Value real = value_of_tag(LW_UF_TAG_REAL);
+    for (int done = 0; done < rounds; done++) {
+        const char *text;
+        char copy[TEXT_ROOM];
+        if (sizeof(LW_UF_INTEGER) >= sizeof(lw_handle) && (done + thread) % 2 == 0) {
+            same(LW_ERROR_ARGUMENT, call_integer(lib->reset_value, &real, "reset"), "reset with a real number");
+        } else {
+            same_code(LW_ERROR_HANDLE, lib->destroy(-1 - thread), "lw_destroy of a handle that was never given");
+        }
+        text = call_string(lib->last_error_value, &arg, "last_error");
+        if (strcmp(text, "the handle must be an integer") != 0) {
+            holds(text, "never given by this library", "last_error without an instance");
+        }
+        same((int64_t)lib->last_error(-1, copy, sizeof copy), (int64_t)strlen(copy), "the length of a copied text");
+    }
+}
+
 /* ---- Instances that come and go ---------------------------------------------------------------------------------- */
 
 #define SHELF 16
@@ -232,8 +257,12 @@ void check_threads(const library *lib, int64_t calls)
     same_code(LW_OK, lib->destroy(shared_handle), "lw_destroy");
     say("%d threads, one instance", THREADS);
 
+    rounds = rounds / 10 < 20000 ? rounds / 10 : 20000;
+    threads_run(THREADS, without_an_instance);
+    say("%d threads, no instance", THREADS);
+
     /* As many as leave generations for what comes after. */
-    rounds = rounds / 20 < 20000 ? rounds / 20 : 20000;
+    rounds = rounds / 2;
     created = 0;
     destroyed = 0;
     memset(shelf, 0, sizeof shelf);

@@ -261,7 +261,9 @@ impl Word {
 impl Seen {
     /// A file now, read only where that can tell something new; `None` where it cannot be read.
     fn of(path: &Path, before: Option<Self>) -> Option<Self> {
-        let data = std::fs::metadata(path).ok().filter(|d| !d.is_dir())?;
+        let data = std::fs::metadata(path)
+            .ok()
+            .filter(std::fs::Metadata::is_file)?;
         let (changed, bytes) = (data.modified().ok(), data.len());
         if let Some(before) = before
             && before.settled
