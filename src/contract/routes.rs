@@ -143,7 +143,10 @@ fn never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
             Diagnostic::error(
                 codes::LINE_ROUTE,
                 route.span,
-                format!("no `{}` ever takes this route from `{}`", ty.name, from.name),
+                format!(
+                    "no `{}` ever takes this route from `{}`",
+                    ty.name, from.name
+                ),
             )
             .with_label(first.span, "each takes this one, which has no condition")
             .with_help(help),

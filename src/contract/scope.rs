@@ -336,13 +336,9 @@ pub(super) fn double_formals(define: &ast::Define) -> Vec<Diagnostic> {
 
 /// A statement that may stand once only, at the second one.
 pub(super) fn stands_twice(word: &str, here: Span, first: Span, help: &str) -> Diagnostic {
-    Diagnostic::error(
-        codes::NAME_DOUBLE,
-        here,
-        format!("`{word}` stands twice"),
-    )
-    .with_label(first, "first here")
-    .with_help(help)
+    Diagnostic::error(codes::NAME_DOUBLE, here, format!("`{word}` stands twice"))
+        .with_label(first, "first here")
+        .with_help(help)
 }
 
 /// A name that is there already.

@@ -44,8 +44,12 @@ impl<'a> Builder<'a, '_> {
         let mut requirements: BTreeMap<&str, Span> = BTreeMap::new();
         for item in &decl.items {
             let (word, span, help) = match item {
-                LineItem::Product(name) => ("product", name.span, "keep the one that the run counts"),
-                LineItem::Limit(value, _) => ("limit", value.span, "keep the one at which a run ends"),
+                LineItem::Product(name) => {
+                    ("product", name.span, "keep the one that the run counts")
+                }
+                LineItem::Limit(value, _) => {
+                    ("limit", value.span, "keep the one at which a run ends")
+                }
                 LineItem::Shift(from, to) => (
                     "shift",
                     from.span.to(to.span),
@@ -60,9 +64,7 @@ impl<'a> Builder<'a, '_> {
                 _ => continue,
             };
             if let Some(first) = once.insert(word, span) {
-                self.e
-                    .findings
-                    .push(stands_twice(word, span, first, help));
+                self.e.findings.push(stands_twice(word, span, first, help));
             }
         }
     }

@@ -11,6 +11,7 @@
 //! many more steps as it has places before that, because a controller may go through hidden states.
 //!
 //! One belt can hand over only in its own step and take only in its own step, so there is a place between two belts.
+//! Whose turn it is at the next node is decided as for all others; see `flow.rs`.
 
 use super::flow::Request;
 use super::{BELT, Event, Place, Run};
@@ -44,6 +45,8 @@ pub(super) struct BeltState {
     quiet: u32,
     /// A part came on or off in the last step.
     handed: bool,
+    /// Steps in which it was the first part's turn, and it was not handed over.
+    kept: usize,
     pub moving_seconds: f64,
     pub carried: u64,
 }
@@ -82,6 +85,7 @@ impl BeltState {
             ticking: false,
             quiet: 0,
             handed: false,
+            kept: 0,
             moving_seconds: 0.0,
             carried: 0,
         }
@@ -158,6 +162,9 @@ impl<'a> Run<'a> {
             belt.ticking = false;
             self.violate(node, None, error);
             self.ask(node, outlet);
+            if unload_ready {
+                self.decline(node, outlet);
+            }
             return;
         }
         belt.steps += 1;
@@ -200,6 +207,11 @@ impl<'a> Run<'a> {
         last_outputs.copy_from_slice(outputs);
         if unloaded {
             self.unload(node, outlet);
+        } else if unload_ready && self.outlets[outlet].part.is_some() {
+            self.belt(node).kept += 1;
+            if self.belt(node).kept > declared.places.len() + 2 {
+                self.decline(node, outlet);
+            }
         }
         if accepted {
             match next {
@@ -320,6 +332,26 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// The first part had its turn at the next node and did not come: those behind it go first.
+    fn decline(&mut self, node: usize, outlet: usize) {
+        self.belt(node).kept = 0;
+        let Some(to) = self.outlets[outlet].to else {
+            return;
+        };
+        let Some(at) = self.waiting[to].iter().position(|r| r.outlet == outlet) else {
+            return;
+        };
+        if let Some(request) = self.waiting[to].remove(at) {
+            self.order += 1;
+            self.waiting[to].push_back(Request {
+                order: self.order,
+                declined: true,
+                ..request
+            });
+            self.look_at(to);
+        }
+    }
+
     /// The first part comes off.
     fn unload(&mut self, node: usize, outlet: usize) {
         let Some(&(part, _)) = self.belt(node).held.front() else {
@@ -329,9 +361,17 @@ impl<'a> Run<'a> {
             self.outlets[outlet].part = Some(part);
             self.outlets[outlet].to = self.way(node, part);
         }
+        self.belt(node).kept = 0;
         if let Some(to) = self.outlets[outlet].to {
-            self.waiting[to].retain(|request: &Request| request.outlet != outlet);
+            let own = self.waiting[to].iter().position(|r| r.outlet == outlet);
+            let own = own.and_then(|at| self.waiting[to].remove(at));
             self.transfer(outlet);
+            if let (Some(request), Place::Belt(next)) = (own, &mut self.places[to])
+                && let Some((_, order)) = &mut next.inlet
+            {
+                // What waited for the place before a belt has waited for the belt.
+                *order = request.order;
+            }
             // Those behind it in the queue stood back for it.
             self.look_at(to);
         }
