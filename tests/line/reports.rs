@@ -359,5 +359,10 @@ fn requirements_over_all_runs() {
         .skip_while(|l| !l.contains("requirement"))
         .take(4)
         .collect();
-    insta::assert_snapshot!(rows.join("\n"));
+    insta::assert_snapshot!(rows.join("\n"), @r"
+      requirement verdict         asked for                     mean    from      to   worst
+      pace        fails in 1 of 3 throughput per hour >= 150 220.000 -90.269 530.269 120.000
+      short       holds           makespan in s <= 300       200.000 -48.414 448.414 300.000
+      exact       fails in 2 of 3 makespan in s = 100        200.000 -48.414 448.414 300.000
+    ");
 }

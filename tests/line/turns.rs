@@ -28,8 +28,8 @@ fn a_belt_is_served_beside_a_source_that_always_has_a_part() {
         .route("A0", &["st1", "conv5", "st6", "out"])
         .route("P1", &["p1", "st3", "belt4", "st1", "out"]);
     let trace = builder.run_until(10_000.0);
-    // Whenever one A0 has left the conveyor, and that takes 55 s, one P1 goes first.
-    assert!(trace.products > 150, "{} products", trace.products);
+    // The station is free once in 55 s. Every other time the components of the next A0 were there before the P1.
+    assert!(trace.products > 85, "{} products", trace.products);
     let joined = builder.part("A0");
     let finished = { trace.log.iter() }
         .filter(|e| e.what == What::Finished && e.part.is_some_and(|(_, kind)| kind == joined))
@@ -111,7 +111,7 @@ fn a_belt_that_does_not_hand_over_loses_its_turn() {
     assert!(trace.products >= 85, "{} products", trace.products);
 }
 
-/// What comes to the place before a belt has waited for the belt: a source that always has a part does not go before it twice.
+/// The place before a belt, where another one hands over, takes turns with a source that always has a part.
 #[test]
 fn a_belt_before_a_belt_is_served_in_its_turn() {
     let mut builder = Builder::new(&["A", "B"]);

@@ -207,12 +207,8 @@ impl<'a> Run<'a> {
         last_outputs.copy_from_slice(outputs);
         if unloaded {
             self.unload(node, outlet);
-        } else if unload_ready && self.outlets[outlet].part.is_some() {
-            self.belt(node).kept += 1;
-            if self.belt(node).kept > declared.places.len() + 2 {
-                self.decline(node, outlet);
-            }
         }
+        let had_turn = unload_ready && !unloaded && self.outlets[outlet].part.is_some();
         if accepted {
             match next {
                 Some(Next::Inlet(part)) => {
@@ -232,6 +228,11 @@ impl<'a> Run<'a> {
         let belt = self.belt(node);
         let at_end = !unloaded && belt.held.front().is_some_and(|(_, p)| *p == Some(last));
         let asleep = belt.quiet as usize > declared.places.len() + 1;
+        belt.kept += usize::from(had_turn);
+        let too_long = belt.kept > declared.places.len() + 2;
+        if had_turn && (too_long || asleep) {
+            self.decline(node, outlet);
+        }
         if at_end || asleep {
             self.ask(node, outlet);
         }
@@ -363,15 +364,8 @@ impl<'a> Run<'a> {
         }
         self.belt(node).kept = 0;
         if let Some(to) = self.outlets[outlet].to {
-            let own = self.waiting[to].iter().position(|r| r.outlet == outlet);
-            let own = own.and_then(|at| self.waiting[to].remove(at));
+            self.waiting[to].retain(|request: &Request| request.outlet != outlet);
             self.transfer(outlet);
-            if let (Some(request), Place::Belt(next)) = (own, &mut self.places[to])
-                && let Some((_, order)) = &mut next.inlet
-            {
-                // What waited for the place before a belt has waited for the belt.
-                *order = request.order;
-            }
             // Those behind it in the queue stood back for it.
             self.look_at(to);
         }

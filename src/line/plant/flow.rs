@@ -13,8 +13,8 @@
 //!
 //! A belt can hand over only when it is stepped. Once it is its turn it is woken, and the room is kept for it until then, even if
 //! another part could go at once. That must not last for ever, whatever a controller does: a belt that was stepped with its turn as often
-//! as it has places, and twice more, or that refused such a step, and has not handed over, goes to the end of the queue, and is passed
-//! over until something changes at the node. So as long as a node has room that some request waits for, either it will be
+//! as it has places, and twice more, or that refused such a step, or that falls asleep, and has not handed over, goes to the end of the
+//! queue, and is passed over until something changes at the node. So as long as a node has room that some request waits for, either it will be
 //! looked at, or a belt with its turn will be stepped, or all who could come have had their turn and did not.
 
 use super::{Place, Run};
