@@ -2,7 +2,7 @@
 //!
 //! The host is in `station/host`, and knows nothing of machines: the tests here write its plan from the machine in this process
 //! ([`walk`], [`plan`]), build the library of every machine for this computer and for Windows, and run the host on it, natively and
-//! under Wine ([`passes`]). Libraries that are not what they should be must make it fail ([`controls`], [`mutants`]); sanitizers
+//! under Wine ([`passes`]). Libraries that are not what they should be must make it fail ([`controls`], [`mutants`], [`runtime`]); sanitizers
 //! watch it ([`sanitizers`]); and what a library is as a file is looked at without it ([`shape`], [`images`]). The small host for
 //! users is tried too ([`example`]).
 
@@ -32,6 +32,8 @@ mod passes;
 mod plan;
 #[path = "host/programs.rs"]
 mod programs;
+#[path = "host/runtime.rs"]
+mod runtime;
 #[path = "host/sanitizers.rs"]
 mod sanitizers;
 #[path = "host/shape.rs"]

@@ -22,3 +22,5 @@ mod serial;
 mod stations;
 #[path = "line/support.rs"]
 mod support;
+#[path = "line/turns.rs"]
+mod turns;

@@ -140,3 +140,53 @@ fn faults_of_a_controller_are_caught_alike() {
     assert!(counts.of(ErrorCode::Assumption) > 100);
     assert!(counts.of(ErrorCode::Internal) == 0);
 }
+
+/// A whole-number property ends as a whole number of its range, or the operation is refused; what it was before, it may stay.
+#[test]
+fn whole_numbers_stay_whole_and_in_range() {
+    let folder = folder();
+    let (machine, controllers) = fixtures::counting();
+    let package = Package::emit(&machine, &controllers);
+    let built = Toolchain::host()
+        .build(&package, folder.path(), false)
+        .unwrap();
+    let mut instance = Library::open(&built.path).unwrap().instance().unwrap();
+    let mut interpreter = Interpreter::new(Arc::clone(&machine), Arc::clone(&controllers));
+    // The wish, what the count is before, and whether that is allowed.
+    let cases = [
+        (2.0, 0.0, true),
+        (-3.0, 0.0, true),
+        (6.0, 0.0, true),
+        (-4.0, 0.0, false),
+        (7.0, 0.0, false),
+        (2.5, 0.0, false),
+        (-2.5, 0.0, false),
+        (5.999_999_999, 0.0, false),
+        (0.5, 0.5, true),
+        (9.0, 9.0, true),
+        (9.0, 8.0, false),
+    ];
+    for (wish, before, allowed) in cases {
+        let values = [0.0, 1.0, 0.3, wish, before];
+        let (mut ours, mut theirs) = (values, values);
+        let expected = interpreter.simulate(0, &mut ours);
+        let answer = instance.simulate(0, &mut theirs);
+        let place = format!("{before} becomes {wish}");
+        assert_same(&expected, &answer, &place);
+        assert_eq!(ours.map(f64::to_bits), theirs.map(f64::to_bits), "{place}");
+        match answer {
+            Ok(_) => assert!(allowed && theirs[4].to_bits() == wish.to_bits(), "{place}"),
+            Err(error) => {
+                assert!(!allowed, "{place}: {error}");
+                assert_eq!(error.code, ErrorCode::Domain);
+                assert!(
+                    error
+                        .message
+                        .contains("`count` would get a value outside its range"),
+                    "{error}"
+                );
+                assert_eq!(theirs, values);
+            }
+        }
+    }
+}

@@ -253,18 +253,11 @@ fn simulate(
     let start = Instant::now();
     let (traces, replications) = plant.replicate(u64::from(options.replications));
     let wall = options.timing.then(|| start.elapsed().as_secs_f64());
+    let findings = replications.findings.clone();
     let replications = (options.replications > 1).then_some(replications);
-    let mut found = Vec::new();
-    for trace in &traces {
-        for finding in &trace.findings {
-            if !found.contains(finding) {
-                found.push(finding.clone());
-            }
-        }
-    }
     Ok(Run {
         table: report::table(&line, &traces[0], replications.as_ref()),
         document: report::json(&line, &traces[0], replications.as_ref(), wall),
-        findings: found,
+        findings,
     })
 }

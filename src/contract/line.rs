@@ -48,6 +48,18 @@ pub struct Shift {
     pub to: f64,
 }
 
+impl Shift {
+    /// Seconds of a day.
+    pub const DAY: f64 = 86_400.0;
+
+    /// Seconds of work from the start of a run to this second of it.
+    pub fn worked_until(&self, second: f64) -> f64 {
+        let days = (second / Self::DAY).floor();
+        let today = (second - days * Self::DAY).clamp(self.from, self.to) - self.from;
+        days * (self.to - self.from) + today
+    }
+}
+
 /// A type of mobile unit.
 #[derive(Debug, Clone)]
 pub struct PartType {

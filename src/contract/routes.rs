@@ -23,6 +23,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
             );
         }
     }
+    never_taken(line, findings);
     for (part, ty) in line.parts.iter().enumerate() {
         let mut open: Vec<usize> = beginnings(line, part);
         if open.is_empty() && uses(line, part) {
@@ -113,6 +114,42 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                 format!("no `{}` ever reaches a sink or store", product.name),
             )
             .with_help("add a route that ends in one"),
+        );
+    }
+}
+
+/// Routes behind one that has no condition: a part takes the first of its type's routes from a place whose condition holds. One
+/// to the same place is no mistake: `a -> m -> k` and `b -> m -> k` share their end.
+fn never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
+    for (i, route) in line.routes.iter().enumerate() {
+        let mut earlier = line.routes[..i].iter();
+        let always = earlier.find(|first| {
+            first.part == route.part && first.from == route.from && first.condition.is_none()
+        });
+        let Some(first) = always.filter(|first| first.to != route.to) else {
+            continue;
+        };
+        let (ty, from) = (&line.parts[route.part], &line.nodes[route.from]);
+        let help = if route.condition.is_some() {
+            "write the route with the condition before the one without".to_owned()
+        } else {
+            format!(
+                "say when a part goes to `{}`: `when ...` behind the first route; several stations that share the work as \
+                 parallel machines are not in the language yet",
+                line.nodes[first.to].name
+            )
+        };
+        findings.push(
+            Diagnostic::error(
+                codes::LINE_ROUTE,
+                route.span,
+                format!(
+                    "no `{}` ever takes this route from `{}`",
+                    ty.name, from.name
+                ),
+            )
+            .with_label(first.span, "each takes this one, which has no condition")
+            .with_help(help),
         );
     }
 }

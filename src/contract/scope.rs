@@ -334,6 +334,13 @@ pub(super) fn double_formals(define: &ast::Define) -> Vec<Diagnostic> {
     findings
 }
 
+/// A statement that may stand once only, at the second one.
+pub(super) fn stands_twice(word: &str, here: Span, first: Span, help: &str) -> Diagnostic {
+    Diagnostic::error(codes::NAME_DOUBLE, here, format!("`{word}` stands twice"))
+        .with_label(first, "first here")
+        .with_help(help)
+}
+
 /// A name that is there already.
 pub(super) fn double(name: &ast::Name, first: Span) -> Diagnostic {
     Diagnostic::error(

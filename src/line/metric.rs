@@ -1,5 +1,6 @@
 //! Requirements: what is measured, and whether it is as it should be.
 
+use super::replicate::Estimate;
 use super::trace::{RequirementResult, Trace};
 use crate::contract::line::{Comparison, Line, Metric};
 use crate::diagnostics::{Diagnostic, codes};
@@ -36,7 +37,7 @@ fn compare(value: f64, comparison: Comparison, bound: f64) -> (bool, &'static st
     }
 }
 
-/// Checks all requirements of a line; each that does not hold is a finding.
+/// Measures all requirements of a line in one run; each that does not hold is a finding.
 pub(super) fn check(line: &Line, trace: &mut Trace) {
     for requirement in &line.requirements {
         let value = measure(&requirement.metric, trace);
@@ -46,7 +47,7 @@ pub(super) fn check(line: &Line, trace: &mut Trace) {
             let message = format!(
                 "the requirement {} does not hold: {what} is {}, and should be {words} {}",
                 requirement.name,
-                (value * 1000.0).round() / 1000.0,
+                thousandths(value),
                 requirement.bound
             );
             trace.findings.push(
@@ -60,6 +61,98 @@ pub(super) fn check(line: &Line, trace: &mut Trace) {
             value,
         });
     }
+}
+
+/// A requirement over several runs: it holds where it holds in every one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplicatedRequirement {
+    /// Its name.
+    pub name: String,
+    /// In how many of the runs it holds.
+    pub held_in: usize,
+    /// How many runs there were.
+    pub runs: usize,
+    /// What was measured, in the metric's unit.
+    pub value: Estimate,
+    /// The run that is furthest on the wrong side of the bound, or nearest to it.
+    pub worst: usize,
+    /// What was measured in that run.
+    pub worst_value: f64,
+}
+
+impl ReplicatedRequirement {
+    /// Whether it holds in every run.
+    pub fn holds(&self) -> bool {
+        self.held_in == self.runs
+    }
+}
+
+/// The requirements of a line over these runs.
+pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> {
+    let requirements = line.requirements.iter().enumerate();
+    requirements
+        .map(|(index, requirement)| {
+            let results = || {
+                traces
+                    .iter()
+                    .filter_map(|trace| trace.requirements.get(index))
+            };
+            let values: Vec<f64> = results().map(|result| result.value).collect();
+            let miss = |value: f64| match requirement.comparison {
+                Comparison::Lt | Comparison::Le => value - requirement.bound,
+                Comparison::Eq => (value - requirement.bound).abs(),
+                Comparison::Ge | Comparison::Gt => requirement.bound - value,
+            };
+            let mut worst = 0;
+            for (run, &value) in values.iter().enumerate() {
+                if miss(value) > miss(values[worst]) {
+                    worst = run;
+                }
+            }
+            ReplicatedRequirement {
+                name: requirement.name.clone(),
+                held_in: results().filter(|result| result.holds).count(),
+                runs: values.len(),
+                worst,
+                worst_value: values.get(worst).copied().unwrap_or(0.0),
+                value: Estimate::of(&values),
+            }
+        })
+        .collect()
+}
+
+/// One finding for each requirement that does not hold in every one of several runs.
+pub(super) fn unmet(
+    line: &Line,
+    traces: &[Trace],
+    results: &[ReplicatedRequirement],
+) -> Vec<Diagnostic> {
+    let mut findings = Vec::new();
+    for (requirement, result) in line.requirements.iter().zip(results) {
+        let Some(worst) = traces.get(result.worst).filter(|_| !result.holds()) else {
+            continue;
+        };
+        let (_, words) = compare(0.0, requirement.comparison, requirement.bound);
+        let message = format!(
+            "the requirement {} does not hold in {} of {} runs: {} should be {words} {}, and is {} with seed {}",
+            requirement.name,
+            result.runs - result.held_in,
+            result.runs,
+            describe(&requirement.metric, line),
+            requirement.bound,
+            thousandths(result.worst_value),
+            worst.seed,
+        );
+        findings.push(
+            Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
+                .with_help(advice(line, worst)),
+        );
+    }
+    findings
+}
+
+fn thousandths(value: f64) -> f64 {
+    (value * 1000.0).round() / 1000.0
 }
 
 /// A metric in words, with its unit.

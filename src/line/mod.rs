@@ -5,7 +5,8 @@
 //! **Ways.** A part that is done at a node takes the first of its type's routes from there (in the order of the text) whose
 //! condition holds for the properties the part has at that moment; at a station that is the end of its service, new properties
 //! and defects included. It keeps to that choice and waits there until the next node has room, and what is behind it waits too.
-//! Moving takes no time. Where several parts wait for one node, the one that has waited longest goes first; those that began
+//! Moving takes no time. Where several parts wait for one node, the one that has waited longest goes first (`plant/flow.rs` has the
+//! rule, and what it means for contracted belts, which hand over only when they are stepped); those that began
 //! to wait at one instant go in the order in which the calendar treated them, which is the same in every run.
 //!
 //! **Entering.** A part enters the line when it leaves its source, or a store's stock, and a joined one when the joining begins;
@@ -42,6 +43,7 @@ mod statistics;
 pub mod trace;
 mod validate;
 
+pub use metric::ReplicatedRequirement;
 pub use plant::Plant;
 pub use replicate::{Estimate, Replications};
 pub use trace::{End, Trace};

@@ -1,8 +1,11 @@
 //! Replications: the same line under several seeds, and how sure the figures are.
 
+use super::metric::{self, ReplicatedRequirement};
 use super::plant::Plant;
 use super::statistics::student_t;
 use super::trace::Trace;
+use crate::contract::line::Line;
+use crate::diagnostics::{Diagnostic, codes};
 
 /// The figures of several runs.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +18,10 @@ pub struct Replications {
     pub makespan: Estimate,
     /// Joules in all.
     pub joules: Estimate,
+    /// The line's requirements over all runs, in its order.
+    pub requirements: Vec<ReplicatedRequirement>,
+    /// What went wrong in any of the runs, each finding once; one for each requirement that some run does not keep.
+    pub findings: Vec<Diagnostic>,
 }
 
 /// A mean, with the half of its 95 % confidence interval by Student's t distribution.
@@ -54,21 +61,34 @@ impl Plant {
         let traces: Vec<Trace> = (0..count.max(1))
             .map(|offset| self.run_seeded(first.wrapping_add(offset)))
             .collect();
-        let replications = Replications::of(&traces);
+        let replications = Replications::of(self.line(), &traces);
         (traces, replications)
     }
 }
 
 impl Replications {
-    /// The figures of these runs.
-    pub fn of(traces: &[Trace]) -> Self {
+    /// The figures of these runs of a line.
+    pub fn of(line: &Line, traces: &[Trace]) -> Self {
         let estimate =
             |value: fn(&Trace) -> f64| Estimate::of(&traces.iter().map(value).collect::<Vec<_>>());
+        let requirements = metric::over(line, traces);
+        let mut findings: Vec<Diagnostic> = Vec::new();
+        for finding in traces.iter().flat_map(|trace| &trace.findings) {
+            let of_one_run = traces.len() > 1 && finding.code == codes::LINE_REQUIREMENT;
+            if !of_one_run && !findings.contains(finding) {
+                findings.push(finding.clone());
+            }
+        }
+        if traces.len() > 1 {
+            findings.extend(metric::unmet(line, traces, &requirements));
+        }
         Self {
             seeds: traces.iter().map(|trace| trace.seed).collect(),
             throughput_per_hour: estimate(|trace| trace.throughput_per_hour),
             makespan: estimate(|trace| trace.makespan),
             joules: estimate(|trace| trace.joules),
+            requirements,
+            findings,
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::line::{Estimate, Replications, Trace};
 use serde_json::{Value, json};
 
 /// The document of a run. `wall_seconds` is left out where there is none (`--no-timing`); `replications` is there where
-/// several seeds were run, and the rest then shows the run of the first.
+/// several seeds were run: it has its figures, the requirements are judged over all of them, and the rest shows the run of the first.
 pub fn json(
     line: &Line,
     trace: &Trace,
@@ -88,11 +88,32 @@ pub fn json(
             })
         })
         .collect();
-    let requirements: Vec<Value> = trace
-        .requirements
-        .iter()
-        .map(|r| json!({"name": r.name, "holds": r.holds, "value": round(r.value, 9)}))
-        .collect();
+    let requirements: Vec<Value> = match replications {
+        Some(replications) => replications
+            .requirements
+            .iter()
+            .map(|r| {
+                json!({
+                    "name": r.name,
+                    "holds": r.holds(),
+                    "value": round(r.value.mean, 9),
+                    "low": bound(r.value, -1.0, 9),
+                    "high": bound(r.value, 1.0, 9),
+                    "held_in": r.held_in,
+                    "replications": r.runs,
+                    "worst": {
+                        "seed": replications.seeds.get(r.worst),
+                        "value": round(r.worst_value, 9),
+                    },
+                })
+            })
+            .collect(),
+        None => trace
+            .requirements
+            .iter()
+            .map(|r| json!({"name": r.name, "holds": r.holds, "value": round(r.value, 9)}))
+            .collect(),
+    };
     let mut document = json!({
         "schema": "linewright/run/1",
         "line": line.name,
@@ -155,16 +176,18 @@ fn replicated(replications: &Replications) -> Value {
 }
 
 fn estimate(estimate: Estimate, places: i32) -> Value {
-    let bound = |sign: f64| {
-        estimate
-            .half_width
-            .map(|half| round(estimate.mean + sign * half, places))
-    };
     json!({
         "mean": round(estimate.mean, places),
-        "low": bound(-1.0),
-        "high": bound(1.0),
+        "low": bound(estimate, -1.0, places),
+        "high": bound(estimate, 1.0, places),
     })
+}
+
+/// The end of an interval, on this side of the mean.
+fn bound(estimate: Estimate, sign: f64, places: i32) -> Option<f64> {
+    estimate
+        .half_width
+        .map(|half| round(estimate.mean + sign * half, places))
 }
 
 /// Why a run ended, as a word.

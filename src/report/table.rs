@@ -14,9 +14,12 @@ pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) ->
     stations(&mut out, trace);
     conveyors(&mut out, trace);
     machines(&mut out, trace);
-    requirements(&mut out, line, trace);
-    if let Some(replications) = replications {
-        replicated(&mut out, replications);
+    match replications {
+        Some(replications) => {
+            requirements_of_all(&mut out, line, replications);
+            replicated(&mut out, replications);
+        }
+        None => requirements(&mut out, line, trace),
     }
     out
 }
@@ -194,18 +197,10 @@ fn requirements(out: &mut String, line: &Line, trace: &Trace) {
         .iter()
         .enumerate()
         .map(|(index, result)| {
-            let declared = line.requirements.get(index);
             vec![
                 result.name.clone(),
                 if result.holds { "holds" } else { "fails" }.to_owned(),
-                declared.map_or(String::new(), |r| {
-                    format!(
-                        "{} {} {}",
-                        metric(&r.metric, line),
-                        sign(r.comparison),
-                        r.bound
-                    )
-                }),
+                asked_for(line, index),
                 format!("{:.3}", result.value),
             ]
         });
@@ -214,6 +209,60 @@ fn requirements(out: &mut String, line: &Line, trace: &Trace) {
         &["requirement", "verdict", "asked for", "measured"],
         &rows.collect::<Vec<_>>(),
     );
+}
+
+/// The requirements over all runs: where they hold, the mean with its interval, and the worst run.
+fn requirements_of_all(out: &mut String, line: &Line, replications: &Replications) {
+    let rows = replications
+        .requirements
+        .iter()
+        .enumerate()
+        .map(|(index, result)| {
+            let verdict = if result.holds() {
+                "holds".to_owned()
+            } else {
+                format!(
+                    "fails in {} of {}",
+                    result.runs - result.held_in,
+                    result.runs
+                )
+            };
+            let half = result.value.half_width.unwrap_or(0.0);
+            vec![
+                result.name.clone(),
+                verdict,
+                asked_for(line, index),
+                format!("{:.3}", result.value.mean),
+                format!("{:.3}", result.value.mean - half),
+                format!("{:.3}", result.value.mean + half),
+                format!("{:.3}", result.worst_value),
+            ]
+        });
+    columns(
+        out,
+        &[
+            "requirement",
+            "verdict",
+            "asked for",
+            "mean",
+            "from",
+            "to",
+            "worst",
+        ],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
+/// What the line's requirement of this number asks for.
+fn asked_for(line: &Line, index: usize) -> String {
+    line.requirements.get(index).map_or(String::new(), |r| {
+        format!(
+            "{} {} {}",
+            metric(&r.metric, line),
+            sign(r.comparison),
+            r.bound
+        )
+    })
 }
 
 fn replicated(out: &mut String, replications: &Replications) {

@@ -75,6 +75,7 @@ pub fn fixtures() -> Vec<Subject> {
     vec![
         Subject::of(fixtures::manipulator()),
         Subject::of(fixtures::jammed()),
+        Subject::of(fixtures::counting()),
         Subject::of(fixtures::belt()),
     ]
 }

@@ -206,7 +206,20 @@ impl Host {
 
     /// Runs the host on a library of a machine.
     pub fn run(&self, prepared: &Prepared, library: &Path, calls: u64) -> Finished {
-        self.run_through(prepared, library, calls, |program| Command::new(program))
+        self.run_within(prepared, library, calls, PATIENCE)
+    }
+
+    /// The same, with patience of one's own.
+    pub fn run_within(
+        &self,
+        prepared: &Prepared,
+        library: &Path,
+        calls: u64,
+        patience: Duration,
+    ) -> Finished {
+        self.start(prepared, library, calls, patience, |program| {
+            Command::new(program)
+        })
     }
 
     /// The same, started by another program or with other settings.
@@ -215,6 +228,17 @@ impl Host {
         prepared: &Prepared,
         library: &Path,
         calls: u64,
+        start: impl Fn(&Path) -> Command,
+    ) -> Finished {
+        self.start(prepared, library, calls, PATIENCE, start)
+    }
+
+    fn start(
+        &self,
+        prepared: &Prepared,
+        library: &Path,
+        calls: u64,
+        patience: Duration,
         start: impl Fn(&Path) -> Command,
     ) -> Finished {
         let other = other(prepared.subject.name());
@@ -227,8 +251,8 @@ impl Host {
             self.path(&other),
         ];
         match self.wine {
-            Some(wine) => wine.run(&self.program, &arguments, PATIENCE),
-            None => run(start(&self.program).args(&arguments), PATIENCE),
+            Some(wine) => wine.run(&self.program, &arguments, patience),
+            None => run(start(&self.program).args(&arguments), patience),
         }
     }
 

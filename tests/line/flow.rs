@@ -291,3 +291,41 @@ fn a_station_joins_products_and_works_on_them_again() {
     assert_eq!(trace.stored, 1);
     assert_eq!(trace.lead_time.max, 41.0);
 }
+
+/// A joined product that is rejected takes all that was joined into it out of the line, so all of that is ordered again.
+#[test]
+fn a_rejected_product_orders_all_that_is_in_it() {
+    let mut builder = Builder::new(&["Leg", "Frame", "Table"]);
+    builder
+        .bill("Frame", &[("Leg", 2)])
+        .bill("Table", &[("Frame", 2), ("Leg", 1)])
+        .property("Table", "ok", InitialValue::Number(-1.0))
+        .source("saw", "Leg", Supply::OnOrder)
+        .buffer("legs", 10)
+        .station("frames", &["Frame"], constant(1.0))
+        .station("cell", &["Table"], constant(1.0))
+        .station(
+            "camera",
+            &["Table"],
+            verdict(1.0, |call| f64::from(call % 2 == 0)),
+        )
+        .machine_properties("camera", &["ok"])
+        .sink("sink")
+        .scrap("scrap", Some("saw"))
+        .route("Leg", &["saw", "legs"])
+        .route("Leg", &["legs", "frames"])
+        .route("Frame", &["frames", "cell"])
+        .route("Table", &["cell", "camera"])
+        .route_if("Table", "camera", "scrap", is(0, 0.0))
+        .route("Table", &["camera", "sink"]);
+    // A table is of five legs: the fifth comes by a source of its own.
+    builder
+        .source("fifth", "Leg", every(0.0, None))
+        .route("Leg", &["fifth", "cell"]);
+    let trace = builder.run(4);
+    assert_eq!(trace.end, End::Products, "{:?}", trace.findings);
+    assert_eq!(trace.products, 4);
+    assert_eq!(trace.rejects[0].count, 4);
+    // By the bill: two frames of two legs, and one leg.
+    assert_eq!(trace.rejects[0].reordered, 20);
+}

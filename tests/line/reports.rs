@@ -1,10 +1,11 @@
 //! A run as text and as JSON.
 
-use crate::support::{Builder, constant, refusing, span, verdict};
+use crate::support::{Builder, constant, refusing, span, took, verdict};
 use linewright::contract::line::{Comparison, InitialValue, Metric, Requirement, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::line::{Options, Plant};
 use linewright::report;
+use linewright::station::{CallError, Controller, Service};
 
 fn plant() -> Plant {
     let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
@@ -252,4 +253,116 @@ fn replications_in_both() {
     );
     let text = report::table(plant.line(), &traces[0], Some(&figures));
     assert!(text.contains("4 seeds, 95 %"));
+}
+
+/// A station that is slower in every run.
+struct Slower(u64);
+
+impl Controller for Slower {
+    fn simulate(&mut self, _: usize, _: &mut [f64]) -> Result<Service, CallError> {
+        took(10.0 * self.0 as f64)
+    }
+
+    fn step(&mut self, _: &[i64], _: &mut [i64]) -> Result<(), CallError> {
+        Ok(())
+    }
+
+    fn reset(&mut self) {
+        self.0 += 1;
+    }
+}
+
+/// Requirements are judged over all runs, by findings, table and document alike.
+#[test]
+fn requirements_over_all_runs() {
+    let mut builder = Builder::new(&["Part"]);
+    let requirement = |name: &str, metric, comparison, bound| Requirement {
+        name: name.to_owned(),
+        metric,
+        comparison,
+        bound,
+        span: span(),
+    };
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], Slower(0))
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"])
+        .require(requirement(
+            "pace",
+            Metric::ThroughputPerHour,
+            Comparison::Ge,
+            150.0,
+        ))
+        .require(requirement(
+            "short",
+            Metric::MakespanSeconds,
+            Comparison::Le,
+            300.0,
+        ))
+        .require(requirement(
+            "exact",
+            Metric::MakespanSeconds,
+            Comparison::Eq,
+            100.0,
+        ));
+    let mut plant = builder.plant(Options {
+        parts: Some(10),
+        seed: 5,
+        ..Options::default()
+    });
+    // 360, 180 and 120 an hour; 100, 200 and 300 s.
+    let (traces, figures) = plant.replicate(3);
+    let messages: Vec<&str> = figures
+        .findings
+        .iter()
+        .map(|f| f.message.as_str())
+        .collect();
+    assert_eq!(
+        messages,
+        [
+            "the requirement pace does not hold in 1 of 3 runs: the throughput in products an hour should be at least 150, \
+             and is 120 with seed 7",
+            "the requirement exact does not hold in 2 of 3 runs: the makespan in seconds should be exactly 100, and is 300 \
+             with seed 7",
+        ]
+    );
+    assert!(figures.findings.iter().all(|f| f.code.id == "LW406"));
+    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    let [pace, short, exact] = [0, 1, 2].map(|i| &document["requirements"][i]);
+    assert_eq!(
+        (&pace["holds"], &pace["held_in"], &pace["replications"]),
+        (&false.into(), &2.into(), &3.into())
+    );
+    assert_eq!(pace["value"], 220.0);
+    // t of 2 degrees of freedom 4.302653, standard deviation 124.899960, over the root of 3.
+    assert!(
+        (pace["low"].as_f64().unwrap() - (220.0 - 310.268)).abs() < 1e-2,
+        "{pace}"
+    );
+    assert_eq!(
+        (&pace["worst"]["seed"], &pace["worst"]["value"]),
+        (&7.into(), &120.0.into())
+    );
+    assert_eq!(
+        (&short["holds"], &short["held_in"]),
+        (&true.into(), &3.into())
+    );
+    assert_eq!(
+        (&exact["holds"], &exact["held_in"]),
+        (&false.into(), &1.into())
+    );
+    let text = report::table(plant.line(), &traces[0], Some(&figures));
+    assert!(text.lines().all(|l| l.chars().count() <= 100), "{text}");
+    let rows: Vec<&str> = text
+        .lines()
+        .skip_while(|l| !l.contains("requirement"))
+        .take(4)
+        .collect();
+    insta::assert_snapshot!(rows.join("\n"), @r"
+      requirement verdict         asked for                     mean    from      to   worst
+      pace        fails in 1 of 3 throughput per hour >= 150 220.000 -90.269 530.269 120.000
+      short       holds           makespan in s <= 300       200.000 -48.414 448.414 300.000
+      exact       fails in 2 of 3 makespan in s = 100        200.000 -48.414 448.414 300.000
+    ");
 }

@@ -151,3 +151,83 @@ fn an_unvisited_station_is_idle() {
     assert_eq!(trace.stations[1].shares.idle, 1.0);
     assert_eq!(trace.bottleneck, Some(0));
 }
+
+/// What a hand calculation gives for a line that has nothing more to do, over shifts that go on.
+#[test]
+fn off_shift_stays_idle_when_nothing_is_left_to_do() {
+    const HOUR: f64 = 3600.0;
+    // Three parts of an hour each, from six o'clock on; the line works eight hours a day.
+    for (until, on) in [
+        (48.0, 16.0),
+        (24.0, 8.0),
+        (12.0, 6.0),
+        (54.5, 16.5),
+        (57.0, 19.0),
+        (62.0 + 24.0 * 700.0, 5_624.0),
+    ] {
+        let mut builder = Builder::new(&["Part"]);
+        builder
+            .source("source", "Part", every(0.0, Some(3)))
+            .station("cell", &["Part"], constant(HOUR))
+            .sink("sink")
+            .route("Part", &["source", "cell", "sink"])
+            .shift(6.0 * HOUR, 14.0 * HOUR);
+        let trace = builder.run_until(until * HOUR);
+        assert_eq!((trace.products, trace.seconds), (3, until * HOUR));
+        let shares = trace.stations[0].shares;
+        near(shares.busy, 3.0 / until, 1e-12);
+        near(shares.starved, (on - 3.0) / until, 1e-9);
+        near(shares.idle, (until - on) / until, 1e-9);
+    }
+    // One that waits for a component which never comes: starved on shift, idle off shift.
+    let mut builder = Builder::new(&["A", "B", "C"]);
+    builder
+        .bill("C", &[("A", 1), ("B", 1)])
+        .source("a", "A", every(HOUR, Some(1)))
+        .store("b", &[("B", 0)])
+        .station("cell", &["C"], constant(10.0))
+        .sink("sink")
+        .route("A", &["a", "cell"])
+        .route("B", &["b", "cell"])
+        .route("C", &["cell", "sink"])
+        .shift(6.0 * HOUR, 14.0 * HOUR);
+    let shares = builder.run_until(24.0 * HOUR).stations[0].shares;
+    near(shares.idle, 16.0 / 24.0, 1e-12);
+    near(shares.starved, 8.0 / 24.0, 1e-12);
+}
+
+/// The bottleneck is where time is lost to setups or breakdowns, even if another station works more.
+#[test]
+fn the_bottleneck_counts_setup_and_repair() {
+    let mut builder = Builder::new(&["A", "B"]);
+    builder
+        .source("a", "A", every(0.0, None))
+        .source("b", "B", every(0.0, None))
+        .station("changes", &["A", "B"], constant(4.0))
+        .with_station("changes", |_, _, setup, _| *setup = 3.0)
+        .station("works", &["A", "B"], constant(5.0))
+        .sink("sink")
+        .route("A", &["a", "changes", "works", "sink"])
+        .route("B", &["b", "changes", "works", "sink"]);
+    let trace = builder.run_until(7000.0);
+    let [changes, works] = [0, 1].map(|i| trace.stations[i].shares);
+    assert!(changes.busy < works.busy, "{changes:?} {works:?}");
+    assert_eq!(trace.bottleneck, Some(0));
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("fails", &["Part"], constant(4.0))
+        .with_station("fails", |_, _, _, failures| {
+            *failures = Some(Failures {
+                mtbf: 10.0,
+                mttr: 20.0,
+            });
+        })
+        .station("works", &["Part"], constant(5.0))
+        .sink("sink")
+        .route("Part", &["source", "fails", "works", "sink"]);
+    let trace = builder.run_until(50_000.0);
+    let [fails, works] = [0, 1].map(|i| trace.stations[i].shares);
+    assert!(fails.busy < works.busy, "{fails:?} {works:?}");
+    assert_eq!(trace.bottleneck, Some(0));
+}

@@ -106,6 +106,7 @@ impl<'a> Builder<'a, '_> {
             }
         }
         self.product(decl, &mut model);
+        self.no_doubles(decl);
         for item in &decl.items {
             self.statement(item, &mut model);
         }

@@ -8,11 +8,13 @@ use crate::contract::machine::{Machine, PropertyKind};
 use crate::contract::machines::{
     PropertyType, assigned, failures, machine, positive, property_values, see_property,
 };
+use crate::contract::scope::{double, stands_twice};
 use crate::contract::value::{Dimension, Value};
 use crate::diagnostics::codes;
 use crate::gr1::Domain;
 use crate::source::Span;
 use crate::syntax::ast::{self, LineItem, StationItem};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl<'a> Builder<'a, '_> {
@@ -189,7 +191,9 @@ impl<'a> Builder<'a, '_> {
         options: &'a [(ast::Name, ast::Expr)],
     ) -> Option<(&'a ast::Name, NodeKind)> {
         let (mut places, mut pitch, mut speed, mut watts) = (None, None, None, 0.0);
+        let mut once: BTreeMap<&str, Span> = BTreeMap::new();
         for (word, value) in options {
+            self.once(&mut once, &word.text, word.span);
             match word.text.as_str() {
                 "places" => places = self.e.constant_int(value).map(|n| (n, value.span)),
                 "pitch" => pitch = positive(&mut self.e, value, Dimension::Length),
@@ -259,6 +263,14 @@ impl<'a> Builder<'a, '_> {
         ))
     }
 
+    /// A statement that may stand once only.
+    fn once<'w>(&mut self, seen: &mut BTreeMap<&'w str, Span>, word: &'w str, span: Span) {
+        if let Some(first) = seen.insert(word, span) {
+            let finding = stands_twice(word, span, first, "leave one of the two out");
+            self.e.findings.push(finding);
+        }
+    }
+
     /// The wires of a belt's machine: inputs `load` and `unload_ready`, outputs `s[i]` and `ready`.
     pub(super) fn belt(&mut self, span: Span, machine: Arc<Machine>) -> Option<Belt> {
         let plant = |name: &str| machine.plant.iter().position(|p| p.name == name);
@@ -310,7 +322,15 @@ impl<'a> Builder<'a, '_> {
         let mut defects = Vec::new();
         let mut setup_seconds = 0.0;
         let mut breakdowns = machine.failures;
+        let mut once: BTreeMap<&str, Span> = BTreeMap::new();
         for item in items {
+            match item {
+                StationItem::Setup(value) => self.once(&mut once, "setup", value.span),
+                StationItem::Failures(mtbf, mttr) => {
+                    self.once(&mut once, "failures", mtbf.span.to(mttr.span));
+                }
+                StationItem::Perform { .. } | StationItem::Defect { .. } => {}
+            }
             match item {
                 StationItem::Setup(value) => {
                     if let Some(v) = positive(&mut self.e, value, Dimension::Time) {
@@ -395,7 +415,12 @@ impl<'a> Builder<'a, '_> {
                 continue;
             };
             let mut values = Vec::new();
-            for argument in arguments {
+            for (i, argument) in arguments.iter().enumerate() {
+                let mut earlier = arguments[..i].iter().map(|a| &a.name);
+                if let Some(first) = earlier.find(|n| n.text == argument.name.text) {
+                    self.e.findings.push(double(&argument.name, first.span));
+                    continue;
+                }
                 let found = machine.properties.iter().position(|p| {
                     p.kind == PropertyKind::Parameter && p.name == argument.name.text
                 });

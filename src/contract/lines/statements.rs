@@ -4,10 +4,13 @@ use super::Builder;
 use crate::contract::elaborate::nearest;
 use crate::contract::line::{Comparison, Limit, Line, Metric, Requirement, Route, Shift};
 use crate::contract::machines::positive;
+use crate::contract::scope::{double, stands_twice};
 use crate::contract::value::Dimension;
 use crate::diagnostics::codes;
 use crate::gr1::Time;
+use crate::source::Span;
 use crate::syntax::ast::{self, LineItem};
+use std::collections::BTreeMap;
 
 impl<'a> Builder<'a, '_> {
     pub(super) fn product(&mut self, decl: &'a ast::Line, model: &mut Line) {
@@ -33,13 +36,36 @@ impl<'a> Builder<'a, '_> {
                 "add `product P`",
             ),
         }
-        if let Some(second) = named.next() {
-            self.e.error_with(
-                codes::NAME_DOUBLE,
-                second.span,
-                "a line has one end product",
-                "keep the one that the run counts",
-            );
+    }
+
+    /// Statements that may stand once only: of two, one would be left out without a word.
+    pub(super) fn no_doubles(&mut self, decl: &'a ast::Line) {
+        let mut once: BTreeMap<&str, Span> = BTreeMap::new();
+        let mut requirements: BTreeMap<&str, Span> = BTreeMap::new();
+        for item in &decl.items {
+            let (word, span, help) = match item {
+                LineItem::Product(name) => {
+                    ("product", name.span, "keep the one that the run counts")
+                }
+                LineItem::Limit(value, _) => {
+                    ("limit", value.span, "keep the one at which a run ends")
+                }
+                LineItem::Shift(from, to) => (
+                    "shift",
+                    from.span.to(to.span),
+                    "a line works one shift a day: join the two where they meet, or leave one out",
+                ),
+                LineItem::Requirement { name, .. } => {
+                    if let Some(first) = requirements.insert(&name.text, name.span) {
+                        self.e.findings.push(double(name, first));
+                    }
+                    continue;
+                }
+                _ => continue,
+            };
+            if let Some(first) = once.insert(word, span) {
+                self.e.findings.push(stands_twice(word, span, first, help));
+            }
         }
     }
 

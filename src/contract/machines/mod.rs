@@ -19,7 +19,7 @@ pub(super) use settings::{failures, positive};
 use super::elaborate::{Elaborator, nearest};
 use super::instantiate::{self, Arguments, instantiate};
 use super::machine::{Layers, Machine, PlantInput, Property, PropertyKind, Rules};
-use super::scope::{self, Decl, Scope, double};
+use super::scope::{self, Decl, Scope, double, stands_twice};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{Domain, Specification, Timing};
 use crate::source::{SourceMap, Span};
@@ -254,12 +254,7 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
                     _ => ("failures", "leave one of the two out"),
                 };
                 if let Some(first) = once.insert(word, x.span) {
-                    let message = format!("`{word}` stands twice");
-                    e.findings.push(
-                        Diagnostic::error(codes::NAME_DOUBLE, x.span, message)
-                            .with_label(first, "first here")
-                            .with_help(help),
-                    );
+                    e.findings.push(stands_twice(word, x.span, first, help));
                 }
                 continue;
             }

@@ -3,11 +3,13 @@
 use super::Parts;
 use super::properties::{PropertyType, assigned, assigned_array};
 use crate::contract::elaborate::{Elaborator, nearest};
-use crate::contract::machine::{Failures, Machine};
+use crate::contract::machine::{Failures, Machine, RealExpr};
 use crate::contract::value::Dimension;
-use crate::diagnostics::codes;
+use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{Time, VarId};
+use crate::source::Span;
 use crate::syntax::ast::{self, MachineItem};
+use std::collections::BTreeMap;
 
 /// Everything of a machine that is a number or a plant expression.
 pub(super) fn settings<'a>(
@@ -39,7 +41,10 @@ pub(super) fn settings<'a>(
         both.constants.remove(name);
         both.variables.entry(name.clone()).or_insert(entry);
     }
+    // By property: where it is written.
+    let mut written: BTreeMap<usize, Span> = BTreeMap::new();
     for item in &parts.machine.items {
+        let before = model.writes.len();
         match item {
             MachineItem::Done(x) => {
                 model.done = wires
@@ -106,9 +111,36 @@ pub(super) fn settings<'a>(
             }
             _ => {}
         }
+        if let MachineItem::Write { name, .. } = item {
+            written_once(e, name, &model.writes[before..], &mut written);
+        }
     }
     e.tainted |= both.tainted;
     e.findings.append(&mut both.findings);
+}
+
+/// A property that is written already, by itself or with its array, is a finding: the later value would win unseen.
+fn written_once(
+    e: &mut Elaborator<'_>,
+    name: &ast::Name,
+    writes: &[(usize, RealExpr)],
+    written: &mut BTreeMap<usize, Span>,
+) {
+    let mut first = None;
+    for (property, _) in writes {
+        first = first.or(written.insert(*property, name.span));
+    }
+    if let Some(first) = first {
+        e.findings.push(
+            Diagnostic::error(
+                codes::NAME_DOUBLE,
+                name.span,
+                format!("`{}` is written twice", name.text),
+            )
+            .with_label(first, "first here")
+            .with_help("leave one of the two out, or join them: `if ... then ... else ...`"),
+        );
+    }
 }
 
 /// What is known without looking at the components: durations, powers, limits.

@@ -11,6 +11,7 @@
 //! many more steps as it has places before that, because a controller may go through hidden states.
 //!
 //! One belt can hand over only in its own step and take only in its own step, so there is a place between two belts.
+//! Whose turn it is at the next node is decided as for all others; see `flow.rs`.
 
 use super::flow::Request;
 use super::{BELT, Event, Place, Run};
@@ -44,6 +45,8 @@ pub(super) struct BeltState {
     quiet: u32,
     /// A part came on or off in the last step.
     handed: bool,
+    /// Steps in which it was the first part's turn, and it was not handed over.
+    kept: usize,
     pub moving_seconds: f64,
     pub carried: u64,
 }
@@ -82,6 +85,7 @@ impl BeltState {
             ticking: false,
             quiet: 0,
             handed: false,
+            kept: 0,
             moving_seconds: 0.0,
             carried: 0,
         }
@@ -158,6 +162,9 @@ impl<'a> Run<'a> {
             belt.ticking = false;
             self.violate(node, None, error);
             self.ask(node, outlet);
+            if unload_ready {
+                self.decline(node, outlet);
+            }
             return;
         }
         belt.steps += 1;
@@ -201,6 +208,7 @@ impl<'a> Run<'a> {
         if unloaded {
             self.unload(node, outlet);
         }
+        let had_turn = unload_ready && !unloaded && self.outlets[outlet].part.is_some();
         if accepted {
             match next {
                 Some(Next::Inlet(part)) => {
@@ -220,6 +228,11 @@ impl<'a> Run<'a> {
         let belt = self.belt(node);
         let at_end = !unloaded && belt.held.front().is_some_and(|(_, p)| *p == Some(last));
         let asleep = belt.quiet as usize > declared.places.len() + 1;
+        belt.kept += usize::from(had_turn);
+        let too_long = belt.kept > declared.places.len() + 2;
+        if had_turn && (too_long || asleep) {
+            self.decline(node, outlet);
+        }
         if at_end || asleep {
             self.ask(node, outlet);
         }
@@ -320,6 +333,26 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// The first part had its turn at the next node and did not come: those behind it go first.
+    fn decline(&mut self, node: usize, outlet: usize) {
+        self.belt(node).kept = 0;
+        let Some(to) = self.outlets[outlet].to else {
+            return;
+        };
+        let Some(at) = self.waiting[to].iter().position(|r| r.outlet == outlet) else {
+            return;
+        };
+        if let Some(request) = self.waiting[to].remove(at) {
+            self.order += 1;
+            self.waiting[to].push_back(Request {
+                order: self.order,
+                declined: true,
+                ..request
+            });
+            self.look_at(to);
+        }
+    }
+
     /// The first part comes off.
     fn unload(&mut self, node: usize, outlet: usize) {
         let Some(&(part, _)) = self.belt(node).held.front() else {
@@ -329,6 +362,7 @@ impl<'a> Run<'a> {
             self.outlets[outlet].part = Some(part);
             self.outlets[outlet].to = self.way(node, part);
         }
+        self.belt(node).kept = 0;
         if let Some(to) = self.outlets[outlet].to {
             self.waiting[to].retain(|request: &Request| request.outlet != outlet);
             self.transfer(outlet);

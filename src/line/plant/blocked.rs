@@ -43,7 +43,7 @@ impl Run<'_> {
                         .with_help(self.advice(&chain)),
                 );
             }
-            self.now = horizon;
+            self.wait_until(horizon);
             return End::Time;
         }
         let progress = match self.setup.target {
@@ -77,6 +77,20 @@ impl Run<'_> {
         }
         self.findings.push(finding);
         End::Blocked
+    }
+
+    /// Nothing happens any more but that shifts begin and end.
+    fn wait_until(&mut self, horizon: f64) {
+        let rest = horizon - self.now;
+        let worked = self.line.shift.map_or(rest, |shift| {
+            shift.worked_until(horizon) - shift.worked_until(self.now)
+        });
+        for place in &mut self.places {
+            if let Place::Station(station) = place {
+                station.wait(self.now, worked.clamp(0.0, rest), horizon);
+            }
+        }
+        self.now = horizon;
     }
 
     /// How many rejected parts were not ordered again, if any.

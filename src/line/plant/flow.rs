@@ -3,6 +3,19 @@
 //! Each node has an *outlet* for the part that would leave next; a store has one for each type that leaves it. A part at an
 //! outlet has chosen its way. It moves when the next node admits it, or waits in that node's queue. A node that has lost a part, or may
 //! have got one to hand on, is put on the list of nodes to look at again, until nothing moves any more at this instant.
+//!
+//! # Turns
+//!
+//! A part that is ready to leave and finds no room is a *request* to the next node, and requests are numbered as they begin. A belt's
+//! part is one from the step in which it was seen at the last place, and the components of a complete bill are one from the moment
+//! at which the last of them came. **Room is given to the oldest request that the node would take**; a newcomer waits as long as
+//! there is such a one. So none is overtaken by a request that began later.
+//!
+//! A belt can hand over only when it is stepped. Once it is its turn it is woken, and the room is kept for it until then, even if
+//! another part could go at once. That must not last for ever, whatever a controller does: a belt that was stepped with its turn as often
+//! as it has places, and twice more, or that refused such a step, or that falls asleep, and has not handed over, goes to the end of the
+//! queue, and is passed over until something changes at the node. So as long as a node has room that some request waits for, either it will be
+//! looked at, or a belt with its turn will be stepped, or all who could come have had their turn and did not.
 
 use super::{Place, Run};
 use crate::contract::line::{Line, NodeKind};
@@ -34,6 +47,8 @@ pub(super) struct Request {
     pub kind: usize,
     /// When it began to wait, as a running number.
     pub order: u64,
+    /// A belt that had its turn and did not hand over; until the node is looked at.
+    pub declined: bool,
 }
 
 /// The routes, by node and part type.
@@ -163,10 +178,15 @@ impl Run<'_> {
         self.outlets[outlet].to = to;
         let Some(to) = to else { return };
         let kind = self.parts[part].kind;
-        if self.admits(to, kind, node) && !self.others_first(to, None) {
+        let admitted = self.admits(to, kind, node);
+        if admitted && !self.others_first(to, None) {
             self.transfer(outlet);
-        } else {
-            self.request(outlet, to, kind);
+            return;
+        }
+        self.request(outlet, to, kind);
+        if admitted {
+            // It stands back for someone, who has to be served.
+            self.look_at(to);
         }
     }
 
@@ -177,6 +197,7 @@ impl Run<'_> {
             outlet,
             kind,
             order: self.order,
+            declined: false,
         });
         match self.places[to] {
             Place::Conveyor(_) => self.reopen_later(to),
@@ -246,8 +267,7 @@ impl Run<'_> {
             .any(|request| self.admits(node, request.kind, self.outlets[request.outlet].node))
     }
 
-    /// Lets in whoever waits for a node, as long as there is room. A belt cannot hand over before it is stepped: it is
-    /// woken, and the room is kept for it.
+    /// Lets in whoever waits for a node, as long as there is room; see [Turns](self#turns).
     fn serve(&mut self, node: usize) {
         let mut next = 0;
         while let Some(&Request { outlet, kind, .. }) = self.waiting[node].get(next) {
@@ -258,6 +278,10 @@ impl Run<'_> {
             if !self.admits(node, kind, from) {
                 next += 1;
             } else if matches!(self.places[from], Place::Belt(_)) {
+                if std::mem::take(&mut self.waiting[node][next].declined) {
+                    next += 1;
+                    continue;
+                }
                 self.wake(from);
                 break;
             } else {

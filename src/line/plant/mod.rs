@@ -18,7 +18,7 @@ use super::random::Stream;
 use super::statistics::LeadTimes;
 use super::trace::{End, LogEntry, MAX_VIOLATIONS, Trace, Violation, What};
 use super::{Options, validate};
-use crate::contract::line::{Limit, Line, NodeKind};
+use crate::contract::line::{Limit, Line, NodeKind, Shift};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::station::{CallError, Controller, ErrorCode};
 use belt::BeltState;
@@ -380,7 +380,7 @@ impl<'a> Run<'a> {
 
     /// Enters the next change of shift; a shift without an end has none.
     fn schedule_shift(&mut self) {
-        const DAY: f64 = 86_400.0;
+        const DAY: f64 = Shift::DAY;
         let Some(shift) = self.line.shift else { return };
         if shift.from <= 0.0 && shift.to >= DAY {
             return;

@@ -221,6 +221,13 @@ impl Station {
         self.clock.switch(now, activity);
     }
 
+    /// Nothing changes from `now` to `until`, of which so many seconds are on shift.
+    pub(super) fn wait(&mut self, now: f64, on_shift_seconds: f64, until: f64) {
+        self.book(now, true);
+        self.clock.switch(now + on_shift_seconds, Activity::Idle);
+        self.clock.switch(until, Activity::Idle);
+    }
+
     /// At the end of a run: books the last stretch, and the part of a service's energy that was used.
     pub(super) fn close(&mut self, now: f64, idle_watts: f64, on_shift: bool) {
         self.pause(now);
@@ -284,11 +291,9 @@ impl Run<'_> {
             return;
         };
         let older = self.waiting[node].iter().any(|request| {
-            let from = self.outlets[request.outlet].node;
             request.order < order
                 && station.component_place(request.kind).is_none()
                 && station.plain_task(request.kind).is_some()
-                && !matches!(self.places[from], Place::Belt(_))
         });
         if !older {
             self.join(node, task);
