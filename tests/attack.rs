@@ -1,0 +1,175 @@
+//! Random machines and lines against what is proved of them: none that is proved has a run in which a part is refused, stuck, lost or
+//! missing, unless a premise of the proof names it; and enough of those that are not proved really fail. `tests/README.md` says how this
+//! is run for long.
+
+#[path = "attack/judge.rs"]
+mod judge;
+#[path = "attack/lines.rs"]
+mod lines;
+#[path = "attack/machines.rs"]
+mod machines;
+#[path = "hostile/reduce.rs"]
+mod reduce;
+#[path = "attack/runs.rs"]
+mod runs;
+mod support;
+#[path = "attack/table.rs"]
+mod table;
+#[path = "attack/text.rs"]
+mod text;
+
+use judge::{Judged, judge};
+use machines::Batch;
+use runs::{Failure, World};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use table::Table;
+use text::Chance;
+
+/// Machines and lines a machine of the gate.
+const GATE: (usize, usize) = (12, 13);
+/// So many machines are in one file.
+const MACHINES_A_BATCH: usize = 6;
+/// Seeds of the runs.
+const SEEDS: [u64; 3] = [1, 2, 3];
+/// At least so many of a hundred lines that are not proved fail.
+const LEAST_FAILING: usize = 30;
+/// A file is made smaller with so many questions.
+const REDUCING: usize = 400;
+
+/// `LINEWRIGHT_ATTACK=500x40`: machines, and lines a machine.
+fn size() -> (usize, usize) {
+    let Ok(text) = std::env::var("LINEWRIGHT_ATTACK") else {
+        return GATE;
+    };
+    let numbers = text.split_once('x').and_then(|(m, l)| Some((m.parse().ok()?, l.parse().ok()?)));
+    numbers.expect("LINEWRIGHT_ATTACK is machines x lines a machine, such as 500x40")
+}
+
+fn seed() -> u64 {
+    let given = std::env::var("LINEWRIGHT_ATTACK_SEED").ok();
+    given.map_or(1, |text| text.parse().expect("a number"))
+}
+
+/// Where lines are kept that fail although they are proved.
+fn kept() -> Option<PathBuf> {
+    std::env::var_os("LINEWRIGHT_ATTACK_REPORT").map(PathBuf::from)
+}
+
+#[test]
+fn what_is_proved_holds_in_runs() {
+    let (wanted, lines) = size();
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut table = Table::default();
+    let mut batch = 0;
+    while table.machines < wanted {
+        let seed = seed().wrapping_mul(1_000_003).wrapping_add(batch);
+        attack(seed, lines, folder.path(), &mut table);
+        batch += 1;
+        if kept().is_some() && batch % 10 == 0 {
+            eprintln!("{table}");
+        }
+    }
+    println!("{table}");
+    assert!(table.broken.is_empty(), "{}", table.broken.join("\n"));
+    assert!(table.without_reason.is_empty(), "no reason is given for {:?}", table.without_reason);
+    let share = 100 * table.failing / table.unproved_that_ran().max(1);
+    assert!(
+        share >= LEAST_FAILING,
+        "{share} % of the lines that are not proved fail"
+    );
+}
+
+/// Some machines, those of them that are sound, and lines over these.
+fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
+    let chance = &mut Chance::new(seed);
+    let batch = machines::batch(chance, MACHINES_A_BATCH);
+    let cache = folder.join("cache");
+    let file = folder.join(format!("attack-{seed}.lw"));
+    std::fs::write(&file, &batch.text).expect("a file");
+    let report = judge(&file, &cache);
+    if let Some(failure) = report.failure {
+        table.broken(seed, "check", &failure, &batch.text, kept().as_deref());
+        return;
+    }
+    let sound = |name: &str| report.machines.get(name).is_some_and(Vec::is_empty);
+    for codes in report.machines.values().filter(|codes| !codes.is_empty()) {
+        table.refused(codes);
+    }
+    let machines: Vec<_> = { batch.machines.iter() }.filter(|m| sound(&m.name)).cloned().collect();
+    if machines.is_empty() {
+        return;
+    }
+    table.machines += machines.len();
+    let count = lines_a_machine * machines.len();
+    let texts: Vec<String> = (0..count)
+        .map(|at| lines::line(chance, &format!("L{at}"), &machines))
+        .collect();
+    let text = batch.text.clone() + &texts.concat();
+    std::fs::write(&file, &text).expect("a file");
+    let report = judge(&file, &cache);
+    if let Some(failure) = report.failure {
+        table.broken(seed, "check", &failure, &text, kept().as_deref());
+        return;
+    }
+    let world = World::new(&file.to_string_lossy(), &text);
+    for (at, text) in texts.iter().enumerate() {
+        let name = format!("L{at}");
+        let Some(judged) = report.lines.get(&name) else {
+            table.without_reason.push(format!("{seed} {name}"));
+            continue;
+        };
+        let failures = world.line(&name).and_then(|line| world.failures(line, &SEEDS));
+        table.line(&format!("{seed} {name}"), judged, failures.as_ref());
+        let Some(failures) = failures.filter(|_| judged.is_proved()) else {
+            continue;
+        };
+        let open = unnamed(judged, &failures);
+        if let Some(first) = open.first() {
+            let small = reduced(&batch, text, first, folder);
+            table.broken(seed, first.kind, &first.said, &small, kept().as_deref());
+        }
+    }
+    std::fs::remove_file(&file).expect("the file was there");
+}
+
+/// The failures that no premise of the proof names.
+fn unnamed<'a>(judged: &Judged, failures: &'a BTreeSet<Failure>) -> Vec<&'a Failure> {
+    let named = |failure: &Failure| {
+        let mut premises = judged.premises.iter();
+        premises.any(|premise| failure.names.iter().any(|name| has_word(premise, name)))
+    };
+    failures.iter().filter(|f| !named(f)).collect()
+}
+
+fn has_word(text: &str, word: &str) -> bool {
+    let mut found = text.match_indices(word);
+    let inside = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    found.any(|(at, _)| {
+        !inside(text[..at].chars().next_back()) && !inside(text[at + word.len()..].chars().next())
+    })
+}
+
+/// A small file with one line that is proved and fails in the same way.
+fn reduced(batch: &Batch, line: &str, failure: &Failure, folder: &Path) -> String {
+    let text = format!("{}{line}", batch.text);
+    let cache = folder.join("cache");
+    let file = folder.join("reduced.lw");
+    let mut fails = |bytes: &[u8]| {
+        std::fs::write(&file, bytes).expect("a file");
+        let report = judge(&file, &cache);
+        let Some((name, judged)) = report.lines.first_key_value() else {
+            return false;
+        };
+        if !judged.is_proved() || report.machines.values().any(|codes| !codes.is_empty()) {
+            return false;
+        }
+        let world = World::new(&file.to_string_lossy(), &String::from_utf8_lossy(bytes));
+        let failures = world.line(name).and_then(|line| world.failures(line, &SEEDS));
+        let failures = failures.unwrap_or_default();
+        let same = |f: &&Failure| f.kind == failure.kind;
+        unnamed(judged, &failures).iter().any(same)
+    };
+    let small = reduce::reduced_by_lines(text.as_bytes(), REDUCING, &mut fails);
+    String::from_utf8_lossy(&small).into_owned()
+}
