@@ -19,7 +19,6 @@ mod table;
 mod text;
 
 use judge::{Judged, judge};
-use machines::Batch;
 use runs::{Failure, World};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -35,7 +34,7 @@ const SEEDS: [u64; 3] = [1, 2, 3];
 /// At least so many of a hundred lines that are not proved fail.
 const LEAST_FAILING: usize = 30;
 /// A file is made smaller with so many questions.
-const REDUCING: usize = 400;
+const REDUCING: usize = 120;
 
 /// `LINEWRIGHT_ATTACK=500x40`: machines, and lines a machine.
 fn size() -> (usize, usize) {
@@ -51,6 +50,11 @@ fn seed() -> u64 {
     given.map_or(1, |text| text.parse().expect("a number"))
 }
 
+/// Where the files are written; they stay there if `LINEWRIGHT_ATTACK_FILES` says where.
+fn files() -> Option<PathBuf> {
+    std::env::var_os("LINEWRIGHT_ATTACK_FILES").map(PathBuf::from)
+}
+
 /// Where lines are kept that fail although they are proved.
 fn kept() -> Option<PathBuf> {
     std::env::var_os("LINEWRIGHT_ATTACK_REPORT").map(PathBuf::from)
@@ -59,12 +63,13 @@ fn kept() -> Option<PathBuf> {
 #[test]
 fn what_is_proved_holds_in_runs() {
     let (wanted, lines) = size();
-    let folder = tempfile::tempdir().expect("a folder");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = files().unwrap_or_else(|| temporary.path().to_owned());
     let mut table = Table::default();
     let mut batch = 0;
     while table.machines < wanted {
         let seed = seed().wrapping_mul(1_000_003).wrapping_add(batch);
-        attack(seed, lines, folder.path(), &mut table);
+        attack(seed, lines, &folder, &mut table);
         batch += 1;
         if kept().is_some() && batch % 10 == 0 {
             eprintln!("{table}");
@@ -103,7 +108,7 @@ fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
     table.machines += machines.len();
     let count = lines_a_machine * machines.len();
     let texts: Vec<String> = (0..count)
-        .map(|at| lines::line(chance, &format!("L{at}"), &machines))
+        .map(|at| lines::line(chance, &format!("L{at}"), &batch, &machines))
         .collect();
     let text = batch.text.clone() + &texts.concat();
     std::fs::write(&file, &text).expect("a file");
@@ -126,11 +131,18 @@ fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
         };
         let open = unnamed(judged, &failures);
         if let Some(first) = open.first() {
-            let small = reduced(&batch, text, first, folder);
+            let whole = format!("{}{text}", batch.text);
+            let small = if table.is_new(first.kind, &first.said) {
+                reduced(&whole, first, folder)
+            } else {
+                whole
+            };
             table.broken(seed, first.kind, &first.said, &small, kept().as_deref());
         }
     }
-    std::fs::remove_file(&file).expect("the file was there");
+    if files().is_none() {
+        std::fs::remove_file(&file).expect("the file was there");
+    }
 }
 
 /// The failures that no premise of the proof names.
@@ -150,9 +162,22 @@ fn has_word(text: &str, word: &str) -> bool {
     })
 }
 
+/// A text in pieces of one declaration.
+fn declarations(text: &str) -> Vec<String> {
+    let mut pieces = vec![String::new()];
+    for line in text.split_inclusive('\n') {
+        if let Some(last) = pieces.last_mut() {
+            last.push_str(line);
+        }
+        if line == "}\n" {
+            pieces.push(String::new());
+        }
+    }
+    pieces
+}
+
 /// A small file with one line that is proved and fails in the same way.
-fn reduced(batch: &Batch, line: &str, failure: &Failure, folder: &Path) -> String {
-    let text = format!("{}{line}", batch.text);
+fn reduced(text: &str, failure: &Failure, folder: &Path) -> String {
     let cache = folder.join("cache");
     let file = folder.join("reduced.lw");
     let mut fails = |bytes: &[u8]| {
@@ -161,7 +186,7 @@ fn reduced(batch: &Batch, line: &str, failure: &Failure, folder: &Path) -> Strin
         let Some((name, judged)) = report.lines.first_key_value() else {
             return false;
         };
-        if !judged.is_proved() || report.machines.values().any(|codes| !codes.is_empty()) {
+        if !judged.is_proved() {
             return false;
         }
         let world = World::new(&file.to_string_lossy(), &String::from_utf8_lossy(bytes));
@@ -170,6 +195,7 @@ fn reduced(batch: &Batch, line: &str, failure: &Failure, folder: &Path) -> Strin
         let same = |f: &&Failure| f.kind == failure.kind;
         unnamed(judged, &failures).iter().any(same)
     };
-    let small = reduce::reduced_by_lines(text.as_bytes(), REDUCING, &mut fails);
+    let small = reduce::reduced_by(declarations(text), REDUCING, &mut fails);
+    let small = reduce::reduced_by_lines(&small, REDUCING, &mut fails);
     String::from_utf8_lossy(&small).into_owned()
 }

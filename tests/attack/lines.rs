@@ -1,8 +1,9 @@
 //! Random lines over some machines, as text: one or two types of parts, or two that are joined, through places that they may share,
 //! with branches, circles of rework, rejection and every kind of supply.
 
-use super::machines::Model;
+use super::machines::{Batch, Model, X};
 use super::text::{Chance, Text};
+use std::collections::BTreeMap;
 
 /// A place of a line.
 struct Place {
@@ -15,16 +16,19 @@ struct Place {
 }
 
 struct Draft {
+    /// What a type carries.
+    carried: BTreeMap<String, Vec<&'static str>>,
     places: Vec<Place>,
     routes: Vec<String>,
     sinks: Vec<String>,
 }
 
-/// A line of this name.
-pub fn line(chance: &mut Chance, name: &str, machines: &[Model]) -> String {
+/// A line of this name over some of a batch's machines.
+pub fn line(chance: &mut Chance, name: &str, batch: &Batch, machines: &[Model]) -> String {
     let two = chance.percent(50);
     let joined = two && chance.percent(35);
     let mut draft = Draft {
+        carried: BTreeMap::new(),
         places: Vec::new(),
         routes: Vec::new(),
         sinks: vec!["sink k".to_owned()],
@@ -39,11 +43,11 @@ pub fn line(chance: &mut Chance, name: &str, machines: &[Model]) -> String {
         types.push("R");
     }
     for part in &types {
-        text.line(&format!("part {part}{}", properties(chance)));
+        text.line(&format!("part {part}{}", draft.properties(chance, part, batch)));
     }
     if joined {
         let bill = chance.pick(&["1 P, 1 R", "1 P, 1 R", "2 P, 1 R", "1 P, 2 R"]);
-        text.line(&format!("part J from {bill}{}", properties(chance)));
+        text.line(&format!("part J from {bill}{}", draft.properties(chance, "J", batch)));
         types.push("J");
     }
     text.line(&format!("product {}", if joined { "J" } else { types[chance.below(types.len())] }));
@@ -90,27 +94,6 @@ pub fn line(chance: &mut Chance, name: &str, machines: &[Model]) -> String {
     text.0
 }
 
-/// What a type carries. Its ranges may be wider than those of the machines.
-fn properties(chance: &mut Chance) -> String {
-    let mut text = Vec::new();
-    if chance.percent(85) {
-        let domain = chance.pick(&["0..3", "0..3", "0..3", "0..1", "0..9"]);
-        text.push(format!("property x: {domain} = {}", chance.below(if domain == "0..1" { 2 } else { 4 })));
-    }
-    if chance.percent(70) {
-        let (domain, most) = [("0..9", 10), ("0..9", 10), ("0..3", 4)][chance.below(3)];
-        text.push(format!("property q: {domain} = {}", chance.below(most)));
-    }
-    if chance.percent(5) {
-        text.push("property w: number = 1.5".to_owned());
-    }
-    if text.is_empty() {
-        String::new()
-    } else {
-        format!(" {{ {} }}", text.join("  "))
-    }
-}
-
 fn supply(chance: &mut Chance, name: &str, part: &str) -> String {
     if chance.percent(6) {
         return format!("store {name}: {} {part}", 1 + chance.below(12));
@@ -129,14 +112,45 @@ fn supply(chance: &mut Chance, name: &str, part: &str) -> String {
     format!("source {name}: {part} {when}{most}")
 }
 
-/// Over the properties; some hold for all values, some for none.
-fn condition(chance: &mut Chance) -> &'static str {
-    chance.pick(&[
-        "x > 1", "x = 3", "x = 0", "q > 4", "x + q > 3", "x != q", "x >= 1", "q mod 2 = 1", "x < 4", "x > 3", "q < 0", "x >= 0", "q > 9", "x = 5",
-    ])
-}
+/// Conditions over the properties; some hold for all values, some for none.
+const CONDITIONS: [&str; 14] = [
+    "x > 1", "x = 3", "x = 0", "q > 4", "x + q > 3", "x != q", "x >= 1", "q mod 2 = 1", "x < 4", "x > 3", "q < 0", "x >= 0", "q > 9", "x = 5",
+];
 
 impl Draft {
+    /// What a type carries: what its machines read, or a part of it. The rest has the machine's default.
+    fn properties(&mut self, chance: &mut Chance, part: &str, batch: &Batch) -> String {
+        let mut text = Vec::new();
+        let mut names = Vec::new();
+        if chance.percent(85) {
+            names.push("x");
+            text.push(format!("property x: {X} = {}", chance.below(4)));
+        }
+        if chance.percent(70) {
+            names.push("q");
+            let value = if batch.q == "number" {
+                chance.pick(&["0", "0.5", "1.5", "2", "9", "1000000", "0.1"]).to_owned()
+            } else {
+                chance.below(10).to_string()
+            };
+            text.push(format!("property q: {} = {value}", batch.q));
+        }
+        self.carried.insert(part.to_owned(), names);
+        if text.is_empty() {
+            String::new()
+        } else {
+            format!(" {{ {} }}", text.join("  "))
+        }
+    }
+
+    /// A condition over what a type carries.
+    fn condition(&self, chance: &mut Chance, part: &str) -> Option<&'static str> {
+        let carried = &self.carried[part];
+        let fits = |c: &&&str| ["x", "q"].iter().all(|p| carried.contains(p) || !c.contains(p));
+        let fitting: Vec<&'static str> = CONDITIONS.iter().filter(fits).copied().collect();
+        (!fitting.is_empty()).then(|| fitting[chance.below(fitting.len())])
+    }
+
     fn place(&mut self, chance: &mut Chance, at: usize, machines: &[Model], station: bool) {
         let machine = if chance.percent(35) { 0 } else { chance.below(machines.len()) };
         let kind = if station { 0 } else { chance.below(10) };
@@ -199,8 +213,9 @@ impl Draft {
             return;
         };
         inside.push(format!("perform {} on {part}", calls.join(", ")));
-        if chance.percent(30) {
-            let property = chance.pick(&["x", "q"]);
+        let carried = &self.carried[part];
+        if chance.percent(30) && !carried.is_empty() {
+            let property = carried[chance.below(carried.len())];
             let probability = chance.pick(&["100", "30", "5", "60"]);
             let value = chance.pick(&[
                 "(it + 1) mod 4", "3 - it", "min(it + 1, 3)", "0", "3", "max(it - 1, 0)", "it + 1", "it + 90", "it / 2", "it - 1", "9",
@@ -236,7 +251,10 @@ impl Draft {
                 self.routes.push(format!("route {part}: {here} -> {next}"));
                 continue;
             }
-            let when = condition(chance);
+            let Some(when) = self.condition(chance, part) else {
+                self.routes.push(format!("route {part}: {here} -> {next}"));
+                continue;
+            };
             let other = match chance.below(4) {
                 0 => {
                     let sink = format!("bad{}", self.sinks.len());
@@ -254,7 +272,7 @@ impl Draft {
             }
             self.routes.push(format!("route {part}: {here} -> {other} when {when}"));
             let rest = match chance.below(10) {
-                0 => format!(" when {}", condition(chance)),
+                0 => format!(" when {}", self.condition(chance, part).unwrap_or(when)),
                 1..6 => String::new(),
                 _ => " otherwise".to_owned(),
             };

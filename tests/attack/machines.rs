@@ -18,13 +18,13 @@ pub struct Model {
 #[derive(Debug, Clone)]
 pub struct Batch {
     pub text: String,
+    /// The values of `q`: a range, or any number.
+    pub q: &'static str,
     pub machines: Vec<Model>,
 }
 
 /// The values of `x`, which most parts carry, in every machine.
 pub const X: &str = "0..3";
-/// The values of `q`.
-pub const Q: &str = "0..9";
 
 const HEAD: &str = "import std.coordination.single
 import std.handling.convey
@@ -57,7 +57,8 @@ pub fn batch(chance: &mut Chance, count: usize) -> Batch {
     let mut text = HEAD.to_owned();
     let mut machines: Vec<Model> = Vec::new();
     // Of every batch one is as plain as can be, so that some lines are sound.
-    text.push_str(&plain());
+    let q = if chance.percent(20) { "number" } else { "0..9" };
+    text.push_str(&plain(q));
     machines.push(Model {
         name: "Plain".to_owned(),
         operations: vec!["go".to_owned()],
@@ -67,16 +68,16 @@ pub fn batch(chance: &mut Chance, count: usize) -> Batch {
     for at in 1..count {
         let inner = machines.iter().skip(1).rfind(|m| m.operations.len() == 2);
         let (machine, model) = match inner.cloned() {
-            Some(inner) if chance.percent(15) => nested(chance, at, &inner),
-            _ => single(chance, at),
+            Some(inner) if chance.percent(15) => nested(chance, at, &inner, q),
+            _ => single(chance, at, q),
         };
         text.push_str(&machine);
         machines.push(model);
     }
-    Batch { text, machines }
+    Batch { text, q, machines }
 }
 
-fn plain() -> String {
+fn plain(q: &str) -> String {
     let mut text = Text::default();
     text.open("contract Work");
     text.line("input requested: bool");
@@ -88,7 +89,7 @@ fn plain() -> String {
     text.open("machine Plain(t: 0..1000 = 2)");
     text.line("step 1 s");
     text.line("property x: 0..3 = 0");
-    text.line("property q: 0..9 = 0");
+    text.line(&format!("property q: {q} = 0"));
     text.open("coordinator c: Single");
     text.line("job = operation = go");
     text.line("executed = a.finished");
@@ -223,7 +224,7 @@ fn write(chance: &mut Chance, with: &str) -> String {
 }
 
 /// A machine with one action or two.
-fn single(chance: &mut Chance, at: usize) -> (String, Model) {
+fn single(chance: &mut Chance, at: usize, q: &str) -> (String, Model) {
     let two = chance.percent(25);
     let mut text = Text::default();
     for a in 0..=usize::from(two) {
@@ -231,7 +232,7 @@ fn single(chance: &mut Chance, at: usize) -> (String, Model) {
     }
     let name = format!("M{at}");
     text.open(&format!("machine {name}(t: 0..1000 = {})", 1 + chance.below(5)));
-    head(chance, &mut text);
+    head(chance, &mut text, q);
     if chance.percent(15) {
         // `go` takes at least two steps.
         text.line(&format!("limit {} steps", chance.pick(&["1", "2", "3", "4", "6", "12", "100"])));
@@ -278,10 +279,10 @@ fn model(name: String) -> Model {
 }
 
 /// What machines begin with.
-fn head(chance: &mut Chance, text: &mut Text) {
+fn head(chance: &mut Chance, text: &mut Text, q: &str) {
     text.line(chance.pick(&["step 1 s", "step 1 s", "step 1 s", "step 0.1 s", "step 0 s"]));
     text.line(&format!("property x: {X} = {}", chance.below(4)));
-    text.line(&format!("property q: {Q} = {}", chance.below(10)));
+    text.line(&format!("property q: {q} = {}", chance.below(10)));
     text.line(&format!("parameter p: 0..3 = {}", chance.below(4)));
     let script = chance.pick(&["true", "true", "false", "true, false", "false, true, true", "true, true, false"]);
     text.line(&format!("signal sg: bool = {script}"));
@@ -298,11 +299,11 @@ fn tail(chance: &mut Chance, text: &mut Text, last: &str) {
 }
 
 /// A machine that has another one within it.
-fn nested(chance: &mut Chance, at: usize, inner: &Model) -> (String, Model) {
+fn nested(chance: &mut Chance, at: usize, inner: &Model, q: &str) -> (String, Model) {
     let name = format!("M{at}");
     let mut text = Text::default();
     text.open(&format!("machine {name}(t: 0..1000 = {})", 1 + chance.below(5)));
-    head(chance, &mut text);
+    head(chance, &mut text, q);
     text.line("coordinator c: Single { job = operation != none  executed = inner.done }");
     text.open(&format!("machine inner: {}(t = t)", inner.name));
     text.line(chance.pick(&[

@@ -6,6 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 
+/// So many ways in which something goes wrong are looked into.
+const MOST_KINDS: usize = 25;
+
 /// The counts.
 #[derive(Debug, Default)]
 pub struct Table {
@@ -60,14 +63,19 @@ impl Table {
         *self.refused.entry(codes[0].clone()).or_default() += 1;
     }
 
+    /// Whether nothing has gone wrong in the same way before, and not too much in other ways: then it is worth a small file.
+    pub fn is_new(&self, kind: &str, said: &str) -> bool {
+        !self.kinds.contains_key(&key(kind, said)) && self.kinds.len() < MOST_KINDS
+    }
+
     /// Takes down a judgement that does not hold, and keeps the file that shows it.
     pub fn broken(&mut self, seed: u64, kind: &str, said: &str, text: &str, kept: Option<&Path>) {
-        let said: String = said.chars().take(300).collect();
+        let key = key(kind, said);
         let first = format!("// {kind}, batch {seed}: {}\n", said.replace('\n', " "));
-        let count = self.kinds.entry(format!("{kind}: {said}")).or_default();
+        let count = self.kinds.entry(key).or_default();
         *count += 1;
         if let Some(folder) = kept
-            && *count <= 3
+            && *count <= 2
         {
             std::fs::create_dir_all(folder).expect("a folder");
             let file = folder.join(format!("{kind}-{seed}-{}.lw", self.broken.len()));
@@ -75,6 +83,12 @@ impl Table {
         }
         self.broken.push(first + text);
     }
+}
+
+/// What went wrong, in so many words that the same is the same.
+fn key(kind: &str, said: &str) -> String {
+    let said: String = said.chars().take(70).collect();
+    format!("{kind}: {said}")
 }
 
 impl fmt::Display for Table {
