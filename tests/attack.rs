@@ -18,7 +18,7 @@ mod table;
 #[path = "attack/text.rs"]
 mod text;
 
-use judge::{Judged, judge};
+use judge::{Judged, Report, judge};
 use runs::{Failure, World};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -31,6 +31,8 @@ const GATE: (usize, usize) = (12, 13);
 const MACHINES_A_BATCH: usize = 6;
 /// Seeds of the runs.
 const SEEDS: [u64; 3] = [1, 2, 3];
+/// One line in so many is also run with compiled libraries.
+const SAMPLED: usize = 60;
 /// At least so many of a hundred lines that are not proved fail.
 const LEAST_FAILING: usize = 30;
 /// A file is made smaller with so many questions.
@@ -41,7 +43,9 @@ fn size() -> (usize, usize) {
     let Ok(text) = std::env::var("LINEWRIGHT_ATTACK") else {
         return GATE;
     };
-    let numbers = text.split_once('x').and_then(|(m, l)| Some((m.parse().ok()?, l.parse().ok()?)));
+    let numbers = text
+        .split_once('x')
+        .and_then(|(m, l)| Some((m.parse().ok()?, l.parse().ok()?)));
     numbers.expect("LINEWRIGHT_ATTACK is machines x lines a machine, such as 500x40")
 }
 
@@ -77,7 +81,11 @@ fn what_is_proved_holds_in_runs() {
     }
     println!("{table}");
     assert!(table.broken.is_empty(), "{}", table.broken.join("\n"));
-    assert!(table.without_reason.is_empty(), "no reason is given for {:?}", table.without_reason);
+    assert!(
+        table.without_reason.is_empty(),
+        "no reason is given for {:?}",
+        table.without_reason
+    );
     let share = 100 * table.failing / table.unproved_that_ran().max(1);
     assert!(
         share >= LEAST_FAILING,
@@ -88,35 +96,36 @@ fn what_is_proved_holds_in_runs() {
 /// Some machines, those of them that are sound, and lines over these.
 fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
     let chance = &mut Chance::new(seed);
-    let batch = machines::batch(chance, MACHINES_A_BATCH);
+    let mut batch = machines::batch(chance, MACHINES_A_BATCH);
     let cache = folder.join("cache");
     let file = folder.join(format!("attack-{seed}.lw"));
-    std::fs::write(&file, &batch.text).expect("a file");
-    let report = judge(&file, &cache);
-    if let Some(failure) = report.failure {
-        table.broken(seed, "check", &failure, &batch.text, kept().as_deref());
+    let judged = |text: &str, table: &mut Table| -> Option<Report> {
+        std::fs::write(&file, text).expect("a file");
+        let report = judge(&file, &cache);
+        if let Some(failure) = &report.failure {
+            table.broken(seed, "check", failure, text, kept().as_deref());
+            return None;
+        }
+        Some(report)
+    };
+    let Some(report) = judged(&batch.text(), table) else {
         return;
-    }
-    let sound = |name: &str| report.machines.get(name).is_some_and(Vec::is_empty);
+    };
     for codes in report.machines.values().filter(|codes| !codes.is_empty()) {
         table.refused(codes);
     }
-    let machines: Vec<_> = { batch.machines.iter() }.filter(|m| sound(&m.name)).cloned().collect();
-    if machines.is_empty() {
+    batch.keep(|name| report.machines.get(name).is_some_and(Vec::is_empty));
+    if batch.machines.is_empty() {
         return;
     }
-    table.machines += machines.len();
-    let count = lines_a_machine * machines.len();
-    let texts: Vec<String> = (0..count)
-        .map(|at| lines::line(chance, &format!("L{at}"), &batch, &machines))
+    table.machines += batch.machines.len();
+    let texts: Vec<String> = (0..lines_a_machine * batch.machines.len())
+        .map(|at| lines::line(chance, &format!("L{at}"), &batch))
         .collect();
-    let text = batch.text.clone() + &texts.concat();
-    std::fs::write(&file, &text).expect("a file");
-    let report = judge(&file, &cache);
-    if let Some(failure) = report.failure {
-        table.broken(seed, "check", &failure, &text, kept().as_deref());
+    let text = batch.text() + &texts.concat();
+    let Some(report) = judged(&text, table) else {
         return;
-    }
+    };
     let world = World::new(&file.to_string_lossy(), &text);
     for (at, text) in texts.iter().enumerate() {
         let name = format!("L{at}");
@@ -124,14 +133,18 @@ fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
             table.without_reason.push(format!("{seed} {name}"));
             continue;
         };
-        let failures = world.line(&name).and_then(|line| world.failures(line, &SEEDS));
+        let failures = { world.line(&name) }.and_then(|line| world.failures(line, &SEEDS));
         table.line(&format!("{seed} {name}"), judged, failures.as_ref());
+        let whole = batch.text() + text;
+        if table.lines % SAMPLED == 1
+            && let Err(said) = agrees(&world, &name, judged, &whole, folder)
+        {
+            table.broken(seed, "disagreement", &said, &whole, kept().as_deref());
+        }
         let Some(failures) = failures.filter(|_| judged.is_proved()) else {
             continue;
         };
-        let open = unnamed(judged, &failures);
-        if let Some(first) = open.first() {
-            let whole = format!("{}{text}", batch.text);
+        if let Some(first) = unnamed(judged, &failures).first() {
             let small = if table.is_new(first.kind, &first.said) {
                 reduced(&whole, first, folder)
             } else {
@@ -142,6 +155,51 @@ fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
     }
     if files().is_none() {
         std::fs::remove_file(&file).expect("the file was there");
+    }
+}
+
+/// `run`, with compiled libraries, refuses exactly what `check` finds an error in, and comes to what the interpreter comes to.
+fn agrees(
+    world: &World,
+    name: &str,
+    judged: &Judged,
+    text: &str,
+    folder: &Path,
+) -> Result<(), String> {
+    // Of a line with a shift the runs here last longer.
+    if world.line(name).is_some_and(|line| line.shift.is_some()) {
+        return Ok(());
+    }
+    let file = folder.join("sample.lw");
+    std::fs::write(&file, text).expect("a file");
+    let ran = judge::run(
+        &file,
+        &folder.join("cache"),
+        SEEDS[0],
+        runs::PARTS,
+        runs::SECONDS,
+    );
+    let Some((products, violations)) = ran else {
+        return if judged.errors.is_empty() {
+            Err("check finds no error, and run refuses".to_owned())
+        } else {
+            Ok(())
+        };
+    };
+    if !judged.errors.is_empty() {
+        return Err(format!("check finds {:?}, and run runs", judged.errors));
+    }
+    let trace = world
+        .line(name)
+        .and_then(|line| world.run(line, SEEDS[0], Some(runs::PARTS), runs::SECONDS))
+        .ok_or("the program runs what cannot be run here")?;
+    if (trace.products, trace.violation_count) == (products, violations) {
+        Ok(())
+    } else {
+        Err(format!(
+            "{products} products and {violations} violations with libraries, {} and {} with the interpreter",
+            trace.products, trace.violation_count
+        ))
     }
 }
 
@@ -186,11 +244,13 @@ fn reduced(text: &str, failure: &Failure, folder: &Path) -> String {
         let Some((name, judged)) = report.lines.first_key_value() else {
             return false;
         };
-        if !judged.is_proved() {
+        if !judged.is_proved() || report.machines.values().any(|codes| !codes.is_empty()) {
             return false;
         }
         let world = World::new(&file.to_string_lossy(), &String::from_utf8_lossy(bytes));
-        let failures = world.line(name).and_then(|line| world.failures(line, &SEEDS));
+        let failures = world
+            .line(name)
+            .and_then(|line| world.failures(line, &SEEDS));
         let failures = failures.unwrap_or_default();
         let same = |f: &&Failure| f.kind == failure.kind;
         unnamed(judged, &failures).iter().any(same)

@@ -55,7 +55,9 @@ fn damaged_files_are_survived() {
             *count += 1;
             if *count == 1 {
                 let mut fails = |bytes: &[u8]| {
-                    attempt.make(&place, bytes).is_err_and(|f| f.key == fault.key)
+                    attempt
+                        .make(&place, bytes)
+                        .is_err_and(|f| f.key == fault.key)
                 };
                 let small = reduced(&bytes, &mut fails);
                 let text = told(run, &attempt, &fault, &file.path, &small);
@@ -71,11 +73,18 @@ fn damaged_files_are_survived() {
             let _ = std::fs::remove_dir_all(&place.out);
             let _ = std::fs::remove_dir_all(&place.cache);
             if report.is_some() {
-                eprintln!("{} runs, {} kinds of faults: {faults:?}", run + 1, faults.len());
+                eprintln!(
+                    "{} runs, {} kinds of faults: {faults:?}",
+                    run + 1,
+                    faults.len()
+                );
             }
         }
     }
-    println!("{runs} runs over {} files: {codes:?}; {faults:#?}", seeds.len());
+    println!(
+        "{runs} runs over {} files: {codes:?}; {faults:#?}",
+        seeds.len()
+    );
     assert!(faults.is_empty(), "{shown}");
 }
 
@@ -91,12 +100,22 @@ fn reduced(bytes: &[u8], fails: &mut dyn FnMut(&[u8]) -> bool) -> Vec<u8> {
 fn told(run: u64, attempt: &Attempt, fault: &Fault, path: &Path, small: &[u8]) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "== {}", fault.key);
-    let _ = writeln!(text, "run {run}, from {}: linewright {}", path.display(), attempt.shown());
+    let _ = writeln!(
+        text,
+        "run {run}, from {}: linewright {}",
+        path.display(),
+        attempt.shown()
+    );
     if !attempt.typed.is_empty() {
         let _ = writeln!(text, "typed: {}", attempt.typed.trim().replace('\n', "; "));
     }
     let said: String = fault.said.chars().take(600).collect();
-    let _ = writeln!(text, "{}\n{}\n", String::from_utf8_lossy(small), said.trim());
+    let _ = writeln!(
+        text,
+        "{}\n{}\n",
+        String::from_utf8_lossy(small),
+        said.trim()
+    );
     text
 }
 

@@ -38,7 +38,6 @@ pub struct Report {
     pub lines: BTreeMap<String, Judged>,
     /// By the machine's name: the codes of its errors, those of its contracts too.
     pub machines: BTreeMap<String, Vec<String>>,
-    pub code: Option<i32>,
     /// What was said instead of a document.
     pub failure: Option<String>,
 }
@@ -52,19 +51,14 @@ pub fn judge(file: &Path, cache: &Path) -> Report {
         .env("RUST_BACKTRACE", "0")
         .output()
         .expect("the program starts");
-    let code = output.status.code();
     let Ok(document) = serde_json::from_slice::<Value>(&output.stdout) else {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         return Report {
-            code,
             failure: Some(said),
             ..Report::default()
         };
     };
-    let mut report = Report {
-        code,
-        ..Report::default()
-    };
+    let mut report = Report::default();
     let unkept: BTreeMap<&str, Vec<String>> = rows(&document, "contracts")
         .map(|row| (name(row), codes(row, true)))
         .collect();
@@ -86,7 +80,12 @@ pub fn judge(file: &Path, cache: &Path) -> Report {
     for row in rows(&document, "lines") {
         let mut judged = Judged {
             proof: row["proof"].as_str().map(str::to_owned),
-            premises: row["premises"].as_array().into_iter().flatten().map(text).collect(),
+            premises: row["premises"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .map(text)
+                .collect(),
             errors: codes(row, true),
             reasons: codes(row, false),
         };
@@ -100,6 +99,29 @@ pub fn judge(file: &Path, cache: &Path) -> Report {
     report
 }
 
+/// Runs the only line of a file: products and violations, or `None` where the program refuses it.
+pub fn run(file: &Path, cache: &Path, seed: u64, parts: u64, seconds: f64) -> Option<(u64, u64)> {
+    let output = Command::new(PROGRAM)
+        .args(["run", "--format", "json", "--no-timing"])
+        .args(["--seed", &seed.to_string(), "--parts", &parts.to_string()])
+        .args(["--until", &seconds.to_string()])
+        .arg("--out")
+        .arg(cache.with_file_name("libraries"))
+        .arg(file)
+        .env("LINEWRIGHT_CACHE", cache)
+        .output()
+        .expect("the program starts");
+    let document: Value = serde_json::from_slice(&output.stdout).ok()?;
+    let count = |key: &str| match &document[key] {
+        Value::Array(list) => Some(list.len() as u64),
+        value => value.as_u64(),
+    };
+    Some((
+        count("products")?,
+        count("violation_count").or(count("violations"))?,
+    ))
+}
+
 fn rows<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = &'a Value> {
     document[key].as_array().into_iter().flatten()
 }
@@ -109,7 +131,9 @@ fn name(row: &Value) -> &str {
 }
 
 fn text(value: &Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+    value
+        .as_str()
+        .map_or_else(|| value.to_string(), str::to_owned)
 }
 
 /// The codes of a row's findings that are errors, or of all others.

@@ -23,8 +23,9 @@ struct Draft {
     sinks: Vec<String>,
 }
 
-/// A line of this name over some of a batch's machines.
-pub fn line(chance: &mut Chance, name: &str, batch: &Batch, machines: &[Model]) -> String {
+/// A line of this name over a batch's machines.
+pub fn line(chance: &mut Chance, name: &str, batch: &Batch) -> String {
+    let machines = &batch.machines[..];
     let two = chance.percent(50);
     let joined = two && chance.percent(35);
     let mut draft = Draft {
@@ -33,7 +34,7 @@ pub fn line(chance: &mut Chance, name: &str, batch: &Batch, machines: &[Model]) 
         routes: Vec::new(),
         sinks: vec!["sink k".to_owned()],
     };
-    for at in 0..1 + chance.below(3) {
+    for at in 0..=chance.below(3) {
         draft.place(chance, at, machines, at == 0);
     }
     let mut text = Text::default();
@@ -43,14 +44,27 @@ pub fn line(chance: &mut Chance, name: &str, batch: &Batch, machines: &[Model]) 
         types.push("R");
     }
     for part in &types {
-        text.line(&format!("part {part}{}", draft.properties(chance, part, batch)));
+        text.line(&format!(
+            "part {part}{}",
+            draft.properties(chance, part, batch)
+        ));
     }
     if joined {
         let bill = chance.pick(&["1 P, 1 R", "1 P, 1 R", "2 P, 1 R", "1 P, 2 R"]);
-        text.line(&format!("part J from {bill}{}", draft.properties(chance, "J", batch)));
+        text.line(&format!(
+            "part J from {bill}{}",
+            draft.properties(chance, "J", batch)
+        ));
         types.push("J");
     }
-    text.line(&format!("product {}", if joined { "J" } else { types[chance.below(types.len())] }));
+    text.line(&format!(
+        "product {}",
+        if joined {
+            "J"
+        } else {
+            types[chance.below(types.len())]
+        }
+    ));
     for (at, part) in types.iter().take(if two { 2 } else { 1 }).enumerate() {
         text.line(&supply(chance, ["s", "t"][at], part));
     }
@@ -85,7 +99,11 @@ pub fn line(chance: &mut Chance, name: &str, batch: &Batch, machines: &[Model]) 
         }
     }
     if chance.percent(4) {
-        text.line(chance.pick(&["shift 0 h to 20 h", "shift 6 h to 22 h", "shift 0 s to 900 s"]));
+        text.line(chance.pick(&[
+            "shift 0 h to 20 h",
+            "shift 6 h to 22 h",
+            "shift 0 s to 900 s",
+        ]));
     }
     for route in &draft.routes {
         text.line(route);
@@ -114,7 +132,20 @@ fn supply(chance: &mut Chance, name: &str, part: &str) -> String {
 
 /// Conditions over the properties; some hold for all values, some for none.
 const CONDITIONS: [&str; 14] = [
-    "x > 1", "x = 3", "x = 0", "q > 4", "x + q > 3", "x != q", "x >= 1", "q mod 2 = 1", "x < 4", "x > 3", "q < 0", "x >= 0", "q > 9", "x = 5",
+    "x > 1",
+    "x = 3",
+    "x = 0",
+    "q > 4",
+    "x + q > 3",
+    "x != q",
+    "x >= 1",
+    "q mod 2 = 1",
+    "x < 4",
+    "x > 3",
+    "q < 0",
+    "x >= 0",
+    "q > 9",
+    "x = 5",
 ];
 
 impl Draft {
@@ -129,7 +160,9 @@ impl Draft {
         if chance.percent(70) {
             names.push("q");
             let value = if batch.q == "number" {
-                chance.pick(&["0", "0.5", "1.5", "2", "9", "1000000", "0.1"]).to_owned()
+                chance
+                    .pick(&["0", "0.5", "1.5", "2", "9", "1000000", "0.1"])
+                    .to_owned()
             } else {
                 chance.below(10).to_string()
             };
@@ -146,13 +179,21 @@ impl Draft {
     /// A condition over what a type carries.
     fn condition(&self, chance: &mut Chance, part: &str) -> Option<&'static str> {
         let carried = &self.carried[part];
-        let fits = |c: &&&str| ["x", "q"].iter().all(|p| carried.contains(p) || !c.contains(p));
+        let fits = |c: &&&str| {
+            ["x", "q"]
+                .iter()
+                .all(|p| carried.contains(p) || !c.contains(p))
+        };
         let fitting: Vec<&'static str> = CONDITIONS.iter().filter(fits).copied().collect();
         (!fitting.is_empty()).then(|| fitting[chance.below(fitting.len())])
     }
 
     fn place(&mut self, chance: &mut Chance, at: usize, machines: &[Model], station: bool) {
-        let machine = if chance.percent(35) { 0 } else { chance.below(machines.len()) };
+        let machine = if chance.percent(35) {
+            0
+        } else {
+            chance.below(machines.len())
+        };
         let kind = if station { 0 } else { chance.below(10) };
         let (name, head, inside) = match kind {
             0..6 => {
@@ -169,7 +210,14 @@ impl Draft {
                     inside.push("setup 5 s".to_owned());
                 }
                 if chance.percent(10) {
-                    inside.push(chance.pick(&["failures mtbf 100 s mttr 20 s", "failures mtbf 20 s mttr 50 s"]).to_owned());
+                    inside.push(
+                        chance
+                            .pick(&[
+                                "failures mtbf 100 s mttr 20 s",
+                                "failures mtbf 20 s mttr 50 s",
+                            ])
+                            .to_owned(),
+                    );
                 }
                 (name, head, Some(inside))
             }
@@ -180,12 +228,18 @@ impl Draft {
             }
             8 => {
                 let name = format!("v{at}");
-                let head = format!("conveyor {name} places {} pitch 1 m speed 1 m/s", 1 + chance.below(3));
+                let head = format!(
+                    "conveyor {name} places {} pitch 1 m speed 1 m/s",
+                    1 + chance.below(3)
+                );
                 (name, head, None)
             }
             _ => {
                 let name = format!("e{at}");
-                let head = format!("conveyor {name}: Belt(places = {}) pitch 1 m speed 0.5 m/s", 2 + chance.below(2));
+                let head = format!(
+                    "conveyor {name}: Belt(places = {}) pitch 1 m speed 0.5 m/s",
+                    2 + chance.below(2)
+                );
                 (name, head, None)
             }
         };
@@ -201,7 +255,7 @@ impl Draft {
     fn task(&mut self, chance: &mut Chance, place: usize, part: &str, machines: &[Model]) {
         let model = &machines[self.places[place].machine];
         let mut calls = Vec::new();
-        for _ in 0..1 + chance.below(4) / 3 {
+        for _ in 0..=chance.below(4) / 3 {
             let operation = &model.operations[chance.below(model.operations.len())];
             calls.push(if model.parameter && chance.percent(40) {
                 format!("{operation}(p = {})", chance.below(4))
@@ -218,16 +272,37 @@ impl Draft {
             let property = carried[chance.below(carried.len())];
             let probability = chance.pick(&["100", "30", "5", "60"]);
             let value = chance.pick(&[
-                "(it + 1) mod 4", "3 - it", "min(it + 1, 3)", "0", "3", "max(it - 1, 0)", "it + 1", "it + 90", "it / 2", "it - 1", "9",
+                "(it + 1) mod 4",
+                "3 - it",
+                "min(it + 1, 3)",
+                "0",
+                "3",
+                "max(it - 1, 0)",
+                "it + 1",
+                "it + 90",
+                "it / 2",
+                "it - 1",
+                "9",
             ]);
-            inside.push(format!("defect on {part} probability {probability} %: {property} becomes {value}"));
+            inside.push(format!(
+                "defect on {part} probability {probability} %: {property} becomes {value}"
+            ));
         }
     }
 
     /// The way of a type from one place to another, or out of the line.
-    fn way(&mut self, chance: &mut Chance, part: &str, from: &str, to: Option<usize>, machines: &[Model]) {
+    fn way(
+        &mut self,
+        chance: &mut Chance,
+        part: &str,
+        from: &str,
+        to: Option<usize>,
+        machines: &[Model],
+    ) {
         let most = self.places.len();
-        let mut way: Vec<usize> = (0..most).filter(|at| Some(*at) != to && !self.is_join(*at, part)).collect();
+        let mut way: Vec<usize> = (0..most)
+            .filter(|at| Some(*at) != to && !self.is_join(*at, part))
+            .collect();
         // Some places are passed by, some come in another order.
         way.retain(|_| !chance.percent(15));
         if way.len() > 1 && chance.percent(20) {
@@ -241,7 +316,8 @@ impl Draft {
         names.push(to.map_or("k".to_owned(), |to| self.places[to].name.clone()));
         if names.len() == 2 && to.is_none() && !from.starts_with("st") {
             // Nobody works on it.
-            self.routes.push(format!("route {part}: {}", names.join(" -> ")));
+            self.routes
+                .push(format!("route {part}: {}", names.join(" -> ")));
             return;
         }
         for at in 0..names.len() - 1 {
@@ -259,7 +335,11 @@ impl Draft {
                 0 => {
                     let sink = format!("bad{}", self.sinks.len());
                     let reorder = chance.pick(&["", " reorder s"]);
-                    let reorder = if part == "R" { reorder.replace(" s", " t") } else { reorder.to_owned() };
+                    let reorder = if part == "R" {
+                        reorder.replace(" s", " t")
+                    } else {
+                        reorder.to_owned()
+                    };
                     self.sinks.push(format!("sink {sink} rejects{reorder}"));
                     sink
                 }
@@ -270,13 +350,15 @@ impl Draft {
                 self.routes.push(format!("route {part}: {here} -> {next}"));
                 continue;
             }
-            self.routes.push(format!("route {part}: {here} -> {other} when {when}"));
+            self.routes
+                .push(format!("route {part}: {here} -> {other} when {when}"));
             let rest = match chance.below(10) {
                 0 => format!(" when {}", self.condition(chance, part).unwrap_or(when)),
                 1..6 => String::new(),
                 _ => " otherwise".to_owned(),
             };
-            self.routes.push(format!("route {part}: {here} -> {next}{rest}"));
+            self.routes
+                .push(format!("route {part}: {here} -> {next}{rest}"));
         }
     }
 

@@ -7,6 +7,10 @@ use super::text::{Chance, Text};
 #[derive(Debug, Clone)]
 pub struct Model {
     pub name: String,
+    /// Its text, with the contracts of its own.
+    pub text: String,
+    /// The machine within it, if there is one.
+    inner: Option<String>,
     pub operations: Vec<String>,
     /// It has the parameter `p: 0..3`.
     pub parameter: bool,
@@ -17,10 +21,23 @@ pub struct Model {
 /// Some machines in one file.
 #[derive(Debug, Clone)]
 pub struct Batch {
-    pub text: String,
     /// The values of `q`: a range, or any number.
     pub q: &'static str,
     pub machines: Vec<Model>,
+}
+
+impl Batch {
+    /// The whole file, without lines.
+    pub fn text(&self) -> String {
+        let texts = self.machines.iter().map(|m| m.text.as_str());
+        HEAD.to_owned() + &texts.collect::<String>()
+    }
+
+    /// Leaves out the machines that are not sound, and what has one of them within it.
+    pub fn keep(&mut self, sound: impl Fn(&str) -> bool) {
+        self.machines
+            .retain(|m| sound(&m.name) && m.inner.as_deref().is_none_or(&sound));
+    }
 }
 
 /// The values of `x`, which most parts carry, in every machine.
@@ -54,27 +71,25 @@ moore contract Seq {
 
 /// So many machines, and contracts of their own.
 pub fn batch(chance: &mut Chance, count: usize) -> Batch {
-    let mut text = HEAD.to_owned();
     let mut machines: Vec<Model> = Vec::new();
     // Of every batch one is as plain as can be, so that some lines are sound.
     let q = if chance.percent(20) { "number" } else { "0..9" };
-    text.push_str(&plain(q));
     machines.push(Model {
         name: "Plain".to_owned(),
+        text: plain(q),
+        inner: None,
         operations: vec!["go".to_owned()],
         parameter: false,
         timed: true,
     });
     for at in 1..count {
         let inner = machines.iter().skip(1).rfind(|m| m.operations.len() == 2);
-        let (machine, model) = match inner.cloned() {
+        machines.push(match inner.cloned() {
             Some(inner) if chance.percent(15) => nested(chance, at, &inner, q),
             _ => single(chance, at, q),
-        };
-        text.push_str(&machine);
-        machines.push(model);
+        });
     }
-    Batch { text, q, machines }
+    Batch { q, machines }
 }
 
 fn plain(q: &str) -> String {
@@ -105,7 +120,15 @@ fn plain(q: &str) -> String {
 }
 
 const ATOMS: [&str; 9] = [
-    "s", "not s", "o", "not o", "requested", "x = 3", "x <= 1", "x != 0", "not requested",
+    "s",
+    "not s",
+    "o",
+    "not o",
+    "requested",
+    "x = 3",
+    "x <= 1",
+    "x != 0",
+    "not requested",
 ];
 
 fn formula(chance: &mut Chance) -> String {
@@ -124,7 +147,10 @@ fn formula(chance: &mut Chance) -> String {
 fn contract(chance: &mut Chance, name: &str) -> String {
     let moore = chance.percent(30);
     let mut text = Text::default();
-    text.open(&format!("{}contract {name}", if moore { "moore " } else { "" }));
+    text.open(&format!(
+        "{}contract {name}",
+        if moore { "moore " } else { "" }
+    ));
     text.line("input requested, s, o: bool");
     text.line("input x: 0..3");
     text.line("output finished, z: bool");
@@ -158,7 +184,11 @@ fn contract(chance: &mut Chance, name: &str) -> String {
         });
     }
     if chance.percent(6) {
-        assumptions.push(chance.pick(&["(not o and o)", "always (x = 3 and x = 0)", "always false"]).to_owned());
+        assumptions.push(
+            chance
+                .pick(&["(not o and o)", "always (x = 3 and x = 0)", "always false"])
+                .to_owned(),
+        );
     }
     for (at, assumption) in assumptions.iter().enumerate() {
         text.line(&format!("assume a{at}: {assumption}"));
@@ -198,59 +228,144 @@ fn contract(chance: &mut Chance, name: &str) -> String {
 
 fn abstraction(chance: &mut Chance) -> &'static str {
     chance.pick(&[
-        "0", "1", "3", "x", "x", "x", "3 - x", "min(x + q, 3)", "min(q, 3)", "max(x, 1)", "(x + 1) mod 4", "(x + p) mod 4", "p",
-        "floor(x / 2)", "floor(q / 3)", "round(q / 4)", "abs(x - 1)", "if x > 1 then 3 else 0", "q mod 4",
+        "0",
+        "1",
+        "3",
+        "x",
+        "x",
+        "x",
+        "3 - x",
+        "min(x + q, 3)",
+        "min(q, 3)",
+        "max(x, 1)",
+        "(x + 1) mod 4",
+        "(x + p) mod 4",
+        "p",
+        "floor(x / 2)",
+        "floor(q / 3)",
+        "round(q / 4)",
+        "abs(x - 1)",
+        "if x > 1 then 3 else 0",
+        "q mod 4",
         // These leave the domain, or are no whole numbers, for some values.
-        "q", "x + 1", "x - 1", "x / 2", "2 * x", "floor(6 / x)", "x + p", "q - x",
+        "q",
+        "x + 1",
+        "x - 1",
+        "x / 2",
+        "2 * x",
+        "floor(6 / x)",
+        "x + p",
+        "q - x",
     ])
 }
 
 fn time(chance: &mut Chance) -> &'static str {
     chance.pick(&[
-        "time 1 s", "time 2 s", "time t * 1 s", "time t * 1 s", "time t * 0.5 s", "time 1 s per step", "time t * 1 s per step",
-        "time (x + 1) * 1 s", "time (q + 1) * 0.5 s per step", "time max(x, 1) * 2 s", "time 6 s / (x + 1)",
+        "time 1 s",
+        "time 2 s",
+        "time t * 1 s",
+        "time t * 1 s",
+        "time t * 0.5 s",
+        "time 1 s per step",
+        "time t * 1 s per step",
+        "time (x + 1) * 1 s",
+        "time (q + 1) * 0.5 s per step",
+        "time max(x, 1) * 2 s",
+        "time 6 s / (x + 1)",
         // These are nothing, negative or without end for some values.
-        "time 0 s", "time x * 1 s", "time x * 1 s per step", "time (x - 1) * 1 s", "time 6 s / x", "time 5 s / q", "time 1 s / t", "time 1 s / (q - x)",
+        "time 0 s",
+        "time x * 1 s",
+        "time x * 1 s per step",
+        "time (x - 1) * 1 s",
+        "time 6 s / x",
+        "time 5 s / q",
+        "time 1 s / t",
+        "time 1 s / (q - x)",
     ])
 }
 
 fn write(chance: &mut Chance, with: &str) -> String {
     let value = chance.pick(&[
-        "Y", "Y", "3 - Y", "min(Y + 1, 3)", "if Z then 0 else 3", "(x + 1) mod 4", "min(x + 1, 3)", "x", "3",
+        "Y",
+        "Y",
+        "3 - Y",
+        "min(Y + 1, 3)",
+        "if Z then 0 else 3",
+        "(x + 1) mod 4",
+        "min(x + 1, 3)",
+        "x",
+        "3",
         // These may leave the domain.
-        "Y + 1", "x + 1", "q - 1", "Y / 2", "Y * 4",
+        "Y + 1",
+        "x + 1",
+        "q - 1",
+        "Y / 2",
+        "Y * 4",
     ]);
-    value.replace('Y', &format!("{with}.y")).replace('Z', &format!("{with}.z"))
+    value
+        .replace('Y', &format!("{with}.y"))
+        .replace('Z', &format!("{with}.z"))
 }
 
 /// A machine with one action or two.
-fn single(chance: &mut Chance, at: usize, q: &str) -> (String, Model) {
+fn single(chance: &mut Chance, at: usize, q: &str) -> Model {
     let two = chance.percent(25);
     let mut text = Text::default();
     for a in 0..=usize::from(two) {
         text.0.push_str(&contract(chance, &format!("C{at}_{a}")));
     }
     let name = format!("M{at}");
-    text.open(&format!("machine {name}(t: 0..1000 = {})", 1 + chance.below(5)));
+    text.open(&format!(
+        "machine {name}(t: 0..1000 = {})",
+        1 + chance.below(5)
+    ));
     head(chance, &mut text, q);
     if chance.percent(15) {
         // `go` takes at least two steps.
-        text.line(&format!("limit {} steps", chance.pick(&["1", "2", "3", "4", "6", "12", "100"])));
+        text.line(&format!(
+            "limit {} steps",
+            chance.pick(&["1", "2", "3", "4", "6", "12", "100"])
+        ));
     }
     if two {
-        text.line("coordinator c: Seq { job = operation != none  da = a0.finished  db = a1.finished }");
+        text.line(
+            "coordinator c: Seq { job = operation != none  da = a0.finished  db = a1.finished }",
+        );
     } else {
-        let job = chance.pick(&["operation != none", "operation in {go, go2}", "operation = go or operation = go2"]);
-        text.line(&format!("coordinator c: Single {{ job = {job}  executed = a0.finished }}"));
+        let job = chance.pick(&[
+            "operation != none",
+            "operation in {go, go2}",
+            "operation = go or operation = go2",
+        ]);
+        text.line(&format!(
+            "coordinator c: Single {{ job = {job}  executed = a0.finished }}"
+        ));
     }
     for a in 0..=usize::from(two) {
-        let command = if two { ["c.ca", "c.cb"][a] } else { "c.command" };
+        let command = if two {
+            ["c.ca", "c.cb"][a]
+        } else {
+            "c.command"
+        };
         text.open(&format!("action a{a}: C{at}_{a} when {command}"));
         text.line(&format!("requested = {command}"));
-        let bits = ["true", "true", "sg", "not sg", command, "false", "ax = 3", "operation = go2"];
+        let bits = [
+            "true",
+            "true",
+            "sg",
+            "not sg",
+            command,
+            "false",
+            "ax = 3",
+            "operation = go2",
+        ];
         text.line(&format!("s = {}", chance.pick(&bits)));
         text.line(&format!("o = {}", chance.pick(&bits)));
-        let numbers: &[&str] = if a == 0 { &["ax", "ax", "ax", "2"] } else { &["ax", "a0.y", "if sg then ax else 0"] };
+        let numbers: &[&str] = if a == 0 {
+            &["ax", "ax", "ax", "2"]
+        } else {
+            &["ax", "a0.y", "if sg then ax else 0"]
+        };
         text.line(&format!("x = {}", chance.pick(numbers)));
         if chance.percent(90) {
             text.line(time(chance));
@@ -266,12 +381,14 @@ fn single(chance: &mut Chance, at: usize, q: &str) -> (String, Model) {
     text.line("done c.done");
     tail(chance, &mut text, if two { "a1" } else { "a0" });
     text.close();
-    (text.0, model(name))
+    model(name, text.0, None)
 }
 
-fn model(name: String) -> Model {
+fn model(name: String, text: String, inner: Option<String>) -> Model {
     Model {
         name,
+        text,
+        inner,
         operations: vec!["go".to_owned(), "go2".to_owned()],
         parameter: true,
         timed: true,
@@ -284,7 +401,14 @@ fn head(chance: &mut Chance, text: &mut Text, q: &str) {
     text.line(&format!("property x: {X} = {}", chance.below(4)));
     text.line(&format!("property q: {q} = {}", chance.below(10)));
     text.line(&format!("parameter p: 0..3 = {}", chance.below(4)));
-    let script = chance.pick(&["true", "true", "false", "true, false", "false, true, true", "true, true, false"]);
+    let script = chance.pick(&[
+        "true",
+        "true",
+        "false",
+        "true, false",
+        "false, true, true",
+        "true, true, false",
+    ]);
     text.line(&format!("signal sg: bool = {script}"));
     text.line(&format!("abstract ax: 0..3 = {}", abstraction(chance)));
 }
@@ -299,10 +423,13 @@ fn tail(chance: &mut Chance, text: &mut Text, last: &str) {
 }
 
 /// A machine that has another one within it.
-fn nested(chance: &mut Chance, at: usize, inner: &Model, q: &str) -> (String, Model) {
+fn nested(chance: &mut Chance, at: usize, inner: &Model, q: &str) -> Model {
     let name = format!("M{at}");
     let mut text = Text::default();
-    text.open(&format!("machine {name}(t: 0..1000 = {})", 1 + chance.below(5)));
+    text.open(&format!(
+        "machine {name}(t: 0..1000 = {})",
+        1 + chance.below(5)
+    ));
     head(chance, &mut text, q);
     text.line("coordinator c: Single { job = operation != none  executed = inner.done }");
     text.open(&format!("machine inner: {}(t = t)", inner.name));
@@ -319,5 +446,5 @@ fn nested(chance: &mut Chance, at: usize, inner: &Model, q: &str) -> (String, Mo
     text.line("done c.done");
     tail(chance, &mut text, "inner.a0");
     text.close();
-    (text.0, model(name))
+    model(name, text.0, Some(inner.name.clone()))
 }

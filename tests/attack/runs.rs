@@ -60,7 +60,10 @@ impl World {
                 machines.push(machine);
             }
         }
-        let planned: Vec<Planned<'_>> = machines.iter().map(|m| Planned::new(m, &mut jobs)).collect();
+        let planned: Vec<Planned<'_>> = machines
+            .iter()
+            .map(|m| Planned::new(m, &mut jobs))
+            .collect();
         let settings = Settings {
             limits: Limits::default(),
             kernel: KernelChoice::Automatic,
@@ -98,7 +101,9 @@ impl World {
                 } => &belt.machine,
                 _ => continue,
             };
-            let own = { &self.controllers }.iter().find(|(m, _)| Arc::ptr_eq(m, machine))?;
+            let own = { &self.controllers }
+                .iter()
+                .find(|(m, _)| Arc::ptr_eq(m, machine))?;
             let interpreter = Interpreter::new(Arc::clone(machine), Arc::clone(&own.1));
             controllers.insert(at, Box::new(interpreter));
         }
@@ -128,7 +133,8 @@ impl World {
         Some(failures)
     }
 
-    fn run(&self, line: &Line, seed: u64, parts: Option<u64>, seconds: f64) -> Option<Trace> {
+    /// One run. Of a line with a shift only the working time counts.
+    pub fn run(&self, line: &Line, seed: u64, parts: Option<u64>, seconds: f64) -> Option<Trace> {
         let off = line.shift.map_or(0.0, |shift| {
             let working = (shift.to - shift.from).max(1.0);
             86_400.0 * (1.0 + (seconds / working).ceil())
@@ -152,7 +158,11 @@ fn failures_of(line: &Line, trace: &Trace) -> Vec<Failure> {
     let mut failures = Vec::new();
     for violation in &trace.violations {
         let mut about = names([line.nodes[violation.node].name.as_str()]);
-        about.extend(violation.part.map(|(_, kind)| line.parts[kind].name.clone()));
+        about.extend(
+            violation
+                .part
+                .map(|(_, kind)| line.parts[kind].name.clone()),
+        );
         about.extend(violation.rule.clone());
         let said = general(&format!("{:?}: {}", violation.code, violation.message));
         failures.push(Failure {
@@ -221,7 +231,8 @@ fn never_through(line: &Line, trace: &Trace) -> Vec<Failure> {
             continue;
         };
         // Orders are for the product; what is not in it may have none.
-        let ordered = *part == line.product || line.parts[line.product].bill.iter().any(|(c, _)| c == part);
+        let ordered =
+            *part == line.product || line.parts[line.product].bill.iter().any(|(c, _)| c == part);
         let endless = match supply {
             Supply::OnOrder => ordered,
             Supply::Every { limit, .. } => limit.is_none(),

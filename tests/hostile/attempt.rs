@@ -57,11 +57,31 @@ impl Attempt {
         };
         let words: Vec<String> = match choice {
             0..42 => vec!["check".into(), "FILE".into()],
-            42..46 => vec!["check".into(), "--verbose".into(), "--format".into(), "json".into(), "FILE".into()],
-            46..60 if !foreign => vec!["build".into(), "FILE".into(), "--target".into(), "source".into(), "--out".into(), "OUT".into()],
+            42..46 => vec![
+                "check".into(),
+                "--verbose".into(),
+                "--format".into(),
+                "json".into(),
+                "FILE".into(),
+            ],
+            46..60 if !foreign => vec![
+                "build".into(),
+                "FILE".into(),
+                "--target".into(),
+                "source".into(),
+                "--out".into(),
+                "OUT".into(),
+            ],
             60..72 if !foreign => {
                 let line = name(&names.lines);
-                vec!["run".into(), format!("FILE{line}"), "--until".into(), "200".into(), "--out".into(), "OUT".into()]
+                vec![
+                    "run".into(),
+                    format!("FILE{line}"),
+                    "--until".into(),
+                    "200".into(),
+                    "--out".into(),
+                    "OUT".into(),
+                ]
             }
             72..86 if !foreign => vec!["fmt".into(), "FILE".into()],
             _ => {
@@ -121,12 +141,18 @@ impl Attempt {
             return fault(format!("{} ends with {status}", self.arguments[0]));
         };
         if took > patience {
-            return fault(format!("overrun: {} takes longer than --timeout allows", self.arguments[0]));
+            return fault(format!(
+                "overrun: {} takes longer than --timeout allows",
+                self.arguments[0]
+            ));
         }
         let after = std::fs::read(&place.file).unwrap_or_default();
         let formatted = self.is("fmt") && code == 0;
         if !formatted && after != bytes {
-            return fault(format!("{} changes its input (exit code {code})", self.arguments[0]));
+            return fault(format!(
+                "{} changes its input (exit code {code})",
+                self.arguments[0]
+            ));
         }
         if formatted {
             return self.is_formatted(place, bytes, &after);
@@ -179,7 +205,9 @@ impl Attempt {
             .env_remove("CLICOLOR_FORCE")
             .stdin(Stdio::from(File::open(&place.input).expect("the input")))
             .stdout(Stdio::from(output()))
-            .stderr(Stdio::from(File::create(&place.errors).expect("a file for the errors")))
+            .stderr(Stdio::from(
+                File::create(&place.errors).expect("a file for the errors"),
+            ))
             .spawn()
             .expect("the program starts");
         let start = Instant::now();

@@ -4,14 +4,7 @@ use crate::support;
 use std::path::{Path, PathBuf};
 
 /// Endings of files that the program reads.
-const ENDINGS: [&str; 6] = [
-    "lw",
-    "spc",
-    "slugsin",
-    "structuredslugs",
-    "spectra",
-    "tlsf",
-];
+const ENDINGS: [&str; 6] = ["lw", "spc", "slugsin", "structuredslugs", "spectra", "tlsf"];
 /// Longer files are left out: they take their time in a solver, and no other way through the readers.
 const MOST_BYTES: usize = 24_000;
 

@@ -27,9 +27,48 @@ const NUMBERS: [&str; 22] = [
     "0.1",
 ];
 const SIGNS: [&str; 42] = [
-    "and", "or", "xor", "->", "<->", "=", "!=", "<", "<=", ">", ">=", "+", "-", "*", "/", "mod", "not", "next",
-    "always", "eventually", "until", "since", "once", "historically", "previous", "if", "then", "else", "in", "..",
-    "(", ")", "{", "}", "[", "]", ",", ":", "min(", "max(", "abs(", "floor(",
+    "and",
+    "or",
+    "xor",
+    "->",
+    "<->",
+    "=",
+    "!=",
+    "<",
+    "<=",
+    ">",
+    ">=",
+    "+",
+    "-",
+    "*",
+    "/",
+    "mod",
+    "not",
+    "next",
+    "always",
+    "eventually",
+    "until",
+    "since",
+    "once",
+    "historically",
+    "previous",
+    "if",
+    "then",
+    "else",
+    "in",
+    "..",
+    "(",
+    ")",
+    "{",
+    "}",
+    "[",
+    "]",
+    ",",
+    ":",
+    "min(",
+    "max(",
+    "abs(",
+    "floor(",
 ];
 const WORDS: [&str; 46] = [
     "true",
@@ -133,7 +172,11 @@ pub fn tokens(text: &str) -> Vec<String> {
     for c in text.chars() {
         match tokens.last_mut() {
             Some(last)
-                if class(c) != 3 && last.chars().next_back().is_some_and(|l| class(l) == class(c)) =>
+                if class(c) != 3
+                    && last
+                        .chars()
+                        .next_back()
+                        .is_some_and(|l| class(l) == class(c)) =>
             {
                 last.push(c);
             }
@@ -171,7 +214,7 @@ fn words_damaged(stream: &mut Stream, text: &str) -> String {
         2 => tokens.swap(at, beside),
         3..6 => {
             if let Some(number) = number {
-                tokens[number] = pick(stream, &NUMBERS).to_owned();
+                pick(stream, &NUMBERS).clone_into(&mut tokens[number]);
             }
         }
         6 | 7 => {
@@ -185,12 +228,13 @@ fn words_damaged(stream: &mut Stream, text: &str) -> String {
         }
         8 | 9 => {
             if let (Some(name), Some(another)) = (name, another) {
-                tokens[name] = tokens[another].clone();
+                let another = tokens[another].clone();
+                tokens[name] = another;
             }
         }
         10 => {
             if let Some(name) = name {
-                tokens[name] = pick(stream, &WORDS).to_owned();
+                pick(stream, &WORDS).clone_into(&mut tokens[name]);
             }
         }
         11 | 12 => {

@@ -140,6 +140,9 @@ pub fn found() -> Option<std::path::PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    skip("found", "the folder of found defects is not beside the repository");
+    skip(
+        "found",
+        "the folder of found defects is not beside the repository",
+    );
     None
 }
