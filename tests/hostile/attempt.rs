@@ -13,7 +13,7 @@ const TIMEOUT: &str = "2";
 /// does other things, too.
 const OVERRUN: Duration = Duration::from_secs(10);
 /// A command that takes longer hangs, and is killed.
-const HANG: Duration = Duration::from_secs(60);
+const HANG: Duration = Duration::from_mins(1);
 
 /// What is done with a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -155,13 +155,13 @@ impl Attempt {
             ));
         }
         if formatted {
-            return self.is_formatted(place, bytes, &after);
+            return Self::is_formatted(place, bytes, &after);
         }
         Ok(())
     }
 
     /// What `fmt` has written is laid out, and declares the same.
-    fn is_formatted(&self, place: &Place, before: &[u8], after: &[u8]) -> Result<(), Fault> {
+    fn is_formatted(place: &Place, before: &[u8], after: &[u8]) -> Result<(), Fault> {
         let fault = |key: &str| {
             Err(Fault {
                 key: key.to_owned(),
