@@ -132,3 +132,17 @@ pub fn specs() -> Option<std::path::PathBuf> {
     );
     None
 }
+
+/// The files in which defects were found, where they lie beside the repository: `LINEWRIGHT_FOUND`, or `../shared/found`.
+pub fn found() -> Option<std::path::PathBuf> {
+    let folder = std::env::var_os("LINEWRIGHT_FOUND")
+        .map_or_else(|| root().join("../shared/found"), Into::into);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    skip(
+        "found",
+        "the folder of found defects is not beside the repository",
+    );
+    None
+}

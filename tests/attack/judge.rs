@@ -1,0 +1,144 @@
+//! What the program says of lines before they run. Everything else here knows judgements by [`Judged`] alone.
+
+use crate::support::PROGRAM;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+/// What is said of one line.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Judged {
+    /// `proved`, `safe`, `open` or `gave_up`; none for an invalid line.
+    pub proof: Option<String>,
+    /// What a proof rests on that nobody has shown, as text.
+    pub premises: Vec<String>,
+    /// Codes of findings that are errors, those of the line's machines among them.
+    pub errors: Vec<String>,
+    /// Codes of all other findings, and what was not decided.
+    pub reasons: Vec<String>,
+}
+
+impl Judged {
+    pub fn is_proved(&self) -> bool {
+        self.proof.as_deref() == Some("proved") && self.errors.is_empty()
+    }
+
+    /// One word for a table: the first reason why it is not proved.
+    pub fn reason(&self) -> String {
+        let first = self.errors.first().or(self.reasons.first());
+        first.cloned().unwrap_or_else(|| "none".to_owned())
+    }
+}
+
+/// What is said of a file.
+#[derive(Debug, Default)]
+pub struct Report {
+    /// By the line's name.
+    pub lines: BTreeMap<String, Judged>,
+    /// By the machine's name: the codes of its errors, those of its contracts too.
+    pub machines: BTreeMap<String, Vec<String>>,
+    /// What was said instead of a document.
+    pub failure: Option<String>,
+}
+
+/// Judges every line of a file. What `cache` has is not solved again.
+pub fn judge(file: &Path, cache: &Path) -> Report {
+    let output = Command::new(PROGRAM)
+        .args(["check", "--format", "json", "--no-timing"])
+        .arg(file)
+        .env("LINEWRIGHT_CACHE", cache)
+        .env("RUST_BACKTRACE", "0")
+        .output()
+        .expect("the program starts");
+    let Ok(document) = serde_json::from_slice::<Value>(&output.stdout) else {
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        return Report {
+            failure: Some(said),
+            ..Report::default()
+        };
+    };
+    let mut report = Report::default();
+    let unkept: BTreeMap<&str, Vec<String>> = rows(&document, "contracts")
+        .map(|row| (name(row), codes(row, true)))
+        .collect();
+    for row in rows(&document, "machines") {
+        let mut errors = codes(row, true);
+        for component in rows(row, "components") {
+            let contract = component["contract"].as_str().unwrap_or_default();
+            errors.extend(unkept.get(contract).into_iter().flatten().cloned());
+            let verdict = component["verdict"].as_str().unwrap_or_default();
+            if verdict != "realizable" {
+                errors.push(verdict.to_owned());
+            }
+        }
+        if row["verdict"] != "realizable" && errors.is_empty() {
+            errors.push(row["verdict"].to_string());
+        }
+        report.machines.insert(name(row).to_owned(), errors);
+    }
+    for row in rows(&document, "lines") {
+        let mut judged = Judged {
+            proof: row["proof"].as_str().map(str::to_owned),
+            premises: row["premises"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .map(text)
+                .collect(),
+            errors: codes(row, true),
+            reasons: codes(row, false),
+        };
+        if row["verdict"] != "valid" && judged.errors.is_empty() {
+            judged.errors.push("invalid".to_owned());
+        }
+        let undecided = row["undecided"].as_array().into_iter().flatten();
+        judged.reasons.extend(undecided.map(text));
+        report.lines.insert(name(row).to_owned(), judged);
+    }
+    report
+}
+
+/// Runs the only line of a file: products and violations, or `None` where the program refuses it.
+pub fn run(file: &Path, cache: &Path, seed: u64, parts: u64, seconds: f64) -> Option<(u64, u64)> {
+    let output = Command::new(PROGRAM)
+        .args(["run", "--format", "json", "--no-timing"])
+        .args(["--seed", &seed.to_string(), "--parts", &parts.to_string()])
+        .args(["--until", &seconds.to_string()])
+        .arg("--out")
+        .arg(cache.with_file_name("libraries"))
+        .arg(file)
+        .env("LINEWRIGHT_CACHE", cache)
+        .output()
+        .expect("the program starts");
+    let document: Value = serde_json::from_slice(&output.stdout).ok()?;
+    let count = |key: &str| match &document[key] {
+        Value::Array(list) => Some(list.len() as u64),
+        value => value.as_u64(),
+    };
+    Some((
+        count("products")?,
+        count("violation_count").or(count("violations"))?,
+    ))
+}
+
+fn rows<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = &'a Value> {
+    document[key].as_array().into_iter().flatten()
+}
+
+fn name(row: &Value) -> &str {
+    row["name"].as_str().unwrap_or_default()
+}
+
+fn text(value: &Value) -> String {
+    value
+        .as_str()
+        .map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// The codes of a row's findings that are errors, or of all others.
+fn codes(row: &Value, errors: bool) -> Vec<String> {
+    let of = |f: &&Value| (f["severity"] == "error") == errors;
+    let found = rows(row, "findings").filter(of);
+    found.map(|f| text(&f["code"])).collect()
+}

@@ -1,0 +1,263 @@
+//! Runs of a line, and what goes wrong in them that a proof excludes.
+
+use linewright::cli::machines::{Planned, of_line};
+use linewright::cli::pipeline::{Jobs, Settings};
+use linewright::contract::line::{Line, NodeKind, Supply};
+use linewright::contract::machine::Machine;
+use linewright::contract::{Library, load};
+use linewright::game::{Heuristics, KernelChoice, Limits};
+use linewright::line::{End, Options, Plant, Trace};
+use linewright::mealy;
+use linewright::station::Controller;
+use linewright::station::interpret::Interpreter;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// So many products are ordered.
+pub const PARTS: u64 = 5;
+/// In so many seconds each line here can make them several times over.
+pub const SECONDS: f64 = 5_000.0;
+/// A run that has not made them goes on for so much longer before anything is said.
+const LONGER: f64 = 10.0;
+
+/// Something that must not happen in a line that is proved.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Failure {
+    /// `violation`, `blocked`, `lost`, `missing` or `never`.
+    pub kind: &'static str,
+    /// What a premise would have to name: the station, the rule, the type.
+    pub names: BTreeSet<String>,
+    pub said: String,
+}
+
+/// The lines of a file with controllers for their machines.
+pub struct World {
+    pub library: Library,
+    controllers: Vec<(Arc<Machine>, Arc<Vec<mealy::Controller>>)>,
+}
+
+/// Reads imports of the bundled library and of files beside.
+fn read_import(wanted: &str, from: &str) -> Result<(String, String), String> {
+    let root = crate::support::root();
+    let path = match wanted.strip_prefix("std.") {
+        Some(inner) => root.join("contracts").join(inner.replace('.', "/") + ".lw"),
+        None => Path::new(from).parent().unwrap_or(root).join(wanted),
+    };
+    let text = std::fs::read_to_string(&path).map_err(|e| e.to_string())?;
+    Ok((path.to_string_lossy().into_owned(), text))
+}
+
+impl World {
+    /// Synthesizes the controllers of all machines in the file's lines, each once.
+    pub fn new(name: &str, text: &str) -> Self {
+        let (library, _) = load(&[(name.to_owned(), text.to_owned())], &read_import);
+        let mut jobs = Jobs::default();
+        let mut machines: Vec<&Arc<Machine>> = Vec::new();
+        for machine in library.lines.iter().flat_map(of_line) {
+            if !machines.iter().any(|m| Arc::ptr_eq(m, machine)) {
+                machines.push(machine);
+            }
+        }
+        let planned: Vec<Planned<'_>> = machines
+            .iter()
+            .map(|m| Planned::new(m, &mut jobs))
+            .collect();
+        let settings = Settings {
+            limits: Limits::default(),
+            kernel: KernelChoice::Automatic,
+            heuristics: Heuristics::default(),
+            cache: None,
+        };
+        let checked = jobs
+            .run(&settings, &indicatif::ProgressBar::hidden())
+            .expect("controllers are right");
+        let mut controllers = Vec::new();
+        for (machine, plan) in machines.iter().zip(&planned) {
+            if let Some(controlled) = plan.controlled(&checked) {
+                let own = controlled.controllers.into_iter().cloned().collect();
+                controllers.push((Arc::clone(machine), Arc::new(own)));
+            }
+        }
+        Self {
+            library,
+            controllers,
+        }
+    }
+
+    pub fn line(&self, name: &str) -> Option<&Line> {
+        self.library.lines.iter().find(|l| l.name == name)
+    }
+
+    /// A plant for the line; none where a machine has no controller, or the runner refuses the line.
+    pub fn plant(&self, line: &Line, options: Options) -> Option<Plant> {
+        let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
+        for (at, node) in line.nodes.iter().enumerate() {
+            let machine = match &node.kind {
+                NodeKind::Station { machine, .. } => machine,
+                NodeKind::Conveyor {
+                    belt: Some(belt), ..
+                } => &belt.machine,
+                _ => continue,
+            };
+            let own = { &self.controllers }
+                .iter()
+                .find(|(m, _)| Arc::ptr_eq(m, machine))?;
+            let interpreter = Interpreter::new(Arc::clone(machine), Arc::clone(&own.1));
+            controllers.insert(at, Box::new(interpreter));
+        }
+        Plant::new(Arc::new(line.clone()), controllers, options).ok()
+    }
+
+    /// What fails with the first of these seeds with which something does. `None` where it cannot be run at all.
+    pub fn failures(&self, line: &Line, seeds: &[u64]) -> Option<BTreeSet<Failure>> {
+        let mut failures = BTreeSet::new();
+        for &seed in seeds {
+            let trace = self.run(line, seed, Some(PARTS), SECONDS)?;
+            let found = failures_of(line, &trace);
+            let late = found.iter().any(|f| f.kind == "missing");
+            failures.extend(found.into_iter().filter(|f| f.kind != "missing"));
+            if late {
+                let trace = self.run(line, seed, Some(PARTS), SECONDS * LONGER)?;
+                failures.extend(failures_of(line, &trace));
+            }
+            if !failures.is_empty() {
+                return Some(failures);
+            }
+        }
+        // By time alone every type has to come through.
+        let trace = self.run(line, seeds[0], None, SECONDS)?;
+        failures.extend(failures_of(line, &trace));
+        failures.extend(never_through(line, &trace));
+        Some(failures)
+    }
+
+    /// One run. Of a line with a shift only the working time counts.
+    pub fn run(&self, line: &Line, seed: u64, parts: Option<u64>, seconds: f64) -> Option<Trace> {
+        let off = line.shift.map_or(0.0, |shift| {
+            let working = (shift.to - shift.from).max(1.0);
+            86_400.0 * (1.0 + (seconds / working).ceil())
+        });
+        let options = Options {
+            seed,
+            parts,
+            until: Some(seconds + off),
+            deadline: Instant::now().checked_add(Duration::from_secs(20)),
+            log: parts.is_none(),
+        };
+        Some(self.plant(line, options)?.run())
+    }
+}
+
+fn names<'a>(words: impl IntoIterator<Item = &'a str>) -> BTreeSet<String> {
+    words.into_iter().map(str::to_owned).collect()
+}
+
+fn failures_of(line: &Line, trace: &Trace) -> Vec<Failure> {
+    let mut failures = Vec::new();
+    for violation in &trace.violations {
+        let mut about = names([line.nodes[violation.node].name.as_str()]);
+        about.extend(
+            violation
+                .part
+                .map(|(_, kind)| line.parts[kind].name.clone()),
+        );
+        about.extend(violation.rule.clone());
+        let said = general(&format!("{:?}: {}", violation.code, violation.message));
+        failures.push(Failure {
+            kind: "violation",
+            names: about,
+            said,
+        });
+    }
+    let said = || {
+        let texts: Vec<_> = trace.findings.iter().map(|f| f.message.as_str()).collect();
+        general(texts.last().unwrap_or(&""))
+    };
+    let product = || names([line.parts[line.product].name.as_str()]);
+    match trace.end {
+        End::PartLost => failures.push(Failure {
+            kind: "lost",
+            names: product(),
+            said: said(),
+        }),
+        End::Blocked if in_a_circle(trace) || !is_bounded(line, trace) => failures.push(Failure {
+            kind: "blocked",
+            names: product(),
+            said: said(),
+        }),
+        End::Time if trace.products < PARTS && !is_bounded(line, trace) => failures.push(Failure {
+            kind: "missing",
+            names: product(),
+            said: format!("fewer than {PARTS} products"),
+        }),
+        _ => {}
+    }
+    failures
+}
+
+fn in_a_circle(trace: &Trace) -> bool {
+    let mut helps = trace.findings.iter().flat_map(|f| &f.help);
+    helps.any(|h| h.contains("circle"))
+}
+
+/// Whether the line need not make as many products as are ordered: supplies that end, or scrap that nobody orders again.
+fn is_bounded(line: &Line, trace: &Trace) -> bool {
+    let ends = |kind: &NodeKind| match kind {
+        NodeKind::Source { supply, .. } => matches!(supply, Supply::Every { limit: Some(_), .. }),
+        NodeKind::Store { stock } => !stock.is_empty(),
+        _ => false,
+    };
+    let scrap = trace.rejects.iter().any(|r| r.reordered < r.count);
+    line.nodes.iter().any(|n| ends(&n.kind)) || scrap
+}
+
+/// Types that have a source without end, and of which none came through.
+fn never_through(line: &Line, trace: &Trace) -> Vec<Failure> {
+    use linewright::line::trace::What;
+    if trace.end != End::Time || !trace.violations.is_empty() {
+        return Vec::new();
+    }
+    let through: BTreeSet<usize> = trace
+        .log
+        .iter()
+        .filter(|e| matches!(e.what, What::Finished | What::Rejected | What::Consumed))
+        .filter_map(|e| Some(e.part?.1))
+        .collect();
+    let mut failures = Vec::new();
+    for node in &line.nodes {
+        let NodeKind::Source { part, supply, .. } = &node.kind else {
+            continue;
+        };
+        // Orders are for the product; what is not in it may have none.
+        let ordered =
+            *part == line.product || line.parts[line.product].bill.iter().any(|(c, _)| c == part);
+        let endless = match supply {
+            Supply::OnOrder => ordered,
+            Supply::Every { limit, .. } => limit.is_none(),
+        };
+        if endless && !through.contains(part) && !is_bounded(line, trace) {
+            let name = &line.parts[*part].name;
+            failures.push(Failure {
+                kind: "never",
+                names: names([name.as_str()]),
+                said: format!("no {name} comes through"),
+            });
+        }
+    }
+    failures
+}
+
+/// A text without its numbers, so that the same failure in another run is the same.
+fn general(text: &str) -> String {
+    let mut general = String::new();
+    for c in text.chars() {
+        if !c.is_ascii_digit() {
+            general.push(c);
+        } else if !general.ends_with('N') {
+            general.push('N');
+        }
+    }
+    general
+}
