@@ -24,7 +24,7 @@ pub mod import;
 pub mod internal;
 pub mod interrupt;
 pub mod judgement;
-mod libraries;
+pub mod libraries;
 pub mod lines;
 pub mod machines;
 pub mod options;
