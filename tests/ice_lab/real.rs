@@ -55,9 +55,7 @@ fn the_line_at_real_size_runs() {
         cache: Some(Cache::in_folder(&cache)),
     };
     // What comes out of the pipeline was verified, or certified.
-    let checked = jobs
-        .run(&settings, &indicatif::ProgressBar::hidden())
-        .unwrap();
+    let checked = jobs.run(&settings, &indicatif::ProgressBar::hidden());
     let mut tables: Vec<&str> = Vec::new();
     for (machine, plan) in machines.iter().zip(&planned) {
         let controlled = plan.controlled(&checked).expect("a controller each");

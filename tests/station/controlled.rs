@@ -28,9 +28,7 @@ pub fn controlled(
         heuristics: Heuristics::default(),
         cache: None,
     };
-    let checked = jobs
-        .run(&settings, &indicatif::ProgressBar::hidden())
-        .expect("controllers that keep their contracts");
+    let checked = jobs.run(&settings, &indicatif::ProgressBar::hidden());
     let controlled = planned.controlled(&checked).expect("a controller each");
     let controllers = controlled.controllers.into_iter().cloned().collect();
     (Arc::clone(&machine), Arc::new(controllers))

@@ -155,7 +155,7 @@ fn controlled(specifications: Vec<Arc<Specification>>) -> Vec<Controlled> {
         cache: None,
     };
     let hidden = indicatif::ProgressBar::hidden();
-    let checked: Vec<CheckedContract> = jobs.run(&settings, &hidden).expect("sound controllers");
+    let checked: Vec<CheckedContract> = jobs.run(&settings, &hidden);
     let pairs = specifications.into_iter().zip(checked);
     let controlled = pairs.map(|(specification, checked)| Controlled {
         controller: checked.controller.expect("a controller"),
