@@ -252,8 +252,19 @@ fn random_machines_are_decided_as_by_hand() {
 /// Justice that nobody meets, by component: on the run on which nothing ever happens (`c = 0`, nothing is done, the call stays what it
 /// is) each of these stays false. Some are about what comes from outside, alone or beside what others set.
 const UNMET: [&[&str]; 3] = [
-    &["job = none", "job = y", "e", "job = y or e", "job = y and c = 0"],
-    &["c = 1", "s and c = 1", "c = 2 and not s", "not (s or c = 0)"],
+    &[
+        "job = none",
+        "job = y",
+        "e",
+        "job = y or e",
+        "job = y and c = 0",
+    ],
+    &[
+        "c = 1",
+        "s and c = 1",
+        "c = 2 and not s",
+        "not (s or c = 0)",
+    ],
     &["a", "a and s", "c = 2", "s and (a or c = 1)"],
 ];
 
@@ -331,14 +342,22 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
         assert!(!verdict.met.iter().any(|(at, _)| is_it(at)), "{text}");
         assert!(verdict.open.iter().any(|o| is_it(&o.what)), "{text}");
     }
-    assert!(outside > 50, "only {outside} speak of what comes from outside");
+    assert!(
+        outside > 50,
+        "only {outside} speak of what comes from outside"
+    );
 }
 
 /// A controller that says 0 whatever comes.
 fn idle(random: &mut Random, machine: &Machine, component: usize) -> mealy::Controller {
     let table = table(random, machine, component, 0);
     let mut table = table.machine().expect("a table").clone();
-    for row in table.states.iter_mut().chain([&mut table.initial]).flatten() {
+    for row in table
+        .states
+        .iter_mut()
+        .chain([&mut table.initial])
+        .flatten()
+    {
         row.output.fill(0);
     }
     table.into()

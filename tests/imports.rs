@@ -223,7 +223,10 @@ fn modules_use_only_those_before_them() {
 
 /// Files that may know of clocks, and why none of them decides what a verdict, a finding or a table says.
 const CLOCKS: [(&str, &str); 15] = [
-    ("symbolic/limits.rs", "`--timeout`, for everything below `cli`"),
+    (
+        "symbolic/limits.rs",
+        "`--timeout`, for everything below `cli`",
+    ),
     ("symbolic/tests.rs", "tests of it"),
     ("order/bound.rs", "`--timeout`, for orders of skills"),
     ("line/mod.rs", "`--timeout`, for runs"),
@@ -233,7 +236,10 @@ const CLOCKS: [(&str, &str); 15] = [
     ("station/toolchain/trial.rs", "a compiler that hangs"),
     ("cli/options.rs", "`--timeout` itself"),
     ("cli/worker.rs", "waits for `--timeout` and for Ctrl-C"),
-    ("cli/pipeline/task.rs", "hands `--timeout` on; seconds for the summary"),
+    (
+        "cli/pipeline/task.rs",
+        "hands `--timeout` on; seconds for the summary",
+    ),
     ("cli/controller.rs", "seconds for `--stats`"),
     ("cli/run.rs", "`--timeout`; seconds for the summary"),
     ("cli/cache.rs", "which files are oldest"),
