@@ -213,8 +213,8 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// The largest number of nodes that were kept at once, as far as safe points and single functions show it.
     fn peak_nodes(&self) -> u64;
 
-    /// The work that was done, in units: nodes that were made, the operands' where an operation walks them anyway, and operations. It depends
-    /// on the questions alone: on no clock, no address, and not on what other threads do. A kernel may leave it uncounted where
+    /// The work that was done, in units: nodes that were made, operands' nodes that were walked, and operations, each with a weight by
+    /// which kernels take about the same time for a unit. It depends on the questions alone: on no clock, no address, and not on what other threads do. A kernel may leave it uncounted where
     /// [`Limits::most_work`] is none.
     fn work(&self) -> u64;
 
