@@ -2,6 +2,8 @@
 //! missing, unless a premise of the proof names it; and enough of those that are not proved really fail. `tests/README.md` says how this
 //! is run for long.
 
+#[path = "attack/found.rs"]
+mod found;
 #[path = "attack/judge.rs"]
 mod judge;
 #[path = "attack/lines.rs"]
