@@ -141,7 +141,12 @@ fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
         if table.lines % SAMPLED == 1
             && let Err(said) = agrees(&world, &name, judged, &whole, folder)
         {
-            table.broken(seed, "disagreement", &said, &whole, kept().as_deref());
+            let small = if table.is_new("disagreement", &said) {
+                reduced_disagreement(&whole, folder)
+            } else {
+                whole.clone()
+            };
+            table.broken(seed, "disagreement", &said, &small, kept().as_deref());
         }
         let Some(failures) = failures.filter(|_| judged.is_proved()) else {
             continue;
@@ -238,26 +243,43 @@ fn declarations(text: &str) -> Vec<String> {
 
 /// A small file with one line that is proved and fails in the same way.
 fn reduced(text: &str, failure: &Failure, folder: &Path) -> String {
-    let cache = folder.join("cache");
-    let file = folder.join("reduced.lw");
-    let mut fails = |bytes: &[u8]| {
-        std::fs::write(&file, bytes).expect("a file");
-        let report = judge(&file, &cache);
+    smaller(text, folder, |report, text, file| {
         let Some((name, judged)) = report.lines.first_key_value() else {
             return false;
         };
-        if !judged.is_proved() || report.machines.values().any(|codes| !codes.is_empty()) {
+        if !judged.is_proved() {
             return false;
         }
-        let world = World::new(&file.to_string_lossy(), &String::from_utf8_lossy(bytes));
-        let failures = world
-            .line(name)
-            .and_then(|line| world.failures(line, &SEEDS));
+        let world = World::new(&file.to_string_lossy(), text);
+        let failures = { world.line(name) }.and_then(|line| world.failures(line, &SEEDS));
         let failures = failures.unwrap_or_default();
         let same = |f: &&Failure| f.kind == failure.kind;
         unnamed(judged, &failures).iter().any(same)
+    })
+}
+
+/// A small file about whose line `check` and `run` do not agree either.
+fn reduced_disagreement(text: &str, folder: &Path) -> String {
+    smaller(text, folder, |report, text, file| {
+        let Some((name, judged)) = report.lines.first_key_value() else {
+            return false;
+        };
+        let world = World::new(&file.to_string_lossy(), text);
+        world.line(name).is_some() && agrees(&world, name, judged, text, folder).is_err()
+    })
+}
+
+/// What is left of a file whose machines are all sound: first by declarations, then by lines, as long as `fails` says so.
+fn smaller(text: &str, folder: &Path, fails: impl Fn(&Report, &str, &Path) -> bool) -> String {
+    let cache = folder.join("cache");
+    let file = folder.join("reduced.lw");
+    let mut asked = |bytes: &[u8]| {
+        std::fs::write(&file, bytes).expect("a file");
+        let report = judge(&file, &cache);
+        let sound = report.machines.values().all(Vec::is_empty);
+        sound && fails(&report, &String::from_utf8_lossy(bytes), &file)
     };
-    let small = reduce::reduced_by(declarations(text), REDUCING, &mut fails);
-    let small = reduce::reduced_by_lines(&small, REDUCING, &mut fails);
+    let small = reduce::reduced_by(declarations(text), REDUCING, &mut asked);
+    let small = reduce::reduced_by_lines(&small, REDUCING, &mut asked);
     String::from_utf8_lossy(&small).into_owned()
 }

@@ -174,12 +174,15 @@ fn failures_of(line: &Line, trace: &Trace) -> Vec<Failure> {
         general(texts.last().unwrap_or(&""))
     };
     let product = || names([line.parts[line.product].name.as_str()]);
+    // What is refused is not made either, and may be missed elsewhere: that is one failure.
+    let refused = !trace.violations.is_empty();
     match trace.end {
         End::PartLost => failures.push(Failure {
             kind: "lost",
             names: product(),
             said: said(),
         }),
+        _ if refused => {}
         End::Blocked if in_a_circle(trace) || !is_bounded(line, trace) => failures.push(Failure {
             kind: "blocked",
             names: product(),
