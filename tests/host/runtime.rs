@@ -19,11 +19,15 @@ use std::time::Duration;
 /// Longer than the host needs, many times over.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Mutants in the sample.
-const SAMPLE: usize = 16;
+/// Mutants in the sample of the gate. `LINEWRIGHT_MUTANTS` may name another number.
+const SAMPLE: usize = 8;
 
-/// Mutants that no call can show: what the line has, what becomes of it, and why. `""` stands for any change of that line.
-const EQUIVALENT: [(&str, &str, &str); 0] = [];
+/// Mutants that no call can show: what the line has, what becomes of it, and why.
+const EQUIVALENT: [(&str, &str, &str); 1] = [(
+    "after->started = 1;",
+    "`1` -> `2`",
+    "it is only asked whether it is 0",
+)];
 
 /// One change.
 #[derive(Debug, Clone)]
@@ -263,7 +267,9 @@ struct Court {
 
 impl Court {
     fn new() -> Self {
+        // One of them is the manipulator with one more property.
         let mut subjects: Vec<Subject> = fixtures();
+        subjects.retain(|s| s.name() != "Manipulator");
         subjects.push(as_functions(&named("QualityCheck")));
         Self {
             toolchain: Toolchain::host().with_flags(&[
@@ -321,7 +327,9 @@ fn is_equivalent(line: &str, change: &str) -> bool {
 
 #[test]
 fn every_mutant_of_the_runtime_is_noticed() {
-    let all = std::env::var("LINEWRIGHT_MUTANTS").is_ok_and(|v| v == "all");
+    let wish = std::env::var("LINEWRIGHT_MUTANTS").unwrap_or_default();
+    let all = wish == "all";
+    let sample = wish.parse().unwrap_or(SAMPLE);
     let court = Court::new();
     for prepared in &court.subjects {
         let library = court
@@ -348,7 +356,7 @@ fn every_mutant_of_the_runtime_is_noticed() {
             let (_, line, change) = m.describe(text);
             !is_equivalent(&line, &change)
         });
-        while chosen.len() > SAMPLE {
+        while chosen.len() > sample {
             chosen.swap_remove(random.below(chosen.len() as u64) as usize);
         }
     }

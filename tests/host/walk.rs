@@ -413,6 +413,20 @@ impl Writer<'_> {
         }
     }
 
+    /// Steps that are refused before step 0: what holds initially only is broken there.
+    fn refused_at_first(&mut self, random: &mut Random) {
+        let machine = &*self.subject.machine;
+        let low: Vec<i64> = machine.plant.iter().map(|p| p.domain.low()).collect();
+        let fresh = interpreter(self.subject);
+        let mut letters = letters(machine, &low, random).0;
+        letters.retain(|letter| fresh.peek(letter).is_err());
+        letters.truncate(40);
+        self.call(Call::Reset);
+        for letter in letters {
+            self.call(Call::Step(letter));
+        }
+    }
+
     /// Steps of all kinds: those that succeed, those that break an assumption, those with a value out of its domain.
     fn steps(&mut self, calls: usize, random: &mut Random) {
         let machine = &*self.subject.machine;
@@ -533,6 +547,7 @@ pub fn script(subject: &Subject) -> Script {
     let mut writer = Writer::new(subject, &tables);
     writer.ways(&explored, &mut random);
     writer.more_ways(&mut random);
+    writer.refused_at_first(&mut random);
     writer.call(Call::Reset);
     writer.operations(600, &mut random);
     writer.call(Call::Reset);
