@@ -277,10 +277,13 @@ fn change_machine(r: &mut Random, machine: &mut Machine) {
     let Some(k) = pick(r, &outputs) else {
         return;
     };
+    if list.iter().any(|t| t.output.len() <= k) {
+        return;
+    }
     let domain = &outputs[k].domain;
     match r.below(17) {
         0 => list[i].to = states + r.below(2) as usize,
-        1 => list[i].to = r.below(states as u64) as usize,
+        1 => list[i].to = r.below(states.max(1) as u64) as usize,
         2 => list[i].output.push(0),
         3 => drop(list[i].output.pop()),
         4 => list[i].output[k] = domain.high() + 1,
@@ -425,7 +428,11 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
         bits.filter_map(|b| r.chance(share).then(|| (Bit(b), r.chance(50))))
             .collect()
     };
-    let goal = r.below(functions.controls.goals.len() as u64) as usize;
+    let goals = functions.controls.goals.len();
+    if goals == 0 || functions.controls.certificate.goals.len() < goals {
+        return;
+    }
+    let goal = r.below(goals as u64) as usize;
     match r.below(34) {
         0 => change_ports(r, &mut functions.inputs),
         1 => change_ports(r, &mut functions.outputs),
@@ -537,9 +544,10 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
                     }
                 }
                 _ => {
-                    let mut first = modes[0].clone();
-                    first.when = Edge::TRUE;
-                    modes.push(first);
+                    if let Some(mut first) = modes.first().cloned() {
+                        first.when = Edge::TRUE;
+                        modes.push(first);
+                    }
                 }
             }
         }
@@ -564,9 +572,12 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
                 return;
             };
             match r.below(6) {
-                0 => drop((list.remove(i), names.remove(i))),
+                0 => {
+                    list.remove(i);
+                    names.pop();
+                }
                 1 => drop(names.pop()),
-                2 => names[i].push('x'),
+                2 => names.iter_mut().for_each(|n| n.push('x')),
                 3 => list[i].0 = Assumed::Safety(9),
                 4 => list[i].0 = Assumed::Invariant(9),
                 _ => list[i].0 = Assumed::Initial(9),

@@ -13,7 +13,6 @@ pub struct Mutant {
 }
 
 /// What switches answer in one run.
-#[derive(Default)]
 struct State {
     /// The mutant that is on.
     on: Cell<Option<u32>>,
@@ -26,7 +25,13 @@ struct State {
 }
 
 thread_local! {
-    static STATE: State = State::default();
+    static STATE: State = const { State {
+        on: Cell::new(None),
+        fuel: Cell::new(u64::MAX),
+        asked: Cell::new(0),
+        recording: Cell::new(false),
+        seen: RefCell::new(Vec::new()),
+    } };
 }
 
 /// Asked at a place with `count` mutants, the first of which has the number `first`: which of them is on, counted from 1.

@@ -57,7 +57,7 @@ fn play_of_machine(
             let mut lowest = lowest.map(|(v, x)| v.domain.low() == *x);
             let right = match clause {
                 "Gap" => of.is_empty() && lowest.all(|l| l),
-                "Overlap" => of.len() > 1,
+                "Overlap" => of.len() > 1 && lowest.all(|l| l),
                 _ => {
                     of.len() == 1
                         && answered(of[0])

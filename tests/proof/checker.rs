@@ -164,6 +164,10 @@ pub fn accepts(
 ) -> Result<(), Clause> {
     let proof = Proof::read(document).map_err(Clause::Form)?;
     let (assume, guarantee) = (&specification.assumptions, &specification.guarantees);
+    let goals = guarantee.justice.len().max(1);
+    if proof.goals.len() != goals {
+        return Err(Clause::Form("a goal has no layers".to_owned()));
+    }
     let all = |formulas: &[Formula], now: &[i64], next: &[i64]| {
         formulas
             .iter()
@@ -197,10 +201,6 @@ pub fn accepts(
     };
     if !begins {
         return Err(Clause::Start);
-    }
-    let goals = guarantee.justice.len().max(1);
-    if proof.goals.len() != goals {
-        return Err(Clause::Form("a goal has no layers".to_owned()));
     }
 
     let (states, tried): (Vec<Vec<i64>>, u64) = match extent {

@@ -34,8 +34,8 @@ pub const MOST_PAIRS: u64 = 50_000_000;
 pub struct Violation {
     /// What it breaks.
     pub clause: Clause,
-    /// The valuations of all variables, step by step, up to the violation. After a missing transition, the outputs of the
-    /// last step are the smallest values of their domains.
+    /// The valuations of all variables, step by step, up to the violation. Without a transition, or with two, the outputs
+    /// of the last step are the smallest values of their domains.
     pub trace: Vec<Vec<i64>>,
     /// For a justice formula: the step to which the play returns for ever.
     pub repeats_from: Option<usize>,
@@ -376,17 +376,22 @@ impl<'a> Check<'a> {
             if self.pairs.is_multiple_of(1 << 16) {
                 self.limits.check_time()?;
             }
-            return Ok(match walk.candidates[depth][..] {
-                [] => Some(Clause::Gap),
+            let clause = match walk.candidates[depth][..] {
                 [(t, _)] => {
                     let transition = &walk.transitions[t];
                     for (v, value) in self.outputs.iter().zip(&transition.output) {
                         walk.next[v.index()] = *value;
                     }
-                    visit(self, transition, &walk.next)
+                    return Ok(visit(self, transition, &walk.next));
                 }
-                _ => Some(Clause::Overlap),
-            });
+                [] => Clause::Gap,
+                _ => Clause::Overlap,
+            };
+            // Nothing of the letter before.
+            for v in &self.outputs {
+                walk.next[v.index()] = self.specification.variable(*v).domain.low();
+            }
+            return Ok(Some(clause));
         };
         let domain = &self.specification.variable(input).domain;
         for value in domain.low()..=domain.high() {
