@@ -229,7 +229,7 @@ fn modules_use_only_those_before_them() {
 }
 
 /// Files that may know of clocks, and why none of them decides what a verdict, a finding or a table says.
-const CLOCKS: [(&str, &str); 15] = [
+const CLOCKS: [(&str, &str); 16] = [
     (
         "symbolic/limits.rs",
         "`--timeout`, for everything below `cli`",
@@ -241,6 +241,10 @@ const CLOCKS: [(&str, &str); 15] = [
     ("game/set_up.rs", "seconds for `--stats`"),
     ("game/solver.rs", "seconds for `--stats`"),
     ("station/toolchain/trial.rs", "a compiler that hangs"),
+    (
+        "station/toolchain/work.rs",
+        "which folders of killed builds are old",
+    ),
     ("cli/options.rs", "`--timeout` itself"),
     ("cli/worker.rs", "waits for `--timeout` and for Ctrl-C"),
     (

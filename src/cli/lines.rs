@@ -48,22 +48,12 @@ pub fn examine<'a>(
     with_table: bool,
 ) -> Proof {
     // That every part is worked on rests on every call being answered.
-    let interpreter = |machine: &Machine| Some(controlled(machine)?.interpreter(machine));
-    let bounds = Bounds {
-        values: usize::try_from(limits.effort.of(CALLS.values as u64)).unwrap_or(usize::MAX),
-        steps: limits.effort.of(CALLS.steps),
-    };
-    let mut calls = calls::examine(line, interpreter, &bounds, &bounded(limits));
+    let mut calls = calls_of(line, &controlled, limits);
     let mut found = std::mem::take(&mut calls.findings);
-    let is_answered = !found
-        .iter()
-        .any(|f| f.code != codes::LINE_ROUTE || f.severity == Severity::Error);
     let reduced = calls.simplified(line);
-    let moving = if is_answered { &reduced } else { line };
+    let moving = if found.is_empty() { &reduced } else { line };
     found.extend(timeless(moving, &calls));
-    let is_sound = !found
-        .iter()
-        .any(|f| f.code != codes::LINE_ROUTE || f.severity == Severity::Error);
+    let is_sound = found.is_empty();
     // Where not all calls could be tried, contracts may still show that none breaks an order.
     let unknown = |node: usize| calls.undecided.iter().any(|(n, _)| *n == node);
     let asked = asked::examine(line, unknown, &controlled, &bounded(limits));
@@ -79,6 +69,7 @@ pub fn examine<'a>(
     }
     proof.routes_decided = calls.undecided.is_empty();
     proof.findings.extend(found);
+    proof.findings.extend(std::mem::take(&mut calls.remarks));
     proof.findings.extend(asked.findings);
     for (node, why) in &calls.undecided {
         let station = &line.nodes[*node].name;
@@ -92,6 +83,35 @@ pub fn examine<'a>(
         }
     }
     proof
+}
+
+/// What is wrong with the calls of a line: what `check` and `run` both say of it.
+pub fn findings_of_calls<'a>(
+    line: &Line,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    limits: &Limits,
+) -> Vec<Diagnostic> {
+    let mut calls = calls_of(line, controlled, limits);
+    let mut found = std::mem::take(&mut calls.findings);
+    let reduced = calls.simplified(line);
+    let moving = if found.is_empty() { &reduced } else { line };
+    found.extend(timeless(moving, &calls));
+    found.append(&mut calls.remarks);
+    found
+}
+
+/// Tries the calls of a line.
+fn calls_of<'a>(
+    line: &Line,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    limits: &Limits,
+) -> Calls {
+    let interpreter = |machine: &Machine| Some(controlled(machine)?.interpreter(machine));
+    let bounds = Bounds {
+        values: usize::try_from(limits.effort.of(CALLS.values as u64)).unwrap_or(usize::MAX),
+        steps: limits.effort.of(CALLS.steps),
+    };
+    calls::examine(line, interpreter, &bounds, &bounded(limits))
 }
 
 /// A line in which parts move on and no time passes.

@@ -3,8 +3,10 @@
 use super::build::default_folder;
 use super::controller::Wish;
 use super::exit::ExitCode;
+use super::internal;
 use super::judgement;
 use super::libraries::{self, Controlled};
+use super::lines;
 use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
 use super::pipeline::Jobs;
@@ -114,6 +116,21 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         console.failed("run", sources, &findings)?;
         return Ok(options.exit_code(&findings));
     };
+
+    // A line that refuses parts can be run, and its run shows how often; that it does is an error all the same.
+    let of_machine = |machine: &Machine| {
+        let mut known = controlled.iter();
+        let known = known.find(|c| std::ptr::eq(c.machine, machine))?;
+        Some(Controlled {
+            machine: known.machine,
+            controllers: known.controllers.clone(),
+        })
+    };
+    let doing = || format!("following the parts of the line `{}`", line.name);
+    let of_calls = internal::caught(doing, || {
+        lines::findings_of_calls(line, of_machine, &settings.limits)
+    });
+    findings.extend(of_calls.unwrap_or_else(|fault| vec![fault.finding(Some(line.span))]));
 
     let default = default_folder(&arguments.selection.path);
     let run_options = RunOptions {

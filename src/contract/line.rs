@@ -1,6 +1,7 @@
 //! Lines: stations, conveyors, buffers, sources, sinks and stores, and the ways of the parts between them.
 
 use super::machine::{Failures, Machine, RealExpr};
+use crate::gr1::described;
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -73,6 +74,17 @@ pub struct PartType {
     pub span: Span,
 }
 
+impl PartType {
+    /// The first property whose value is not one of its domain; what has none may be any finite number.
+    pub fn misfit(&self, values: &[f64]) -> Option<usize> {
+        let mut properties = self.properties.iter().zip(values);
+        properties.position(|(property, value)| match &property.domain {
+            None => !value.is_finite(),
+            Some(domain) => !domain.contains_real(*value),
+        })
+    }
+}
+
 /// One number that a part carries.
 #[derive(Debug, Clone)]
 pub struct PartProperty {
@@ -84,6 +96,16 @@ pub struct PartProperty {
     pub domain: Option<crate::gr1::Domain>,
     /// Its value in a new part.
     pub initial: InitialValue,
+}
+
+impl PartProperty {
+    /// Its values as a person writes them, with their unit.
+    pub fn describe(&self) -> String {
+        match &self.domain {
+            Some(domain) => described(domain, &self.unit),
+            None => "finite numbers".to_owned(),
+        }
+    }
 }
 
 /// Where a new part's property comes from.

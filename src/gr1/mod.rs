@@ -89,6 +89,13 @@ impl Domain {
         (self.low()..=self.high()).contains(&value)
     }
 
+    /// Whether a real number is one of its values.
+    pub fn contains_real(&self, value: f64) -> bool {
+        #[expect(clippy::float_cmp, reason = "a whole number is its own floor")]
+        let whole = value == value.floor();
+        whole && self.low() as f64 <= value && value <= self.high() as f64
+    }
+
     /// The value as a person writes it: `true`, `17` or `turn`.
     pub fn show(&self, value: i64) -> String {
         match self {

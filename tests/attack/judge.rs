@@ -99,8 +99,30 @@ pub fn judge(file: &Path, cache: &Path) -> Report {
     report
 }
 
+/// What a run of the program came to.
+pub struct Ran {
+    pub products: u64,
+    pub violations: u64,
+    /// Its findings.
+    said: String,
+}
+
+impl Ran {
+    /// Whether it says of the line what `check` says.
+    pub fn agrees_with(&self, judged: &Judged) -> Result<(), String> {
+        let mut codes = judged.errors.iter();
+        match codes.find(|code| !self.said.contains(&format!("[{code}]"))) {
+            Some(code) => Err(format!(
+                "check finds {code}, and run does not: {}",
+                self.said
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Runs the only line of a file: products and violations, or `None` where the program refuses it.
-pub fn run(file: &Path, cache: &Path, seed: u64, parts: u64, seconds: f64) -> Option<(u64, u64)> {
+pub fn run(file: &Path, cache: &Path, seed: u64, parts: u64, seconds: f64) -> Option<Ran> {
     let output = Command::new(PROGRAM)
         .args(["run", "--format", "json", "--no-timing"])
         .args(["--seed", &seed.to_string(), "--parts", &parts.to_string()])
@@ -116,10 +138,11 @@ pub fn run(file: &Path, cache: &Path, seed: u64, parts: u64, seconds: f64) -> Op
         Value::Array(list) => Some(list.len() as u64),
         value => value.as_u64(),
     };
-    Some((
-        count("products")?,
-        count("violation_count").or(count("violations"))?,
-    ))
+    Some(Ran {
+        products: count("products")?,
+        violations: count("violation_count").or(count("violations"))?,
+        said: String::from_utf8_lossy(&output.stderr).into_owned(),
+    })
 }
 
 fn rows<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = &'a Value> {

@@ -257,9 +257,9 @@ fn a_line_is_proved_only_where_no_sequence_of_its_parts_is_refused() {
     assert!(proved >= 10 && open >= 10, "{proved} proved, {open} not");
 }
 
-/// Of what a line gives a parameter, the values are known; of parts they are not.
+/// The values that a line gives a parameter are known, and so are those that its parts carry.
 #[test]
-fn parameters_are_known_and_properties_are_not() {
+fn parameters_and_properties_are_known() {
     let with = |declared: &str, part: &str, performs: &str| {
         mover_with("    order single: never Left twice in a row\n", &[&["left"]])
             .replace("machine Mover {", &format!("machine Mover {{\n    {declared} to: {{l, r}} = l\n    abstract side: {{l, r}} = to"))
@@ -286,8 +286,12 @@ fn parameters_are_known_and_properties_are_not() {
     let part = " { property to: {l, r} = l }";
     let document = checked(&with("property", part, "perform left"));
     let line = &document["lines"][0];
-    assert_eq!(line["proof"], "safe", "{line}");
-    assert!(line.to_string().contains("LW410"), "{line}");
+    // Every Crate has the value that it is made with: it calls Left, again and again.
+    assert_eq!(line["proof"], "open", "{line}");
+    assert!(line.to_string().contains("LW411"), "{line}");
+    let part = " { property to: {l, r} = r }";
+    let document = checked(&with("property", part, "perform left"));
+    assert_eq!(document["lines"][0]["proof"], "proved", "{document}");
 }
 
 #[test]

@@ -19,13 +19,11 @@
 //! - *Times.* Service, travel and the time between two supplies take some time, and it ends. What is proved holds for all times; what
 //!   is found wrong can happen with some times, perhaps not with those of the line. Setup, breakdowns, repairs and shifts only take
 //!   time.
-//! - *Properties.* Which of several routes a part takes is open, each time anew. A part with conditional routes only, none of
-//!   which holds, is not looked at (`LW402` is its code).
+//! - *Properties.* Which of several routes a part takes is open, each time anew, and each is taken again and again: [`super::calls`]
+//!   leaves out the routes that no part takes, and says of which of the others chance sees to that; the rest are premises.
 //! - *Numbers of orders.* A source on order has the next part as soon as the one before has left, no source stops after so many parts, and
-//!   stock does not run out. A run with fewer orders goes the same way as long as parts come in; then a part may be left over that waits for a
-//!   partner which was scrapped, or went another way.
-//! - *Violations.* The machines' contracts are proved by themselves; a part that is taken out because of one is not looked at. Whether stations
-//!   are asked only for operations that their machines allow is another question ([`crate::algebra::caller`]), and part of the line's verdict.
+//!   stock does not run out. Where that is not so it is a premise.
+//! - *Calls.* Every call of a station is answered; [`super::calls`] shows it.
 //!
 //! A line in which parts of one type may go round in a circle is taken to send each of them out of it in the end; the claim is then that all
 //! places go on.

@@ -73,9 +73,7 @@ enum Broken {
 fn constant_outside(machine: &Machine) -> Option<usize> {
     let defaults: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
     machine.plant.iter().position(|input| match &input.source {
-        PlantSource::Property(expr) => {
-            !super::is_value(Some(&input.domain), expr.eval(&defaults, &[]))
-        }
+        PlantSource::Property(expr) => !input.domain.contains_real(expr.eval(&defaults, &[])),
         _ => false,
     })
 }

@@ -222,10 +222,7 @@ impl Writer<'_> {
             NodeKind::Station { defects, .. } => misfit.defect.map(|d| &defects[d]),
             _ => None,
         };
-        let range = property.domain.as_ref().map_or_else(
-            || "finite numbers".to_owned(),
-            |d| crate::gr1::described(d, &property.unit),
-        );
+        let range = property.describe();
         let who = match (defect, vertex.stage) {
             (Some(_), _) => format!("a defect at {}", node.name),
             (None, Stage::Joined | Stage::Comes) => format!("joining at {}", node.name),
@@ -294,7 +291,7 @@ impl Writer<'_> {
                 self.name(route.from),
                 self.name(route.to)
             );
-            calls.findings.push(
+            calls.remarks.push(
                 Diagnostic::warning(codes::LINE_ROUTE, route.span, message)
                     .with_help("see which values the part can have there; or leave the route out"),
             );
@@ -350,9 +347,7 @@ impl Writer<'_> {
             .map(|(i, property)| {
                 let value = vertex.values[i].0;
                 let shown = match &property.domain {
-                    Some(domain) if super::is_value(Some(domain), value) => {
-                        domain.show(value as i64)
-                    }
+                    Some(domain) if domain.contains_real(value) => domain.show(value as i64),
                     _ => value.to_string(),
                 };
                 format!("{} = {shown}", property.name)

@@ -31,11 +31,10 @@ mod walk;
 
 pub use premises::{Premise, premises};
 
-use crate::contract::line::{Line, NodeKind, PartType};
+use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::Machine;
 use crate::diagnostics::Diagnostic;
 use crate::game::Limits;
-use crate::gr1::Domain;
 use crate::station::interpret::Interpreter;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -52,8 +51,10 @@ pub struct Bounds {
 /// What is known of the calls of a line.
 #[derive(Debug, Default)]
 pub struct Calls {
-    /// Parts that are refused, values that leave their range, parts without a way.
+    /// Parts that are refused, values that leave their range, parts without a way: with any of these the line is not proved.
     pub findings: Vec<Diagnostic>,
+    /// What is odd, and breaks nothing: routes that no part takes.
+    pub remarks: Vec<Diagnostic>,
     /// Stations and belts of which it was not decided whether they refuse a part, each with the reason.
     pub undecided: Vec<(usize, String)>,
     /// By route: whether a part can take it. All are where something was not decided.
@@ -96,10 +97,11 @@ pub fn examine(
     let walk = walk::Walk::new(line, interpreter, bounds).explore(limits);
     let mut calls = Calls {
         findings: Vec::new(),
+        remarks: Vec::new(),
         undecided: walk.undecided.clone(),
         taken: vec![true; line.routes.len()],
         always: vec![false; line.routes.len()],
-        by_chance: vec![false; line.routes.len()],
+        by_chance: (0..line.routes.len()).map(|r| is_alone(line, r)).collect(),
         timeless: walk.timeless(),
     };
     if walk.is_complete() {
@@ -145,20 +147,14 @@ fn ordered(numbers: &[f64]) -> Vec<Real> {
     numbers.iter().map(|n| Real(*n)).collect()
 }
 
-/// Whether a number is a value of a domain; without a domain, whether it is finite.
-pub fn is_value(domain: Option<&Domain>, value: f64) -> bool {
-    match domain {
-        None => value.is_finite(),
-        Some(domain) => {
-            domain.low() as f64 <= value && value <= domain.high() as f64 && value == value.floor()
-        }
-    }
-}
-
-/// The first property of a part whose value is not one of its domain.
-pub fn misfit(part: &PartType, values: &[f64]) -> Option<usize> {
-    let mut properties = part.properties.iter().zip(values);
-    properties.position(|(property, value)| !is_value(property.domain.as_ref(), *value))
+/// Whether a route is the only one for its part from where it begins.
+fn is_alone(line: &Line, route: usize) -> bool {
+    let of = |r: &crate::contract::line::Route| (r.from, r.part);
+    let rivals = line
+        .routes
+        .iter()
+        .filter(|r| of(r) == of(&line.routes[route]));
+    rivals.count() == 1
 }
 
 /// The machine of a station.

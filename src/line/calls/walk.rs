@@ -5,7 +5,7 @@
 //! joined with what ([`Choice::Open`]).
 
 use super::desk::{Answer, Desk, Refusal};
-use super::{Bounds, Calls, Real, machine_of, misfit, ordered, plain};
+use super::{Bounds, Calls, Real, machine_of, ordered, plain};
 use crate::contract::line::{Defect, InitialValue, Line, NodeKind, Task};
 use crate::contract::machine::Machine;
 use crate::game::Limits;
@@ -371,7 +371,7 @@ impl<'a> Walk<'a> {
     fn ask(&mut self, at: usize, task: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
         let values = plain(&self.vertices[at].values);
-        if let Some(property) = misfit(&self.line.parts[part], &values) {
+        if let Some(property) = self.line.parts[part].misfit(&values) {
             self.misfits.push(Misfit {
                 vertex: at,
                 property,
@@ -456,24 +456,21 @@ impl<'a> Walk<'a> {
         let values = plain(&self.vertices[at].values);
         let mut outcomes: BTreeSet<Vec<Real>> = BTreeSet::from([ordered(&values)]);
         let mut wrong = Vec::new();
-        if let Some(property) = misfit(declared, &values) {
+        if let Some(property) = declared.misfit(&values) {
             wrong.push((property, values[property], None));
             outcomes.clear();
         }
-        for (index, defect) in defects.iter().enumerate().filter(|(_, d)| d.part == part) {
-            let mut then = BTreeSet::new();
-            for values in &outcomes {
-                for outcome in with_defect(defect, values) {
-                    // Values between two defects may be anything; what the part leaves with may not.
-                    then.insert((outcome, index));
-                }
-            }
-            outcomes = then.into_iter().map(|(outcome, _)| outcome).collect();
+        // Values between two defects may be anything; what the part leaves with may not.
+        for defect in defects.iter().filter(|d| d.part == part) {
+            let then = outcomes
+                .iter()
+                .flat_map(|values| with_defect(defect, values));
+            outcomes = then.collect();
         }
         self.vertices[at].choice = Choice::Chance;
         for outcome in outcomes {
             let numbers = plain(&outcome);
-            match misfit(declared, &numbers) {
+            match declared.misfit(&numbers) {
                 None => self.connect(at, Stage::Leaves, node, part, outcome),
                 Some(property) => {
                     let by = { defects.iter() }

@@ -332,7 +332,40 @@ impl Run<'_> {
         // What it was joined from stays in the line, in it.
         self.in_line[kind] += 1;
         self.record(node, Some(part), What::Entered);
-        self.begin(node, task, part);
+        if !self.refuse_misfit(node, part) {
+            self.begin(node, task, part);
+        }
+        self.look_at(node);
+    }
+
+    /// Takes a part out of the line that has a value outside its range; whether it was one.
+    fn refuse_misfit(&mut self, node: usize, part: PartIndex) -> bool {
+        let kind = &self.line.parts[self.parts[part].kind];
+        let Some(property) = kind.misfit(&self.parts[part].properties) else {
+            return false;
+        };
+        let value = self.parts[part].properties[property];
+        let property = &kind.properties[property];
+        let error = CallError {
+            code: ErrorCode::Domain,
+            rule: None,
+            message: format!(
+                "`{}` of {} gets the value {value}, which is not one of {}",
+                property.name,
+                kind.name,
+                property.describe()
+            ),
+        };
+        self.take_out(node, part, error);
+        true
+    }
+
+    /// A part whose service breaks a rule leaves the line, and what replaces it is ordered.
+    fn take_out(&mut self, node: usize, part: PartIndex, error: CallError) {
+        self.violate(node, Some(part), error);
+        self.station_left(node);
+        let replacement = self.replacement(self.parts[part].kind);
+        self.reject(node, part, replacement);
         self.look_at(node);
     }
 
@@ -372,13 +405,7 @@ impl Run<'_> {
                 station.service_joules = joules;
                 self.resume(node);
             }
-            Err(error) => {
-                self.violate(node, Some(part), error);
-                self.station_left(node);
-                let replacement = self.replacement(self.parts[part].kind);
-                self.reject(node, part, replacement);
-                self.look_at(node);
-            }
+            Err(error) => self.take_out(node, part, error),
         }
     }
 
@@ -533,6 +560,9 @@ impl Run<'_> {
         }
         station.book(now, on_shift);
         self.record(node, Some(part), What::Ended);
+        if self.refuse_misfit(node, part) {
+            return;
+        }
         let outlet = self.setup.first_outlet[node];
         self.offer(outlet, part);
     }
