@@ -312,16 +312,16 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
         let text = unmet(&mut random, component, formula);
         let machine = load(&text);
         let (system, claim) = of_machine(&machine);
-        let (justice, index) = (RuleKind::Justice, {
-            let assumed = &system.parts[component].assumptions.justice;
-            let place = assumed.iter().position(|f| f.name == "unmet");
-            place.expect("it is assumed")
-        });
-        let is_it = |at: &FormulaRef| {
-            (at.part, at.half, at.kind, at.index)
-                == (Some(component), Half::Assumptions, justice, index)
+        let mut assumed = system.parts[component].assumptions.justice.iter();
+        let index = assumed.position(|f| f.name == "unmet");
+        let unmet = FormulaRef {
+            part: Some(component),
+            half: Half::Assumptions,
+            kind: RuleKind::Justice,
+            index: index.expect("it is assumed"),
         };
-        let expr = &system.parts[component].assumptions.justice[index].expr;
+        let is_it = |at: &FormulaRef| *at == unmet;
+        let expr = &system.parts[component].assumptions.justice[unmet.index].expr;
         expr.for_each_var(&mut |v, _| outside += usize::from(system.driver(v).is_none()));
         for proof in [
             proof::prove(&system, &claim, &Limits::default()).expect("no limit"),
@@ -332,7 +332,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
             assert_eq!(met, None, "{text}");
             assert!(proof.open.iter().any(|o| is_it(&o.what)), "{text}");
             let handed_on = { proof.discharges.iter() }
-                .filter(|d| d.rule == Discharged::Exported && d.what.kind == justice);
+                .filter(|d| d.rule == Discharged::Exported && d.what.kind == RuleKind::Justice);
             assert_eq!(handed_on.count(), 0, "{text}");
         }
         let idle: Vec<mealy::Controller> = (0..machine.components.len())

@@ -297,37 +297,38 @@ fn out_of_nodes_is_a_value() {
     assert!(fills::<OxiDd>(&few));
 }
 
-/// The work that `chain` takes in a bad order and in the order that is found, and where it ends when there may be half of it.
-fn work_on<K: Kernel>() -> (u64, Result<(), Limit>, u64) {
-    let run = |most: u64| {
-        let limits = Limits {
-            most_work: Some(most),
-            ..small()
-        };
-        let m = K::new(&Order::natural(24), &limits)?;
+/// What it takes to make a function that is large in this order, sift, and quantify: the work, and how it ends with so much of it.
+fn work_within<K: Kernel>(most: u64) -> (u64, Result<(), Limit>) {
+    let limits = Limits {
+        most_work: Some(most),
+        ..small()
+    };
+    let m = K::new(&Order::natural(24), &limits).unwrap();
+    let ends = || {
         let mut all = m.constant(true);
         for i in 0..12 {
             let (a, b) = (
                 m.literal(Bit(2 * i), true),
                 m.literal(Bit(2 * (i + 12)).primed(), true),
             );
-            let result = m.iff(&a, &b).and_then(|same| m.and(&all, &same));
-            match result {
-                Ok(both) => all = both,
-                Err(limit) => return Ok((m.work(), Err(limit))),
-            }
+            all = m.and(&all, &m.iff(&a, &b)?)?;
         }
         m.sift()?;
         let bits = BitSet::new((0..8).map(|b| Bit(2 * b)));
-        m.exists(&all, &bits)?;
-        Ok::<_, Limit>((m.work(), Ok(())))
+        m.exists(&all, &bits).map(drop)
     };
-    let (whole, ended) = run(u64::MAX).unwrap();
-    assert_eq!(ended, Ok(()));
-    let (done, ended) = run(whole / 2).unwrap();
-    assert_eq!(ended, Err(Limit::Work(whole / 2)));
+    let ends = ends();
+    (m.work(), ends)
+}
+
+/// The whole work, and what comes of half of it.
+fn work_on<K: Kernel>() -> (u64, (u64, Result<(), Limit>)) {
+    let (whole, ends) = work_within::<K>(u64::MAX);
+    assert_eq!(ends, Ok(()));
     assert!(whole > 1_000, "{whole}");
-    (whole, ended, done)
+    let half = work_within::<K>(whole / 2);
+    assert_eq!(half.1, Err(Limit::Work(whole / 2)));
+    (whole, half)
 }
 
 /// On several threads at once, which disturb one another: the count and where it ends are the same.

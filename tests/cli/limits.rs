@@ -105,11 +105,11 @@ fn proofs_are_limited_by_counted_work() {
     assert!(!whole.1.contains("LW410"), "{}", whole.1);
     assert_eq!(busy("--timeout 3000"), whole);
 
-    let little = run("--effort 0.000001");
-    let wanted = "the proof took more than 3000 units of work";
+    let little = run("--effort 0.00001");
+    let wanted = "the proof needed more than 20 nodes at once";
     assert!(little.1.contains(wanted), "{}", little.1);
     assert!(little.1.contains("--effort 10"), "{}", little.1);
-    assert_eq!(busy("--effort 0.000001 --timeout 3000"), little);
+    assert_eq!(busy("--effort 0.00001 --timeout 3000"), little);
 }
 
 #[test]
