@@ -395,8 +395,8 @@ impl<'a> Session<'a> {
     /// What comes of a move that no step can follow.
     pub(super) fn end_of_last_move(&self) -> &'static str {
         match self.person() {
-            Owner::System => "it loses",
-            Owner::Environment => "with it the plant gives up its assumptions",
+            Owner::System => "loses",
+            Owner::Environment => "gives up the assumptions",
         }
     }
 
