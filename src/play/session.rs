@@ -335,7 +335,7 @@ impl<'a> Session<'a> {
         }
         if !leaving.is_empty() {
             let rules = self.book.leaving(&leaving, &self.known());
-            text += &format!("no step can follow a move that breaks one of these:\n{rules}");
+            text = text + "no step can follow a move that breaks one of these:\n" + &rules;
         }
         text
     }
