@@ -624,7 +624,7 @@ impl Yard<'_, '_> {
     /// Only what is held in fewer bits can overwrite some of them.
     fn overwrite(&mut self, a: &Operand, b: &Operand) -> (Term, u32) {
         if a.bits >= b.bits || a.bits > 40 {
-            if self.sound {
+            if self.sound && !self.names.speaks_of_refused() {
                 self.names.error(
                     codes::TYPE_MISMATCH,
                     a.range.start..b.range.end,

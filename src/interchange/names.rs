@@ -59,6 +59,8 @@ pub(super) struct Names<'t> {
     file: FileId,
     specification: Specification,
     by_name: BTreeMap<&'t str, VarId>,
+    /// Numbers whose domain was refused: nothing is concluded from how many values they seem to have.
+    refused: BTreeSet<VarId>,
     /// What the formula at hand has mentioned so far.
     mentions: Vec<Mention>,
     counts: BTreeMap<Section, usize>,
@@ -84,6 +86,7 @@ impl<'t> Names<'t> {
                 guarantees: Side::default(),
             },
             by_name: BTreeMap::new(),
+            refused: BTreeSet::new(),
             mentions: Vec::new(),
             counts: BTreeMap::new(),
             budget: MIN_BUDGET + 8 * text.len() as u64,
@@ -167,6 +170,25 @@ impl<'t> Names<'t> {
             domain,
             span,
         });
+    }
+
+    /// Declares a number whose domain was refused: its uses are not the mistake.
+    pub fn declare_refused(&mut self, owner: Owner, name: &'t str, range: Range<usize>) {
+        let id = VarId(self.specification.variables.len() as u32);
+        self.declare(owner, name, Domain::Range { low: 0, high: 1 }, range);
+        if self.specification.variables.len() > id.index() {
+            self.refused.insert(id);
+        }
+    }
+
+    /// Whether the domain of a variable was refused.
+    pub fn is_refused(&self, var: VarId) -> bool {
+        self.refused.contains(&var)
+    }
+
+    /// Whether the formula at hand speaks of a number whose domain was refused.
+    pub fn speaks_of_refused(&self) -> bool {
+        self.mentions.iter().any(|m| self.is_refused(m.var))
     }
 
     /// Declares a helper of the machine that stands in no file, and gives it a name that nothing has yet.

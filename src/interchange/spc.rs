@@ -189,9 +189,11 @@ fn variables(names: &mut Names<'_>, owner: Owner, body: &[Token]) {
         } else if body.get(i).is_some_and(|t| t.0 == Word::Always) {
             continue;
         }
-        // A variable whose domain is refused is still declared: its uses are not the mistake.
-        let domain = domain.unwrap_or(Domain::Range { low: 0, high: 1 });
-        names.declare(owner, &names.text[range.clone()], domain, range.clone());
+        let name = &names.text[range.clone()];
+        match domain {
+            Some(domain) => names.declare(owner, name, domain, range.clone()),
+            None => names.declare_refused(owner, name, range.clone()),
+        }
     }
 }
 

@@ -61,13 +61,13 @@ pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize
             "expected the smallest and the largest number behind the colon",
             "write `x: 0...7`",
         );
+        names.declare_refused(owner, name, place);
         return;
     };
-    // A variable whose domain is refused is still declared: its uses are not the mistake.
-    let domain = names
-        .domain(low, high, line)
-        .unwrap_or(Domain::Range { low: 0, high: 1 });
-    names.declare(owner, name, domain, place);
+    match names.domain(low, high, line) {
+        Some(domain) => names.declare(owner, name, domain, place),
+        None => names.declare_refused(owner, name, place),
+    }
 }
 
 /// A line in infix notation.
@@ -85,6 +85,9 @@ pub(super) fn bit_of(
 ) -> Option<Term> {
     let (name, index) = word.split_once('@')?;
     let (var, kind) = names.find(name)?;
+    if names.is_refused(var) {
+        return Some(bit(names, var, 0, time, range));
+    }
     let (low, high) = names.bounds(var);
     let held = u64::BITS - ((high - low) as u64).leading_zeros();
     let k: u32 = match index.split_once('.') {

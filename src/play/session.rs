@@ -335,7 +335,7 @@ impl<'a> Session<'a> {
         }
         if !leaving.is_empty() {
             let rules = self.book.leaving(&leaving, &self.known());
-            text += &format!("no step can follow a move that breaks one of these:\n{rules}");
+            text = text + "no step can follow a move that breaks one of these:\n" + &rules;
         }
         text
     }
@@ -395,8 +395,8 @@ impl<'a> Session<'a> {
     /// What comes of a move that no step can follow.
     pub(super) fn end_of_last_move(&self) -> &'static str {
         match self.person() {
-            Owner::System => "it loses",
-            Owner::Environment => "with it the plant gives up its assumptions",
+            Owner::System => "loses",
+            Owner::Environment => "gives up the assumptions",
         }
     }
 

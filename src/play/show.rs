@@ -283,7 +283,7 @@ pub(super) fn moves(session: &Session<'_>) -> String {
             let rules: Vec<_> = moves.leaving.iter().collect();
             let _ = write!(
                 last,
-                "after a move that breaks one of these, no step can follow, and {}:\n{}",
+                "a move that breaks one of these {}, since no step can follow it:\n{}",
                 session.end_of_last_move(),
                 session.book.leaving(&rules, &session.known())
             );
