@@ -14,17 +14,26 @@ use linewright::station::interpret::Interpreter;
 use linewright::station::{Controller as _, ErrorCode};
 use std::sync::Arc;
 
+/// What contradicts itself at the start, from the start on, or once something has happened; nothing where the list ends.
+const CONTRADICTORY: &[&str] = &[
+    "assume never: (not s and s)",
+    "assume dark: always not s assume light: always s",
+    "assume asked: always r assume unasked: always not r",
+    "assume both: always (f -> next s and not next s)",
+    "assume dark: always (r -> not s) assume lights_up: always (r -> next r and next s)",
+    "assume up: always (r -> next x = 1) assume down: always (f -> next x = 2)",
+    "assume gone: always (r -> next x > 2)",
+    "",
+    "",
+    "",
+    "",
+    "",
+];
 const ASSUMPTIONS: &[&str] = &[
     "assume held: always (r and not f -> next r)",
     "assume still: always (r and next r -> next x = x)",
-    "assume never: (not s and s)",
-    "assume dark: always not s",
-    "assume light: always s",
-    "assume asked: always r",
-    "assume unasked: always not r",
-    "assume lights_up: always (r -> next s)",
-    "assume both: always (f -> next r and not next r)",
     "assume small: always x < 2",
+    "assume off: always (not r -> not s)",
     "assume again: always eventually (s or not r)",
 ];
 const GUARANTEES: &[&str] = &[
@@ -43,11 +52,12 @@ fn some(random: &mut Random, of: &[&str], percent: u64) -> String {
 
 fn contract(random: &mut Random, name: &str) -> String {
     let moore = ["moore ", "moore ", ""][pick(random, 3)];
-    let assumptions = some(random, ASSUMPTIONS, 18);
+    let contradictory = CONTRADICTORY[pick(random, CONTRADICTORY.len())];
+    let assumptions = some(random, ASSUMPTIONS, 12);
     let guarantees = some(random, GUARANTEES, 60);
     format!(
         "{moore}contract {name} {{ input r, s: bool input x: 0..2 output f: bool output y: 0..1\n\
-         {assumptions}\n{guarantees}\nguarantee any: always (f -> y < 2) }}\n"
+         {contradictory}\n{assumptions}\n{guarantees}\nguarantee any: always (f -> y < 2) }}\n"
     )
 }
 
