@@ -122,7 +122,7 @@ pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<P
     let lines = selection.find(loaded, &library.lines, |l| (&l.name, l.span));
     let mut picked = Picked::default();
     for machine in lines.iter().flat_map(|l| of_line(l)) {
-        let known = |m: &&Machine| std::ptr::eq(*m, Arc::as_ptr(machine)) || is_alike(m, machine);
+        let known = |m: &&Machine| is_same(m, machine);
         if !picked.machines.iter().any(known) {
             picked.machines.push(machine);
         }
@@ -131,7 +131,7 @@ pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<P
         let mut used = picked.machines.iter().filter(|m| m.span == machine.span);
         if used.clone().count() == 0 {
             picked.machines.push(machine);
-        } else if !used.any(|m| is_alike(m, machine)) {
+        } else if !used.any(|m| is_same(m, machine)) {
             picked
                 .notes
                 .push(sized(selection, machine, lines.as_slice()));
@@ -191,6 +191,13 @@ pub fn told_apart<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
         });
     }
     told
+}
+
+/// Whether two machines are one declaration with the same arguments throughout: their libraries are the same. What a machine consists of is
+/// compared as it is written out, so that nothing in it is left out of the comparison.
+fn is_same(one: &Machine, other: &Machine) -> bool {
+    std::ptr::eq(one, other)
+        || (one.span == other.span && format!("{one:?}") == format!("{other:?}"))
 }
 
 /// Whether two machines are one declaration with the same arguments: their controllers are the same.

@@ -194,7 +194,7 @@ fn a_file_with_machines_and_a_line_builds_what_the_line_needs() {
     let text = std::fs::read_to_string(session.path("lamp.lw")).expect("a text");
     let line = text.find("line Lamps").expect("a line");
     let machine = text[..line].replace("machine Lamp {", "machine Lamp(steps: 1..3 = 1) {");
-    let machine = machine.replace("time 1 s", "time steps s");
+    let machine = machine.replace("time 1 s", "time steps * 1 s");
     let idle = machine[machine.find("machine Lamp").expect("a machine")..]
         .replace("machine Lamp", "machine Idle");
     let mixed = format!(

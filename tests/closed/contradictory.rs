@@ -9,22 +9,31 @@ use linewright::algebra::closed::{Closed, Verdict, replay};
 use linewright::algebra::proof::Broken;
 use linewright::contract::machine::{Machine, PlantSource};
 use linewright::game::Limits;
-use linewright::mealy;
+use linewright::mealy::{self, Cube, Guard, Transition};
 use linewright::station::interpret::Interpreter;
 use linewright::station::{Controller as _, ErrorCode};
 use std::sync::Arc;
 
+/// What contradicts itself at the start, from the start on, or once something has happened; nothing where the list ends.
+const CONTRADICTORY: &[&str] = &[
+    "assume never: (not s and s)",
+    "assume dark: always not s assume light: always s",
+    "assume asked: always r assume unasked: always not r",
+    "assume both: always (f -> next s and not next s)",
+    "assume dark: always (r -> not s) assume lights_up: always (r -> next r and next s)",
+    "assume up: always (r -> next x = 1) assume down: always (f -> next x = 2)",
+    "assume gone: always (r -> next x > 2)",
+    "",
+    "",
+    "",
+    "",
+    "",
+];
 const ASSUMPTIONS: &[&str] = &[
     "assume held: always (r and not f -> next r)",
     "assume still: always (r and next r -> next x = x)",
-    "assume never: (not s and s)",
-    "assume dark: always not s",
-    "assume light: always s",
-    "assume asked: always r",
-    "assume unasked: always not r",
-    "assume lights_up: always (r -> next s)",
-    "assume both: always (f -> next r and not next r)",
     "assume small: always x < 2",
+    "assume off: always (not r -> not s)",
     "assume again: always eventually (s or not r)",
 ];
 const GUARANTEES: &[&str] = &[
@@ -43,11 +52,12 @@ fn some(random: &mut Random, of: &[&str], percent: u64) -> String {
 
 fn contract(random: &mut Random, name: &str) -> String {
     let moore = ["moore ", "moore ", ""][pick(random, 3)];
-    let assumptions = some(random, ASSUMPTIONS, 18);
+    let contradictory = CONTRADICTORY[pick(random, CONTRADICTORY.len())];
+    let assumptions = some(random, ASSUMPTIONS, 12);
     let guarantees = some(random, GUARANTEES, 60);
     format!(
         "{moore}contract {name} {{ input r, s: bool input x: 0..2 output f: bool output y: 0..1\n\
-         {assumptions}\n{guarantees}\nguarantee any: always (f -> y < 2) }}\n"
+         {contradictory}\n{assumptions}\n{guarantees}\nguarantee any: always (f -> y < 2) }}\n"
     )
 }
 
@@ -185,7 +195,7 @@ fn agrees(
 #[test]
 fn contradictory_assumptions_are_decided_as_they_run() {
     let mut random = Random::new(24);
-    let (mut looked_at, mut sound, mut silent, mut later) = (0, 0, 0, 0);
+    let (mut looked_at, mut sound, mut silent) = (0, 0, 0);
     for _ in 0..260 {
         let text = text(&mut random);
         let machine = load(&text);
@@ -201,10 +211,62 @@ fn contradictory_assumptions_are_decided_as_they_run() {
         silent += outcome.unwrap_or_else(|_| panic!("of this machine: {text}\n{verdict:?}"));
         looked_at += 1;
         sound += usize::from(!verdict.is_broken());
-        later += { verdict.stuck.iter() }
-            .filter(|s| s.trace.len() > 1)
-            .count();
     }
-    println!("{looked_at} machines, {sound} sound, {silent} silent, {later} of them later on");
-    assert!(looked_at > 120 && sound > 10 && silent > 30 && later > 3);
+    println!("{looked_at} machines, {sound} sound, {silent} silent");
+    assert!(looked_at > 120 && sound > 10 && silent > 30);
+}
+
+/// A state without a row that is reached in the middle of a call. Where a controller is minimised it is one with any other, so the table is
+/// made by hand.
+#[test]
+fn a_contradiction_that_comes_later_is_found_after_its_run() {
+    let text = "
+moore contract Lead { input job, da: bool output c, done: bool
+    guarantee start: not c and not done
+    guarantee one: always (next c <-> (job and not c and not done) or (c and not da))
+    guarantee end: always (next done <-> c and da) }
+moore contract One { input r, s: bool output f: bool
+    assume often: always eventually s
+    assume up: always (f -> next s)
+    assume down: always (f -> not next s)
+    guarantee first: not f }
+machine M {
+    signal sg: bool = false, true
+    coordinator lead: Lead { job = operation != none da = a.f }
+    action a: One when lead.c { r = lead.c s = sg }
+    operation go: a
+    done lead.done
+}
+";
+    let machine = load(text);
+    let mut controllers = synthesized_as_far_as_can_be(&machine).expect("realizable contracts");
+    let row = |output: i64, to: usize| Transition {
+        guard: Guard(vec![Cube(Vec::new())]),
+        output: vec![output],
+        to,
+    };
+    let mut table = controllers[1].machine().expect("a table").clone();
+    table.initial = vec![row(0, 0)];
+    table.states = vec![vec![row(1, 1)], Vec::new()];
+    let specification = &machine.components[1].specification;
+    let verified = mealy::verify::verify(specification, &table, &Limits::default());
+    assert!(matches!(verified, Ok(Ok(()))), "{verified:?}");
+    controllers[1] = table.into();
+    let references: Vec<&mealy::Controller> = controllers.iter().collect();
+    let closed = Closed::of_machine(&machine, &references);
+    let verdict = closed.decide(&Limits::default()).expect("no limit");
+    let [stuck] = verdict.stuck.as_slice() else {
+        panic!("{verdict:?}");
+    };
+    assert_eq!((stuck.component, stuck.trace.len()), (1, 3));
+    let why = closed.contradiction(stuck, &Limits::default());
+    let names: Vec<&str> = { why.expect("no limit").iter() }
+        .map(|f| f.name.as_str())
+        .collect();
+    assert_eq!(names, ["up", "down"]);
+    let mut random = Random::new(1);
+    assert_eq!(
+        agrees(&mut random, &machine, &controllers, &closed, &verdict),
+        1
+    );
 }
