@@ -270,6 +270,8 @@ impl Court {
         // One of them is the manipulator with one more property.
         let mut subjects: Vec<Subject> = fixtures();
         subjects.retain(|s| s.name() != "Manipulator");
+        // Functions over numbers that begin below 0, and over those of a large machine.
+        subjects.push(as_functions(&subjects[1]));
         subjects.push(as_functions(&named("QualityCheck")));
         Self {
             toolchain: Toolchain::host().with_flags(&[
