@@ -6,6 +6,8 @@ mod building;
 mod calls;
 #[path = "station/controlled.rs"]
 mod controlled;
+#[path = "station/counting.rs"]
+mod counting;
 #[path = "station/differential.rs"]
 mod differential;
 #[path = "station/explicit.rs"]
@@ -144,7 +146,7 @@ fn faults_of_a_controller_are_caught_alike() {
 #[test]
 fn whole_numbers_stay_whole_and_in_range() {
     let folder = folder();
-    let (machine, controllers) = fixtures::counting();
+    let (machine, controllers) = counting::counting();
     let package = Package::emit(&machine, &controllers);
     let built = Toolchain::host()
         .build(&package, folder.path(), false)

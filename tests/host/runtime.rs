@@ -23,11 +23,23 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const SAMPLE: usize = 8;
 
 /// Mutants that no call can show: what the line has, what becomes of it, and why.
-const EQUIVALENT: [(&str, &str, &str); 1] = [(
-    "after->started = 1;",
-    "`1` -> `2`",
-    "it is only asked whether it is 0",
-)];
+const EQUIVALENT: [(&str, &str, &str); 3] = [
+    (
+        "after->started = 1;",
+        "`1` -> `2`",
+        "it is only asked whether it is 0",
+    ),
+    (
+        "while (out->length > 0 && (",
+        "` > ` -> ` >= `",
+        "no more is taken back than was written",
+    ),
+    (
+        "int at = (int)sizeof digits - 1;",
+        "",
+        "more or less room than needed; too little is for the address sanitizer",
+    ),
+];
 
 /// One change.
 #[derive(Debug, Clone)]
@@ -273,6 +285,8 @@ impl Court {
         // Functions over numbers that begin below 0, and over those of a large machine.
         subjects.push(as_functions(&subjects[1]));
         subjects.push(as_functions(&named("QualityCheck")));
+        // Actions that run more than once in an operation.
+        subjects.push(named("AssemblyCell"));
         Self {
             toolchain: Toolchain::host().with_flags(&[
                 "-std=c99",

@@ -388,7 +388,8 @@ impl Writer<'_> {
                 };
             }
             let mut given = values.clone();
-            if let (true, Some(value)) = (random.below(12) == 0, given.first_mut()) {
+            let odd_one = random.below(given.len().max(1) as u64) as usize;
+            if let (true, Some(value)) = (random.below(12) == 0, given.get_mut(odd_one)) {
                 let odd = [
                     f64::NAN,
                     f64::INFINITY,
