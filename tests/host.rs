@@ -8,6 +8,8 @@
 
 #[path = "host/controls.rs"]
 mod controls;
+#[path = "station/counting.rs"]
+mod counting;
 #[expect(dead_code, reason = "a plan needs its random numbers only")]
 #[path = "station/differential.rs"]
 mod differential;

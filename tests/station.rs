@@ -6,6 +6,8 @@ mod building;
 mod calls;
 #[path = "station/controlled.rs"]
 mod controlled;
+#[path = "station/counting.rs"]
+mod counting;
 #[path = "station/differential.rs"]
 mod differential;
 #[path = "station/explicit.rs"]
@@ -145,7 +147,7 @@ fn faults_of_a_controller_are_caught_alike() {
 #[test]
 fn whole_numbers_stay_whole_and_in_range() {
     let folder = folder();
-    let (machine, controllers) = fixtures::counting();
+    let (machine, controllers) = counting::counting();
     let package = Package::emit(&machine, &controllers);
     let built = Toolchain::host()
         .build(&package, folder.path(), false)
@@ -188,5 +190,26 @@ fn whole_numbers_stay_whole_and_in_range() {
                 assert_eq!(theirs, values);
             }
         }
+    }
+}
+
+/// A text that is too long for a library is cut, but never within a character.
+#[test]
+fn long_texts_are_cut_between_characters() {
+    let folder = folder();
+    for offset in 0..3 {
+        let (machine, controllers) = fixtures::manipulator();
+        let mut machine = (*machine).clone();
+        machine.name = format!("Long{offset}");
+        for component in &mut machine.components {
+            let specification = Arc::make_mut(&mut component.specification);
+            for formula in &mut specification.assumptions.safety {
+                // Characters of three bytes, from three places on.
+                let long = format!("{}{}", "x".repeat(offset), "\u{2192}".repeat(500));
+                formula.requirement = Some(long);
+            }
+        }
+        let counts = differential(&Arc::new(machine), &controllers, 500, 5, folder.path());
+        assert!(counts.of(ErrorCode::Assumption) > 20, "{counts:?}");
     }
 }

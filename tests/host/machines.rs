@@ -1,6 +1,6 @@
 //! The machines that are tested: all that are shipped, and fixtures for what those never do.
 
-use crate::{fixtures, laboratory};
+use crate::{counting, fixtures, laboratory};
 use linewright::contract::machine::Machine;
 use linewright::mealy;
 use std::sync::{Arc, OnceLock};
@@ -75,7 +75,7 @@ pub fn fixtures() -> Vec<Subject> {
     vec![
         Subject::of(fixtures::manipulator()),
         Subject::of(fixtures::jammed()),
-        Subject::of(fixtures::counting()),
+        Subject::of(counting::counting()),
         Subject::of(fixtures::belt()),
     ]
 }

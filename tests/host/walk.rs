@@ -388,9 +388,20 @@ impl Writer<'_> {
                 };
             }
             let mut given = values.clone();
-            if let (true, Some(value)) = (random.below(12) == 0, given.first_mut()) {
-                let odd = [f64::NAN, f64::INFINITY, 0.5, -3.0, 1e300, 45.0 + 2e-7, -0.0];
-                *value = odd[random.below(7) as usize];
+            let odd_one = random.below(given.len().max(1) as u64) as usize;
+            if let (true, Some(value)) = (random.below(12) == 0, given.get_mut(odd_one)) {
+                let odd = [
+                    f64::NAN,
+                    f64::INFINITY,
+                    0.5,
+                    -3.0,
+                    1e300,
+                    45.0 + 2e-7,
+                    -0.0,
+                    123_456_789.25,
+                    -98_765_432.125,
+                ];
+                *value = odd[random.below(9) as usize];
             }
             // One that is not there, now and then.
             let operation = random.below(count as u64 + 1) as usize;

@@ -191,3 +191,53 @@ fn a_line_like_the_laboratory() {
     let printer = trace.stations[0].shares;
     assert!(printer.busy > 0.95 && printer.blocked < 0.02, "{printer:?}");
 }
+
+/// Time counts as moving where a part changes its place, and the step after one came on or off.
+#[test]
+fn moving_seconds_of_a_belt() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("source", "Part", every(0.0, Some(1)))
+        .belt("belt", 1, Shift1::new(1))
+        .sink("sink")
+        .route("Part", &["source", "belt", "sink"]);
+    let trace = builder.run_until(100.0);
+    assert_eq!(
+        (trace.products, trace.conveyors[0].moving_seconds),
+        (1, 2.0)
+    );
+}
+
+#[test]
+fn a_part_that_goes_back_is_lost() {
+    struct Back(u32);
+    impl Controller for Back {
+        fn simulate(&mut self, _: usize, _: &mut [f64]) -> Result<Service, CallError> {
+            unreachable!("a belt has no operations")
+        }
+        fn step(&mut self, plant: &[i64], outputs: &mut [i64]) -> Result<(), CallError> {
+            outputs.copy_from_slice(match self.0 {
+                0 => &[0, 0, 1],
+                1 => &[0, 1, 0],
+                _ => &[1, 0, 0],
+            });
+            self.0 += u32::from(self.0 > 0 || plant[0] != 0);
+            Ok(())
+        }
+        fn reset(&mut self) {
+            self.0 = 0;
+        }
+    }
+    let mut builder = Builder::new(&["B", "A"]);
+    builder
+        .endless("b", "B")
+        .source("a", "A", every(0.0, Some(1)))
+        .belt("belt", 2, Back(0))
+        .station("slow", &["A", "B"], constant(1000.0))
+        .sink("sink")
+        .route("A", &["a", "belt", "slow", "sink"])
+        .route("B", &["b", "slow", "sink"]);
+    let trace = builder.run_until(100.0);
+    assert_eq!(trace.end, End::PartLost);
+    insta::assert_snapshot!(trace.findings[0].message, @"belt lost a part at 0:00:02: A 1 was on place 1 and would now be behind it, on place 0");
+}

@@ -1,7 +1,7 @@
 //! Sources, stores, joining, and routes by verdict.
 
 use crate::support::{Builder, constant, every, refusing, verdict};
-use linewright::contract::line::{Defect, InitialValue, Supply};
+use linewright::contract::line::{Defect, InitialValue, NodeKind, Supply};
 use linewright::contract::machine::{RealBinary, RealExpr};
 use linewright::line::End;
 use linewright::line::trace::{PartCounts, Reject, What};
@@ -328,4 +328,63 @@ fn a_rejected_product_orders_all_that_is_in_it() {
     assert_eq!(trace.rejects[0].count, 4);
     // By the bill: two frames of two legs, and one leg.
     assert_eq!(trace.rejects[0].reordered, 20);
+}
+
+/// A store that gives out stock keeps what came in meanwhile.
+#[test]
+fn stock_and_what_came_in_are_kept_apart() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .property("Part", "mark", InitialValue::Number(0.0))
+        .store("pool", &[("Part", 2)])
+        .station("marks", &["Part"], verdict(1.0, |call| call as f64))
+        .machine_properties("marks", &["mark"])
+        .sink("sink")
+        .route("Part", &["pool", "marks"])
+        .route_if("Part", "marks", "pool", is(0, 1.0))
+        .route_if("Part", "marks", "pool", is(0, 2.0))
+        .route("Part", &["marks", "sink"]);
+    let trace = builder.run(2);
+    assert_eq!((trace.end, trace.seconds), (End::Products, 4.0));
+}
+
+/// What a violation takes out is ordered from the source that makes it.
+#[test]
+fn a_replacement_comes_from_its_own_source() {
+    let mut builder = Builder::new(&["B", "A"]);
+    builder
+        .source("a", "A", Supply::OnOrder)
+        .source("b", "B", Supply::OnOrder)
+        .station("cell", &["A", "B"], refusing(5.0, |call| call == 1))
+        .sink("sink")
+        .scrap("scrap_b", Some("b"))
+        .scrap("scrap_a", Some("a"))
+        .route("A", &["a", "cell", "sink"])
+        .route("B", &["b", "cell", "sink"]);
+    let trace = builder.run(3);
+    assert_eq!(trace.end, End::Products, "{:?}", trace.findings);
+    assert_eq!(trace.rejects[0].part, 1);
+}
+
+/// A source with a limit of work in progress lets in no more than that.
+#[test]
+fn at_most_so_many_are_in_the_line() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .buffer("buffer", 10)
+        .station("slow", &["Part"], constant(5.0))
+        .sink("sink")
+        .route("Part", &["source", "buffer", "slow", "sink"]);
+    let source = builder.node("source");
+    if let NodeKind::Source { most, .. } = &mut builder.line.nodes[source].kind {
+        *most = Some(2);
+    }
+    let trace = builder.run_until(100.0);
+    let (mut there, mut greatest) = (0, 0);
+    for entry in &trace.log {
+        there += i32::from(entry.what == What::Entered) - i32::from(entry.what == What::Finished);
+        greatest = greatest.max(there);
+    }
+    assert_eq!((greatest, trace.products), (2, 20));
 }

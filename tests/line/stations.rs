@@ -2,6 +2,7 @@
 
 use crate::support::{Builder, constant, every};
 use linewright::contract::machine::Failures;
+use linewright::line::Trace;
 use linewright::line::trace::What;
 
 fn near(a: f64, b: f64, tolerance: f64) {
@@ -196,38 +197,90 @@ fn off_shift_stays_idle_when_nothing_is_left_to_do() {
     near(shares.starved, 8.0 / 24.0, 1e-12);
 }
 
-/// The bottleneck is where time is lost to setups or breakdowns, even if another station works more.
+/// The bottleneck is where time is lost to setups or breakdowns, even if another station works more, whichever is declared first.
 #[test]
 fn the_bottleneck_counts_setup_and_repair() {
-    let mut builder = Builder::new(&["A", "B"]);
-    builder
-        .source("a", "A", every(0.0, None))
-        .source("b", "B", every(0.0, None))
-        .station("changes", &["A", "B"], constant(4.0))
-        .with_station("changes", |_, _, setup, _| *setup = 3.0)
-        .station("works", &["A", "B"], constant(5.0))
-        .sink("sink")
-        .route("A", &["a", "changes", "works", "sink"])
-        .route("B", &["b", "changes", "works", "sink"]);
-    let trace = builder.run_until(7000.0);
-    let [changes, works] = [0, 1].map(|i| trace.stations[i].shares);
-    assert!(changes.busy < works.busy, "{changes:?} {works:?}");
-    assert_eq!(trace.bottleneck, Some(0));
+    for order in [["slow", "works"], ["works", "slow"]] {
+        let mut builder = Builder::new(&["A", "B"]);
+        builder
+            .source("a", "A", every(0.0, None))
+            .source("b", "B", every(0.0, None));
+        for name in order {
+            let seconds = if name == "slow" { 4.0 } else { 5.0 };
+            builder.station(name, &["A", "B"], constant(seconds));
+        }
+        builder
+            .with_station("slow", |_, _, setup, _| *setup = 3.0)
+            .sink("sink")
+            .route("A", &["a", "slow", "works", "sink"])
+            .route("B", &["b", "slow", "works", "sink"]);
+        is_the_bottleneck(&builder.run_until(7000.0));
+        let mut builder = Builder::new(&["Part"]);
+        builder.endless("source", "Part");
+        for name in order {
+            let seconds = if name == "slow" { 4.0 } else { 5.0 };
+            builder.station(name, &["Part"], constant(seconds));
+        }
+        builder
+            .with_station("slow", |_, _, _, failures| {
+                *failures = Some(Failures {
+                    mtbf: 10.0,
+                    mttr: 20.0,
+                });
+            })
+            .sink("sink")
+            .route("Part", &["source", "slow", "works", "sink"]);
+        is_the_bottleneck(&builder.run_until(50_000.0));
+    }
+}
+
+/// The slow station is, and works less than the other one.
+fn is_the_bottleneck(trace: &Trace) {
+    let position = |name: &str| trace.stations.iter().position(|s| s.name == name);
+    let busy = |name: &str| trace.stations[position(name).unwrap()].shares.busy;
+    assert!(busy("slow") < busy("works"));
+    assert_eq!(trace.bottleneck, position("slow"));
+}
+
+/// Work that the end of a shift interrupts counts towards the next breakdown.
+#[test]
+fn the_failure_clock_goes_on_after_a_shift() {
     let mut builder = Builder::new(&["Part"]);
     builder
         .endless("source", "Part")
-        .station("fails", &["Part"], constant(4.0))
-        .with_station("fails", |_, _, _, failures| {
+        .station("cell", &["Part"], constant(1e7))
+        .with_station("cell", |_, _, _, failures| {
             *failures = Some(Failures {
-                mtbf: 10.0,
-                mttr: 20.0,
+                mtbf: 100.0,
+                mttr: 1.0,
             });
         })
-        .station("works", &["Part"], constant(5.0))
         .sink("sink")
-        .route("Part", &["source", "fails", "works", "sink"]);
-    let trace = builder.run_until(50_000.0);
-    let [fails, works] = [0, 1].map(|i| trace.stations[i].shares);
-    assert!(fails.busy < works.busy, "{fails:?} {works:?}");
-    assert_eq!(trace.bottleneck, Some(0));
+        .route("Part", &["source", "cell", "sink"])
+        .shift(0.0, 100.0);
+    let trace = builder.run_until(2000.0 * 86_400.0);
+    let failures = trace.log.iter().filter(|e| e.what == What::Failed).count() as f64;
+    near(trace.stations[0].busy_seconds / failures, 100.0, 10.0);
+}
+
+/// What comes off shift waits for the morning, as it is or to be joined.
+#[test]
+fn nothing_begins_off_shift() {
+    const HOUR: f64 = 3600.0;
+    let mut builder = Builder::new(&["C", "J", "P"]);
+    builder
+        .bill("J", &[("C", 1)])
+        .source("c", "C", every(10.0 * HOUR, None))
+        .source("p", "P", every(10.0 * HOUR, None))
+        .station("cell", &["J", "P"], constant(600.0))
+        .sink("sink")
+        .route("C", &["c", "cell"])
+        .route("P", &["p", "cell", "sink"])
+        .route("J", &["cell", "sink"])
+        .shift(6.0 * HOUR, 14.0 * HOUR);
+    let trace = builder.run_until(240.0 * HOUR);
+    let started = { trace.log.iter() }.filter(|e| e.what == What::Started);
+    let hours: Vec<f64> = started.map(|e| e.time / HOUR % 24.0).collect();
+    assert!(hours.len() > 40, "{hours:?}");
+    assert!(hours.iter().all(|h| (6.0..14.0).contains(h)), "{hours:?}");
 }

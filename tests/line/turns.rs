@@ -80,15 +80,36 @@ impl Controller for Keeps {
     }
 }
 
+/// A belt that keeps its part likewise, and shows something new in every step in which it could leave.
+struct Wavers(Keeps, bool);
+
+impl Controller for Wavers {
+    fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Result<Service, CallError> {
+        self.0.simulate(operation, values)
+    }
+
+    fn step(&mut self, plant: &[i64], outputs: &mut [i64]) -> Result<(), CallError> {
+        let on = self.0.0;
+        self.0.step(plant, outputs)?;
+        self.1 ^= plant[1] != 0;
+        outputs[2] |= i64::from(on && self.1);
+        Ok(())
+    }
+
+    fn reset(&mut self) {
+        *self = Self(Keeps(false), false);
+    }
+}
+
 /// Room is not kept for ever for a belt that does not hand over.
 #[test]
 fn a_belt_that_does_not_hand_over_loses_its_turn() {
-    let run = |controller: Box<dyn Controller>| -> (Trace, u64) {
+    let run = |controller: Box<dyn Controller>, supply: Supply| -> (Trace, u64) {
         let mut builder = Builder::new(&["A", "B"]);
         builder
             .source("a", "A", every(0.0, Some(1)))
             .belt("belt", 2, Shift1::new(2))
-            .endless("b", "B")
+            .source("b", "B", supply)
             .station("cell", &["A", "B"], constant(1.5))
             .sink("sink")
             .route("A", &["a", "belt", "cell", "sink"])
@@ -100,15 +121,32 @@ fn a_belt_that_does_not_hand_over_loses_its_turn() {
         let on = on.count() as u64;
         (trace, on)
     };
-    let (trace, on) = run(Box::new(Refuses(Shift1::new(2))));
+    let (trace, on) = run(Box::new(Refuses(Shift1::new(2))), every(0.0, None));
     assert_eq!((trace.end, on), (End::Time, 1));
     // One step of the belt for each B, at the next full second.
     assert!(trace.products >= 299, "{} products", trace.products);
     assert!(trace.violation_count > 100, "it is asked again and again");
-    let (trace, on) = run(Box::new(Keeps(false)));
-    assert_eq!((trace.end, on), (End::Time, 1));
-    // As many steps as it has places, and three more, for each B.
-    assert!(trace.products >= 85, "{} products", trace.products);
+    // Alone it is asked once, and again when something has changed.
+    let alone = every(10_000.0, None);
+    let (trace, _) = run(Box::new(Refuses(Shift1::new(2))), alone);
+    assert!(
+        (1..=3).contains(&trace.violation_count),
+        "{}",
+        trace.violation_count
+    );
+    let keeps: [fn() -> Box<dyn Controller>; 2] = [
+        || Box::new(Keeps(false)),
+        || Box::new(Wavers(Keeps(false), false)),
+    ];
+    for keeps in keeps {
+        let (trace, on) = run(keeps(), every(0.0, None));
+        assert_eq!((trace.end, on), (End::Time, 1));
+        // As many steps as it has places, and three more, for each B.
+        assert!(trace.products >= 85, "{} products", trace.products);
+        // One that comes to a free station stands back for the belt, and is not forgotten.
+        let (trace, _) = run(keeps(), every(10.0, None));
+        assert!(trace.products >= 55, "{} products", trace.products);
+    }
 }
 
 /// The place before a belt, where another one hands over, takes turns with a source that always has a part.

@@ -443,26 +443,6 @@ pub fn jammed() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     (Arc::new(machine), controllers)
 }
 
-/// The manipulator with a whole number that every operation sets to what another property says, whatever that is.
-pub fn counting() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
-    let (machine, controllers) = manipulator();
-    let mut machine = (*machine).clone();
-    "Counting".clone_into(&mut machine.name);
-    let wish = machine.properties.len();
-    for (name, domain) in [("wish", None), ("count", Some(range(-3, 6)))] {
-        machine.properties.push(Property {
-            domain,
-            name: name.to_owned(),
-            unit: String::new(),
-            default: 0.0,
-            kind: PropertyKind::Part,
-            span: Span::default(),
-        });
-    }
-    machine.writes.push((wish + 1, property(wish)));
-    (Arc::new(machine), controllers)
-}
-
 /// A belt of three places that is only stepped.
 pub fn belt() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     // 0 load, 1 unload ready; 2, 3, 4 places; 5 ready.

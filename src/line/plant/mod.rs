@@ -393,12 +393,6 @@ impl<'a> Run<'a> {
         } else {
             day + DAY + shift.from
         };
-        // A shift up to midnight ends at the first second of the next day, by whose count it would already be over.
-        let next = if self.on_shift && next <= self.now {
-            next + DAY
-        } else {
-            next
-        };
         self.schedule(next, SHIFT, Event::Shift);
     }
 

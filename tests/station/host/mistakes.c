@@ -150,6 +150,47 @@ static void operation_of_another_name(scene *s)
     }
 }
 
+/* A name of which a text keeps the first 63 bytes, or fewer where a character would be cut in two. */
+static void operation_of_a_name_to_cut(scene *s, const char *name)
+{
+    char expected[TEXT_ROOM];
+    char text[TEXT_ROOM];
+    size_t kept = strlen(name);
+    if (kept > 63) {
+        kept = 63;
+        while (kept > 0 && ((unsigned char)name[kept] & 0xC0U) == 0x80U) {
+            kept--;
+        }
+    }
+    snprintf(expected, sizeof expected, "there is no operation `%.*s%s`", (int)kept, name,
+             name[kept] == '\0' ? "" : "...");
+    s->arg[1] = value_string(name);
+    refused(s, LW_ERROR_OPERATION, (int32_t)call_real(s->lib->simulate_value, s->arg, "simulate"), "there is no operation `",
+            "simulate");
+    s->lib->last_error(s->handle, text, sizeof text);
+    if (strcmp(text, expected) != 0) {
+        fail("a name of %d bytes: expected `%s`, saw `%s`", (int)strlen(name), expected, text);
+    }
+}
+
+static void operation_of_a_name_about_as_long(scene *s)
+{
+    const char *const characters[3] = {"y", "\xC3\xA4", "\xE2\x86\x92"};
+    char name[200];
+    for (int k = 0; k < 3; k++) {
+        for (size_t length = 60; length < 68; length++) {
+            size_t end = length % 4;
+            memset(name, 'x', end);
+            while (end < length) {
+                memcpy(name + end, characters[k], strlen(characters[k]));
+                end += strlen(characters[k]);
+            }
+            name[end] = '\0';
+            operation_of_a_name_to_cut(s, name);
+        }
+    }
+}
+
 /* A name that is longer than any text has room for is cut, between two characters. */
 static void operation_of_a_long_name(scene *s)
 {
@@ -406,6 +447,7 @@ static void text_of_another_call(scene *s)
 static void (*const MISTAKES[])(scene *s) = {
     step_with_too_many_inputs,  step_with_too_few_inputs,  step_without_inputs,        step_with_the_wrong_room,
     step_outside_the_domain,    operation_with_wrong_counts, operation_that_is_not_there, operation_of_another_name,
+    operation_of_a_name_about_as_long,
     operation_of_a_long_name,   operation_with_a_wrong_tag, property_with_a_wrong_tag,  property_that_is_no_number,
     result_with_a_wrong_tag,    result_of_another_name,    result_of_another_kind,     handle_with_a_wrong_tag,    answer_without_a_place,
     text_with_little_room,      text_of_another_call,

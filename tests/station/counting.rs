@@ -1,0 +1,29 @@
+//! A machine that writes whole numbers.
+
+use crate::fixtures;
+use linewright::contract::machine::{Machine, Property, PropertyKind, RealExpr};
+use linewright::gr1::Domain;
+use linewright::mealy;
+use linewright::source::Span;
+use std::sync::Arc;
+
+/// The manipulator with a whole number that every operation sets to what another property says, whatever that is.
+pub fn counting() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
+    let (machine, controllers) = fixtures::manipulator();
+    let mut machine = (*machine).clone();
+    "Counting".clone_into(&mut machine.name);
+    let wish = machine.properties.len();
+    let whole = Domain::Range { low: -3, high: 6 };
+    for (name, domain) in [("wish", None), ("count", Some(whole))] {
+        machine.properties.push(Property {
+            domain,
+            name: name.to_owned(),
+            unit: String::new(),
+            default: 0.0,
+            kind: PropertyKind::Part,
+            span: Span::default(),
+        });
+    }
+    machine.writes.push((wish + 1, RealExpr::Property(wish)));
+    (Arc::new(machine), controllers)
+}
