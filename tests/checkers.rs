@@ -197,13 +197,51 @@ fn kind(artefact: &Artefact) -> &'static str {
 }
 
 /// As many cases of a kind that break the same clause are kept.
-const MOST_ALIKE: usize = 12;
+const MOST_ALIKE: usize = 20;
 
 /// As many random specifications.
 const SPECIFICATIONS: u64 = 160;
 
 /// As many changes to each artefact.
-const CHANGES: usize = 40;
+const CHANGES: usize = 60;
+
+/// Right artefacts with as little work as they need, with less, and with numbers that are too large.
+fn limited(cases: &[Case]) -> Vec<Case> {
+    let mut found = Vec::new();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    let explicit = |a: &Artefact| matches!(a, Artefact::Machine(_) | Artefact::Counterstrategy(_));
+    for case in cases
+        .iter()
+        .filter(|c| c.broken.is_empty() && explicit(&c.artefact))
+    {
+        let count = counts.entry(kind(&case.artefact)).or_default();
+        *count += 1;
+        if *count > 12 {
+            continue;
+        }
+        let with = |specification: &Specification, most: Option<u64>, broken: &[&str]| Case {
+            specification: specification.clone(),
+            artefact: case.artefact.clone(),
+            limits: Limits {
+                most_nodes: most,
+                ..Limits::default()
+            },
+            broken: broken.iter().map(|b| (*b).to_owned()).collect(),
+        };
+        let enough =
+            (1..2_000).find(|most| said(&with(&case.specification, Some(*most), &[])) == ACCEPTED);
+        if let Some(enough) = enough {
+            found.push(with(&case.specification, Some(enough), &[]));
+            if enough > 1 {
+                found.push(with(&case.specification, Some(enough - 1), &["Size"]));
+            }
+        }
+        for specification in artefacts::too_large(&case.specification) {
+            found.push(with(&specification, None, &["Size"]));
+        }
+    }
+    found
+}
 
 /// Right and wrong artefacts; the same in every run.
 fn cases() -> &'static [Case] {
@@ -260,6 +298,19 @@ fn cases() -> &'static [Case] {
                 }
             }
         }
+        let (specification, right) = artefacts::wide();
+        let right = Artefact::Functions(Box::new(right));
+        keep(&specification, &right, BTreeSet::new());
+        let mut r = Random::new(1);
+        for _ in 0..40 * CHANGES {
+            let (mut specification, mut artefact) = (specification.clone(), right.clone());
+            artefacts::change(&mut r, &mut specification, &mut artefact, &[]);
+            if let Some((broken, _)) = broken(&specification, &artefact) {
+                keep(&specification, &artefact, broken);
+            }
+        }
+        let limited = limited(&cases);
+        cases.extend(limited);
         cases
     })
 }

@@ -371,7 +371,13 @@ pub fn functions(specification: &Specification, functions: &Functions) -> Option
     if !found.is_empty() {
         return Some(found);
     }
-    Codes::new(specification, functions).check()
+    let codes = Codes::new(specification, functions);
+    // Of more nobody counts through all.
+    if codes.pairs > 12 {
+        None
+    } else {
+        codes.check()
+    }
 }
 
 fn layout(specification: &Specification) -> Vec<Vec<Bit>> {
@@ -698,6 +704,11 @@ impl<'a> Codes<'a> {
                 let next = self.values(&bits, 1);
                 let wrong = guarantee.initial.iter().filter(|f| !holds(f, &next, &[]));
                 found.extend(wrong.map(|f| Clause::Initial(f.name.clone())));
+                if self.outside(&next, Owner::System).is_some() {
+                    // What a formula says of codes without a value means nothing.
+                    let any = guarantee.initial.iter();
+                    found.extend(any.map(|f| Clause::Initial(f.name.clone())));
+                }
                 if !self.set(controls.certificate.region, &Self::then(&bits)) {
                     found.insert(Clause::Start);
                 }
@@ -733,7 +744,12 @@ impl<'a> Codes<'a> {
         let formula = side.justice.get(goal);
         let name = formula.map_or("true".to_owned(), |f| f.name.clone());
         let met = formula.is_none_or(|f| holds(f, &now, &next));
-        if self.function(pursuit.reached, &bits) != met {
+        let meaningless = self.outside(&next, Owner::System).is_some();
+        if meaningless {
+            let any = side.safety.iter();
+            found.extend(any.map(|f| Clause::Safety(f.name.clone())));
+        }
+        if meaningless || self.function(pursuit.reached, &bits) != met {
             found.insert(Clause::Reached(name.clone()));
         }
         if met && self.set(controls.certificate.region, &then) {

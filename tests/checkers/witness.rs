@@ -98,8 +98,7 @@ fn play_of_machine(
     }
 }
 
-/// A play of a counterstrategy. Of one that goes round for ever, only the way there is looked at: it is told with the steps by which its
-/// states were first reached.
+/// A play of a counterstrategy.
 pub fn counterstrategy(
     specification: &Specification,
     machine: &Machine,
@@ -122,19 +121,17 @@ fn play_of_counterstrategy(
     if trace.is_empty() {
         return Ok(());
     }
-    if repeats_from.is_some_and(|from| from >= trace.len()) {
-        return Err("nothing repeats");
-    }
-    let end = repeats_from.unwrap_or(trace.len());
+    let again = repeats_from.map_or(&[][..], |from| &trace[from.min(trace.len())..]);
+    let mut round: Vec<(&[i64], &[i64])> = Vec::new();
     let mut at: Option<(usize, &[i64])> = None;
-    for (i, next) in trace[..end].iter().enumerate() {
+    for (i, next) in trace.iter().chain(again).enumerate() {
         let now = at.map(|(_, now)| now);
         let transitions = machine.transitions(at.map(|(s, _)| s));
         let answer = part(specification, next, Owner::System);
         let of = matching(transitions, &answer);
         let given = part(specification, next, Owner::Environment);
         let legal = broken(guarantee, now, next).is_empty();
-        if repeats_from.is_none() && i + 1 == end {
+        if repeats_from.is_none() && i + 1 == trace.len() {
             let moore = specification.timing == Timing::Moore;
             let outputs = valuations(specification, Owner::System);
             let right = match clause {
@@ -164,7 +161,26 @@ fn play_of_counterstrategy(
         if t.output != given || !legal || !broken(assume, now, next).is_empty() {
             return Err("a step is another one, or breaks something");
         }
+        if let Some(now) = now
+            && i >= trace.len()
+        {
+            round.push((now, next));
+        }
         at = Some((t.to, next));
     }
-    Ok(())
+    if round.is_empty() {
+        return Err("nothing repeats");
+    }
+    let met = |f: &Formula| round.iter().any(|(now, next)| holds(f, now, next));
+    let right = if clause == "Won" {
+        guarantee.justice.iter().all(met)
+    } else {
+        let mut named = assume.justice.iter().filter(|f| f.name == quoted(clause));
+        named.any(|f| !met(f))
+    };
+    if right {
+        Ok(())
+    } else {
+        Err("the round is another one")
+    }
 }

@@ -80,6 +80,8 @@ struct Check<'a> {
     labels: Vec<Vec<bool>>,
     label_numbers: HashMap<Vec<bool>, u32>,
     pairs: u64,
+    /// The edge whose valuation is looked for, once the product is there.
+    wanted: Option<Edge>,
 }
 
 /// What is found wrong: the node, the valuation of the step after it, and the clause.
@@ -178,6 +180,7 @@ impl<'a> Check<'a> {
             labels: Vec::new(),
             label_numbers: HashMap::new(),
             pairs: 0,
+            wanted: None,
         }
     }
 
@@ -237,13 +240,7 @@ impl<'a> Check<'a> {
             let transitions = self.machine.transitions(self.nodes[current].state);
             let first = self.specification.timing == Timing::Mealy;
             let mut edges = Vec::new();
-            // Where the environment moves first, all transitions give the same and are looked at together.
-            let groups: Vec<&'a [Transition]> = if first {
-                vec![transitions]
-            } else {
-                transitions.chunks(1).collect()
-            };
-            for group in groups {
+            for group in self.groups(current) {
                 if let Some(wrong) = self.answers(current, group, first, &mut edges)? {
                     return Ok(Some(wrong));
                 }
@@ -257,6 +254,15 @@ impl<'a> Check<'a> {
             current += 1;
         }
         Ok(None)
+    }
+
+    /// The transitions of a node that give the same. Where the environment moves first, all do and are looked at together.
+    fn groups(&self, node: usize) -> Vec<&'a [Transition]> {
+        let transitions = self.machine.transitions(self.nodes[node].state);
+        match self.specification.timing {
+            Timing::Mealy => vec![transitions],
+            Timing::Moore => transitions.chunks(1).collect(),
+        }
     }
 
     /// Follows all legal answers to what a group of transitions gives.
@@ -346,8 +352,8 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// A legal answer.
-    fn leaf(&mut self, letter: &mut Letter<'a>) -> Result<Option<Clause>, Limit> {
+    /// Counts an answer that is looked at.
+    fn count(&mut self) -> Result<(), Limit> {
         self.pairs += 1;
         if self.pairs > self.limits.most_nodes.unwrap_or(MOST_PAIRS).min(MOST_PAIRS) {
             return Err(Limit::Size);
@@ -355,6 +361,12 @@ impl<'a> Check<'a> {
         if self.pairs.is_multiple_of(1 << 14) {
             self.limits.check_time()?;
         }
+        Ok(())
+    }
+
+    /// A legal answer.
+    fn leaf(&mut self, letter: &mut Letter<'a>) -> Result<Option<Clause>, Limit> {
+        self.count()?;
         let next = &letter.next;
         for (index, id) in letter.formulas[..self.rules[0]].iter().enumerate() {
             if self.pool.eval(*id, next) == 0 {
@@ -393,6 +405,10 @@ impl<'a> Check<'a> {
             to,
             label: label_number,
         };
+        if self.wanted == Some(edge) {
+            // Whatever is given stops the enumeration here.
+            return Ok(Some(Clause::Won));
+        }
         if letter.edges.last() != Some(&edge) {
             letter.edges.push(edge);
         }
@@ -436,10 +452,7 @@ impl<'a> Check<'a> {
         let Some(output) = self.answered.get(depth).copied() else {
             return Ok((here.len() > 1).then_some(Clause::AnsweredTwice));
         };
-        self.pairs += 1;
-        if self.pairs > MOST_PAIRS {
-            return Err(Limit::Size);
-        }
+        self.count()?;
         let domain = &self.specification.variable(output).domain;
         for value in domain.low()..=domain.high() {
             letter.next[output.index()] = value;
@@ -463,34 +476,47 @@ impl<'a> Check<'a> {
     }
 
     /// A cycle on which an assumption is starved or all goals are met.
-    fn liveness(&self) -> Result<Option<Violation>, Limit> {
-        let assumptions = self.specification.assumptions.justice.len();
+    fn liveness(&mut self) -> Result<Option<Violation>, Limit> {
+        let assumed = &self.specification.assumptions.justice;
         let goals = self.specification.guarantees.justice.len();
         let holds = |label: u32, place: usize| self.labels[label as usize][place];
-        let wrong = |clause: Clause, cycle: &[(usize, Edge)]| {
-            let mut trace = self.trace_to(cycle[0].0);
-            let from = trace.len();
-            for (_, edge) in cycle {
-                let reached = self.nodes[edge.to].from.as_ref();
-                trace.extend(reached.map(|(_, valuation)| valuation.clone()));
-            }
-            Violation {
-                clause,
-                trace,
-                repeats_from: Some(from),
-            }
-        };
-        for i in 0..assumptions {
+        for (i, formula) in assumed.iter().enumerate() {
             let starved = |label: u32| !holds(label, i);
             let cycle = fair_cycle(&self.edges, 0, &starved, &|_, _| true, self.limits)?;
             if let Some(cycle) = cycle {
-                let name = &self.specification.assumptions.justice[i].name;
-                return Ok(Some(wrong(Clause::Starved(name.clone()), &cycle)));
+                let clause = Clause::Starved(formula.name.clone());
+                return self.violation(clause, &cycle).map(Some);
             }
         }
-        let met = |label: u32, j: usize| holds(label, assumptions + j);
-        let cycle = fair_cycle(&self.edges, goals, &|_| true, &met, self.limits)?;
-        Ok(cycle.map(|cycle| wrong(Clause::Won, &cycle)))
+        let met = |label: u32, j: usize| holds(label, assumed.len() + j);
+        match fair_cycle(&self.edges, goals, &|_| true, &met, self.limits)? {
+            Some(cycle) => self.violation(Clause::Won, &cycle).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// What a cycle shows.
+    fn violation(&mut self, clause: Clause, cycle: &[(usize, Edge)]) -> Result<Violation, Limit> {
+        self.pairs = 0;
+        let mut trace = self.trace_to(cycle[0].0);
+        let repeats_from = Some(trace.len());
+        for (from, edge) in cycle {
+            self.wanted = Some(*edge);
+            let first = self.specification.timing == Timing::Mealy;
+            for group in self.groups(*from) {
+                if let Some((_, valuation, _)) =
+                    self.answers(*from, group, first, &mut Vec::new())?
+                {
+                    trace.push(valuation);
+                    break;
+                }
+            }
+        }
+        Ok(Violation {
+            clause,
+            trace,
+            repeats_from,
+        })
     }
 }
 
