@@ -118,8 +118,8 @@ impl<'a> Check<'a> {
 
         let (assumed, guaranteed) = (&specification.assumptions, &specification.guarantees);
         let (mut start, mut step, mut names) = (Vec::new(), Vec::new(), Vec::new());
-        let mut rules = [0; 2];
-        for (place, side) in [assumed, guaranteed].into_iter().enumerate() {
+        let rules = [assumed, guaranteed].map(|side| {
+            let before = names.len();
             let yes = pool.constant(1);
             let mut list = |formulas: &[Formula], at_start: bool, at_step: bool| {
                 for formula in formulas {
@@ -137,10 +137,10 @@ impl<'a> Check<'a> {
             list(&side.initial, true, false);
             list(&side.invariants, true, true);
             list(&side.safety, false, true);
-            rules[place] = names.len() - if place == 0 { 0 } else { rules[0] };
-        }
+            names.len() - before
+        });
         for formula in assumed.justice.iter().chain(&guaranteed.justice) {
-            start.push(pool.constant(0));
+            start.push(no);
             step.push(pool.add(&formula.expr, &|t| t));
         }
         let mut matters = vec![false; specification.variables.len()];
@@ -241,7 +241,7 @@ impl<'a> Check<'a> {
             let first = self.specification.timing == Timing::Mealy;
             let mut edges = Vec::new();
             for group in self.groups(current) {
-                if let Some(wrong) = self.answers(current, group, first, &mut edges)? {
+                if let Some(wrong) = self.answers(current, group, &mut edges)? {
                     return Ok(Some(wrong));
                 }
             }
@@ -270,7 +270,6 @@ impl<'a> Check<'a> {
         &mut self,
         node: usize,
         group: &'a [Transition],
-        complete: bool,
         edges: &mut Vec<Edge>,
     ) -> Result<Option<Wrong>, Limit> {
         self.limits.check_time()?;
@@ -312,7 +311,7 @@ impl<'a> Check<'a> {
             edges: Vec::new(),
         };
         letter.candidates[0] = cubes.collect();
-        let wrong = self.walk(&mut letter, 0, place, complete)?;
+        let wrong = self.walk(&mut letter, 0, place)?;
         edges.append(&mut letter.edges);
         Ok(wrong.map(|clause| (node, letter.next, clause)))
     }
@@ -322,9 +321,10 @@ impl<'a> Check<'a> {
         letter: &mut Letter<'a>,
         depth: usize,
         place: Place,
-        complete: bool,
     ) -> Result<Option<Clause>, Limit> {
-        if place == self.broken || !complete && letter.candidates[depth].is_empty() {
+        // Where the machine answers first, the other groups have transitions for these answers.
+        let elsewhere = self.specification.timing == Timing::Moore;
+        if place == self.broken || elsewhere && letter.candidates[depth].is_empty() {
             return Ok(None);
         }
         let Some(output) = self.answered.get(depth).copied() else {
@@ -344,7 +344,7 @@ impl<'a> Check<'a> {
             } else {
                 place
             };
-            let wrong = self.walk(letter, depth + 1, below, complete)?;
+            let wrong = self.walk(letter, depth + 1, below)?;
             if wrong.is_some() {
                 return Ok(wrong);
             }
@@ -450,7 +450,7 @@ impl<'a> Check<'a> {
             return Ok(None);
         }
         let Some(output) = self.answered.get(depth).copied() else {
-            return Ok((here.len() > 1).then_some(Clause::AnsweredTwice));
+            return Ok(Some(Clause::AnsweredTwice));
         };
         self.count()?;
         let domain = &self.specification.variable(output).domain;
@@ -480,15 +480,15 @@ impl<'a> Check<'a> {
         let assumed = &self.specification.assumptions.justice;
         let goals = self.specification.guarantees.justice.len();
         let holds = |label: u32, place: usize| self.labels[label as usize][place];
+        let met = |label: u32, j: usize| holds(label, assumed.len() + j);
         for (i, formula) in assumed.iter().enumerate() {
             let starved = |label: u32| !holds(label, i);
-            let cycle = fair_cycle(&self.edges, 0, &starved, &|_, _| true, self.limits)?;
+            let cycle = fair_cycle(&self.edges, 0, &starved, &met, self.limits)?;
             if let Some(cycle) = cycle {
                 let clause = Clause::Starved(formula.name.clone());
                 return self.violation(clause, &cycle).map(Some);
             }
         }
-        let met = |label: u32, j: usize| holds(label, assumed.len() + j);
         match fair_cycle(&self.edges, goals, &|_| true, &met, self.limits)? {
             Some(cycle) => self.violation(Clause::Won, &cycle).map(Some),
             None => Ok(None),
@@ -502,11 +502,8 @@ impl<'a> Check<'a> {
         let repeats_from = Some(trace.len());
         for (from, edge) in cycle {
             self.wanted = Some(*edge);
-            let first = self.specification.timing == Timing::Mealy;
             for group in self.groups(*from) {
-                if let Some((_, valuation, _)) =
-                    self.answers(*from, group, first, &mut Vec::new())?
-                {
+                if let Some((_, valuation, _)) = self.answers(*from, group, &mut Vec::new())? {
                     trace.push(valuation);
                     break;
                 }
