@@ -659,7 +659,8 @@ impl<'a, K: Kernel> Check<'a, K> {
         };
         let assumption = self.functions.controls.certificate.goals[goal][layer].assumption;
         // From above, all moves into the layer are right; from within, all moves below it and those that wait. What is right is
-        // never written down: sets of states are put together first, and of the steps only what is wrong is left.
+        // never written down: sets of states are put together first, and of the steps only what is wrong is left. Once none of
+        // them begins below the layer, those that begin in it are all that it has reached.
         if !m.is_false(&m.and_not(steps, &m.prime(reached)?)?) {
             return Ok(Some(Late::Strays));
         }

@@ -27,6 +27,10 @@ pub enum Artefact {
     Functions(Box<Functions>),
     /// A document, and whether its states and inputs are tried or counted through.
     Proof(Value, bool),
+    /// The edges of a graph with what holds on them, as bits: that it stays bad, and what is to be met.
+    Graph(Vec<Vec<(usize, u32)>>, usize),
+    /// Formulas, and the values that their variables get.
+    Formulas(Vec<Expr>, Vec<[i64; 2]>),
 }
 
 /// As many valuations, and as many pairs of bits, are counted through.
@@ -78,6 +82,45 @@ pub fn right(specification: &Specification) -> Vec<Artefact> {
         }
         Outcome::GaveUp(limit) => panic!("{limit}"),
     }
+}
+
+/// A graph with up to six nodes, of which up to three things are to be met.
+pub fn graph(r: &mut Random) -> Artefact {
+    let nodes = 1 + r.below(6) as usize;
+    let met = r.below(4) as usize;
+    let share = 15 + r.below(40);
+    let mut edges = vec![Vec::new(); nodes];
+    for out in &mut edges {
+        for to in 0..nodes {
+            for _ in 0..2 {
+                if r.chance(share) {
+                    let bad = u32::from(r.chance(80));
+                    let fair = (1..=met)
+                        .filter(|_| r.chance(35))
+                        .fold(0, |all, i| all | 1 << i);
+                    out.push((to, bad | fair));
+                }
+            }
+        }
+        out.sort_unstable();
+        out.dedup();
+    }
+    Artefact::Graph(edges, met)
+}
+
+/// Formulas of a specification, and values for its variables.
+pub fn formulas(r: &mut Random, specification: &Specification) -> Artefact {
+    let all = specification
+        .assumptions
+        .all()
+        .chain(specification.guarantees.all());
+    let formulas = all.map(|f| f.expr.clone()).collect();
+    let mut value = |d: &Domain| d.low() + r.below(d.size()) as i64;
+    let variables = specification.variables.iter();
+    let values = variables
+        .map(|v| [value(&v.domain), value(&v.domain)])
+        .collect();
+    Artefact::Formulas(formulas, values)
 }
 
 /// The small contracts of the repository, and random ones.
@@ -216,7 +259,8 @@ pub fn change(
     steps: &[[Vec<i64>; 2]],
 ) {
     if r.chance(30) {
-        change_specification(r, specification, steps);
+        let answers = matches!(artefact, Artefact::Counterstrategy(_));
+        change_specification(r, specification, answers, steps);
         return;
     }
     match artefact {
@@ -225,6 +269,7 @@ pub fn change(
         }
         Artefact::Functions(functions) => change_functions(r, functions),
         Artefact::Proof(document, _) => change_proof(r, document),
+        Artefact::Graph(..) | Artefact::Formulas(..) => {}
     }
 }
 
@@ -236,6 +281,7 @@ fn pick<T>(r: &mut Random, list: &[T]) -> Option<usize> {
 fn change_specification(
     r: &mut Random,
     specification: &mut Specification,
+    answers: bool,
     steps: &[[Vec<i64>; 2]],
 ) {
     let kind = r.below(8);
@@ -245,6 +291,8 @@ fn change_specification(
     let (now, next): (Vec<usize>, Vec<usize>) = {
         let all = 0..variables.len();
         match kind {
+            // What the environment gives after an answer may be assumed to fit it.
+            0 if answers => (all.collect(), Vec::new()),
             0 | 1 => (all.filter(|v| inputs(*v)).collect(), Vec::new()),
             2 => (all.clone().collect(), all.filter(|v| inputs(*v)).collect()),
             4 | 5 => (all.collect(), Vec::new()),
