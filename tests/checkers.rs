@@ -32,7 +32,7 @@ mod witness;
 
 use artefacts::Artefact;
 use linewright::game::{Limit, Limits};
-use linewright::gr1::Specification;
+use linewright::gr1::{Owner, Specification};
 use linewright::mealy::{certify, verify};
 use random::Random;
 use std::collections::{BTreeMap, BTreeSet};
@@ -107,6 +107,8 @@ fn verdict(case: &Case) -> String {
                 Err(limit) => format!("{limit:?}"),
             }
         }
+        Artefact::Graph(edges, met) => witness::cycle(edges, *met),
+        Artefact::Formulas(formulas, values) => witness::formulas(specification, formulas, values),
         Artefact::Proof(document, tried) => {
             let extent = if *tried {
                 copies::checker::Extent::Some {
@@ -152,6 +154,8 @@ fn said(case: &Case) -> String {
             let found = certify::certify(specification, functions, limits);
             clause(found.map(|f| f.map_err(|v| format!("{:?}", v.clause))))
         }
+        // Parts of the verifiers, of which the copies are asked.
+        Artefact::Graph(..) | Artefact::Formulas(..) => verdict(case),
         Artefact::Proof(document, _) => {
             let found = checker::accepts(specification, document, checker::Extent::All);
             clause(Ok(found.map_err(|c| first_word(&format!("{c:?}")))))
@@ -180,6 +184,12 @@ fn broken(
             let found = definition::functions(specification, functions)?;
             (named(found), definition::Product::default())
         }
+        Artefact::Graph(edges, met) => {
+            let cycle = definition::fair_cycle(edges, *met);
+            let found = cycle.then(|| "a cycle".to_owned());
+            (found.into_iter().collect(), definition::Product::default())
+        }
+        Artefact::Formulas(..) => (BTreeSet::new(), definition::Product::default()),
         Artefact::Proof(document, _) => (
             definition::proof(specification, document),
             definition::Product::default(),
@@ -193,17 +203,65 @@ fn kind(artefact: &Artefact) -> &'static str {
         Artefact::Counterstrategy(_) => "counterstrategy",
         Artefact::Functions(_) => "functions",
         Artefact::Proof(..) => "proof",
+        Artefact::Graph(..) => "graph",
+        Artefact::Formulas(..) => "formulas",
     }
 }
 
 /// As many cases of a kind that break the same clause are kept.
-const MOST_ALIKE: usize = 12;
+const MOST_ALIKE: usize = 20;
 
 /// As many random specifications.
 const SPECIFICATIONS: u64 = 160;
 
 /// As many changes to each artefact.
-const CHANGES: usize = 40;
+const CHANGES: usize = 60;
+
+/// As many artefacts of a kind are looked at with limits.
+const LIMITED: usize = 40;
+
+/// Artefacts with as little work as they need and with less, and right ones with numbers that are too large.
+fn limited(cases: &[Case]) -> Vec<Case> {
+    let mut found = Vec::new();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for case in cases {
+        // These are told once all was looked at, as is that nothing is wrong.
+        let last = |b: &String| b == "Won" || b.starts_with("Starved") || b.starts_with("Justice");
+        let kind = kind(&case.artefact);
+        if !matches!(kind, "machine" | "counterstrategy") || !case.broken.iter().all(last) {
+            continue;
+        }
+        let right = case.broken.is_empty();
+        let count = counts
+            .entry(if right { kind } else { "wrong" })
+            .or_default();
+        *count += 1;
+        let with = |specification: &Specification, most: Option<u64>, broken: &[&str]| Case {
+            specification: specification.clone(),
+            artefact: case.artefact.clone(),
+            limits: Limits {
+                most_nodes: most,
+                ..Limits::default()
+            },
+            broken: broken.iter().map(|b| (*b).to_owned()).collect(),
+        };
+        if right && *count < 8 {
+            for specification in artefacts::too_large(&case.specification) {
+                found.push(with(&specification, None, &["Size"]));
+            }
+        }
+        if *count > LIMITED || (!right && kind == "machine") {
+            continue;
+        }
+        let least = |most: &u64| said(&with(&case.specification, Some(*most), &[])) != "Size";
+        if let Some(enough) = (1..500).find(least).filter(|e| *e > 1) {
+            let broken: Vec<&str> = case.broken.iter().map(String::as_str).collect();
+            found.push(with(&case.specification, Some(enough), &broken));
+            found.push(with(&case.specification, Some(enough - 1), &["Size"]));
+        }
+    }
+    found
+}
 
 /// Right and wrong artefacts; the same in every run.
 fn cases() -> &'static [Case] {
@@ -211,29 +269,34 @@ fn cases() -> &'static [Case] {
     CASES.get_or_init(|| {
         let mut cases: Vec<Case> = Vec::new();
         let mut alike: BTreeMap<(&str, String), usize> = BTreeMap::new();
-        let mut keep =
-            |specification: &Specification, artefact: &Artefact, broken: BTreeSet<String>| {
-                let kinds: BTreeSet<&str> = broken
-                    .iter()
-                    .map(|b| b.split('(').next().unwrap_or(b))
-                    .collect();
-                let label = format!("{kinds:?} {:?}", specification.timing);
-                let count = alike.entry((kind(artefact), label)).or_insert(0);
-                *count += 1;
-                let most = if broken.is_empty() {
-                    3 * MOST_ALIKE
-                } else {
-                    MOST_ALIKE
-                };
-                if *count <= most {
-                    cases.push(Case {
-                        specification: specification.clone(),
-                        artefact: artefact.clone(),
-                        limits: Limits::default(),
-                        broken,
-                    });
-                }
+        let mut keep = |specification: &Specification,
+                        artefact: &Artefact,
+                        broken: BTreeSet<String>| {
+            let kinds: BTreeSet<&str> = broken
+                .iter()
+                .map(|b| b.split('(').next().unwrap_or(b))
+                .collect();
+            let variables = &specification.variables;
+            let of = |owner: Owner| variables.iter().filter(|v| v.owner == owner).count().min(2);
+            let spare = variables.iter().any(|v| v.name == "spare");
+            let sides = (of(Owner::Environment), of(Owner::System), spare);
+            let label = format!("{kinds:?} {:?} {sides:?}", specification.timing);
+            let count = alike.entry((kind(artefact), label)).or_insert(0);
+            *count += 1;
+            let most = if broken.is_empty() {
+                3 * MOST_ALIKE
+            } else {
+                MOST_ALIKE
             };
+            if *count <= most {
+                cases.push(Case {
+                    specification: specification.clone(),
+                    artefact: artefact.clone(),
+                    limits: Limits::default(),
+                    broken,
+                });
+            }
+        };
         for (seed, specification) in artefacts::specifications(SPECIFICATIONS).iter().enumerate() {
             let mut r = Random::new(seed as u64);
             for right in artefacts::right(specification) {
@@ -260,6 +323,35 @@ fn cases() -> &'static [Case] {
                 }
             }
         }
+        let (specification, right) = artefacts::wide();
+        let right = Artefact::Functions(Box::new(right));
+        keep(&specification, &right, BTreeSet::new());
+        let mut r = Random::new(1);
+        for _ in 0..40 * CHANGES {
+            let (mut specification, mut artefact) = (specification.clone(), right.clone());
+            artefacts::change(&mut r, &mut specification, &mut artefact, &[]);
+            if let Some((broken, _)) = broken(&specification, &artefact) {
+                keep(&specification, &artefact, broken);
+            }
+        }
+        for seed in 0..400 {
+            let mut r = Random::new(seed);
+            let specification = random::specification_with_goals(&mut r);
+            for artefact in [
+                artefacts::graph(&mut r),
+                artefacts::formulas(&mut r, &specification),
+            ] {
+                let (broken, _) = broken(&specification, &artefact).expect("an answer");
+                cases.push(Case {
+                    specification: specification.clone(),
+                    artefact,
+                    limits: Limits::default(),
+                    broken,
+                });
+            }
+        }
+        let limited = limited(&cases);
+        cases.extend(limited);
         cases
     })
 }
@@ -327,7 +419,7 @@ fn no_mutant_of_a_checker_survives() {
         );
         known.push((i, seen, asked));
     }
-    known.retain(|(_, _, asked)| *asked <= MOST_WORK);
+    known.retain(|(i, _, asked)| *asked <= MOST_WORK || cases[*i].specification.name == "wide");
     known.sort_by_key(|(i, _, asked)| (*asked, *i));
     let work: u64 = known.iter().map(|(_, _, asked)| asked).sum();
     println!("{} cases, which ask {work} switches", known.len());

@@ -164,9 +164,10 @@ fn fault<T>(clause: Clause) -> Result<T, Fault> {
 /// Whether everything refers to what exists, and asks only for what is known by then.
 fn well_formed(specification: &Specification, functions: &Functions) -> Result<(), Fault> {
     let encoding = Encoding::new(specification);
-    let bits = |v: VarId| -> Vec<Bit> { encoding.bits(v, Time::Now).collect() };
+    let bits_of = |v: VarId| -> Vec<Bit> { encoding.bits(v, Time::Now).collect() };
     let controls = &functions.controls;
     let pairs = encoding.pairs();
+    let bits = 2 * pairs;
     let goals = specification.guarantees.justice.len().max(1);
     let same = |ids: Vec<VarId>, ports: &[Port], port_bits: &[Vec<Bit>]| {
         let variables = ids.iter().map(|v| specification.variable(*v));
@@ -174,7 +175,10 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
             && variables
                 .zip(ports)
                 .all(|(v, p)| v.name == p.name && v.domain == p.domain)
-            && ids.iter().map(|v| bits(*v)).eq(port_bits.iter().cloned())
+            && ids
+                .iter()
+                .map(|v| bits_of(*v))
+                .eq(port_bits.iter().cloned())
     };
     let inputs = specification.inputs().collect();
     let outputs = specification.outputs().collect();
@@ -196,8 +200,7 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         .chain(modes().map(|m| m.when))
         .chain(controls.goals.iter().map(|g| g.reached));
     let sound = |diagram: &Diagram, mut edges: Box<dyn Iterator<Item = Edge> + '_>| {
-        diagram.is_sound(2 * pairs)
-            && edges.all(|e| e.node().is_none_or(|n| n < diagram.nodes.len()))
+        diagram.is_sound(bits) && edges.all(|e| e.node().is_none_or(|n| n < diagram.nodes.len()))
     };
     let ranks = controls
         .certificate
@@ -211,7 +214,7 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
     {
         return fault(Clause::Diagram);
     }
-    let states = Supports::new(&controls.certificate.diagram, 2 * pairs);
+    let states = Supports::new(&controls.certificate.diagram, bits);
     if !sets
         .clone()
         .all(|set| states.of(set).all(|b| b != b.primed()))
@@ -224,7 +227,7 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         return fault(Clause::LayerAssumption);
     }
 
-    let supports = Supports::new(&controls.diagram, 2 * pairs);
+    let supports = Supports::new(&controls.diagram, bits);
     let set = |owner: Owner, time: Time| {
         let variables = specification.variables.iter().enumerate();
         let owned = variables.filter(|(_, v)| v.owner == owner);
@@ -394,7 +397,7 @@ impl<'a, K: Kernel> Check<'a, K> {
         let layers = layers
             .map(|list| sets.by_ref().take(list.len()).collect())
             .collect();
-        let region = sets.next().unwrap_or_else(|| m.constant(false));
+        let region = sets.next().expect("a root each; please report this");
 
         let side = &specification.assumptions;
         let mut legal = Vec::new();
@@ -411,9 +414,6 @@ impl<'a, K: Kernel> Check<'a, K> {
         let mut may_do = legal;
         for formula in &side.safety {
             may_do.push(encoding.formula(&m, &formula.expr)?);
-        }
-        for list in [&mut may_begin, &mut may_do] {
-            list.retain(|f| !m.is_true(f));
         }
         let mut safety = Vec::new();
         let mut clusters: Vec<(K::Function, usize)> = Vec::new();
@@ -659,14 +659,15 @@ impl<'a, K: Kernel> Check<'a, K> {
         };
         let assumption = self.functions.controls.certificate.goals[goal][layer].assumption;
         // From above, all moves into the layer are right; from within, all moves below it and those that wait. What is right is
-        // never written down: sets of states are put together first, and of the steps only what is wrong is left.
+        // never written down: sets of states are put together first, and of the steps only what is wrong is left. Once none of
+        // them begins below the layer, those that begin in it are all that it has reached.
         if !m.is_false(&m.and_not(steps, &m.prime(reached)?)?) {
             return Ok(Some(Late::Strays));
         }
         if !m.is_false(&m.and(steps, &below)?) {
             return Ok(Some(Late::Back));
         }
-        let wakes = m.and(&m.and_not(reached, &below)?, &self.assumptions[assumption])?;
+        let wakes = m.and(reached, &self.assumptions[assumption])?;
         let stays = m.and_not(&m.and(steps, &wakes)?, &m.prime(&below)?)?;
         Ok((!m.is_false(&stays)).then_some(Late::Waits))
     }

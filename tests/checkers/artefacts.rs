@@ -9,7 +9,9 @@ use linewright::diagnostics::has_errors;
 use linewright::game::{
     Aim, Assumed, DiagramNode, Edge, Limits, Options, Order, Outcome, attack, solve_with,
 };
-use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Specification, Time, Timing, VarId};
+use linewright::gr1::{
+    BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
+};
 use linewright::mealy::functions::Functions;
 use linewright::mealy::{Cube, Machine, Port, Test, Transition, counter, extract::extract};
 use linewright::source::Span;
@@ -25,6 +27,10 @@ pub enum Artefact {
     Functions(Box<Functions>),
     /// A document, and whether its states and inputs are tried or counted through.
     Proof(Value, bool),
+    /// The edges of a graph with what holds on them, as bits: that it stays bad, and what is to be met.
+    Graph(Vec<Vec<(usize, u32)>>, usize),
+    /// Formulas, and the values that their variables get.
+    Formulas(Vec<Expr>, Vec<[i64; 2]>),
 }
 
 /// As many valuations, and as many pairs of bits, are counted through.
@@ -78,6 +84,45 @@ pub fn right(specification: &Specification) -> Vec<Artefact> {
     }
 }
 
+/// A graph with up to six nodes, of which up to three things are to be met.
+pub fn graph(r: &mut Random) -> Artefact {
+    let nodes = 1 + r.below(6) as usize;
+    let met = r.below(4) as usize;
+    let share = 15 + r.below(40);
+    let mut edges = vec![Vec::new(); nodes];
+    for out in &mut edges {
+        for to in 0..nodes {
+            for _ in 0..2 {
+                if r.chance(share) {
+                    let bad = u32::from(r.chance(80));
+                    let fair = (1..=met)
+                        .filter(|_| r.chance(35))
+                        .fold(0, |all, i| all | 1 << i);
+                    out.push((to, bad | fair));
+                }
+            }
+        }
+        out.sort_unstable();
+        out.dedup();
+    }
+    Artefact::Graph(edges, met)
+}
+
+/// Formulas of a specification, and values for its variables.
+pub fn formulas(r: &mut Random, specification: &Specification) -> Artefact {
+    let all = specification
+        .assumptions
+        .all()
+        .chain(specification.guarantees.all());
+    let formulas = all.map(|f| f.expr.clone()).collect();
+    let mut value = |d: &Domain| d.low() + r.below(d.size()) as i64;
+    let variables = specification.variables.iter();
+    let values = variables
+        .map(|v| [value(&v.domain), value(&v.domain)])
+        .collect();
+    Artefact::Formulas(formulas, values)
+}
+
 /// The small contracts of the repository, and random ones.
 pub fn specifications(random_ones: u64) -> Vec<Specification> {
     let mut found = Vec::new();
@@ -104,16 +149,95 @@ pub fn specifications(random_ones: u64) -> Vec<Specification> {
     }
     for seed in 0..random_ones {
         let mut r = Random::new(seed);
-        let specification = if seed % 2 == 0 {
+        let mut specification = if seed % 2 == 0 {
             random::specification(&mut r)
         } else {
             random::specification_with_goals(&mut r)
         };
         if small(&specification) {
-            found.push(specification);
+            found.push(specification.clone());
+        }
+        // With an output of which nothing is said.
+        if seed % 4 == 0 {
+            let domain = Domain::Range { low: 0, high: 2 };
+            specification.variables.push(Variable {
+                name: "spare".to_owned(),
+                owner: Owner::System,
+                internal: false,
+                unit: String::new(),
+                domain,
+                span: Span::default(),
+            });
+            if small(&specification) {
+                found.push(specification);
+            }
         }
     }
     found
+}
+
+/// Functions of more bits than fit a word, which can only be looked at from outside: each output repeats an input.
+pub fn wide() -> (Specification, Functions) {
+    let mut specification = Specification {
+        name: "wide".to_owned(),
+        timing: Timing::Mealy,
+        variables: Vec::new(),
+        assumptions: Side::default(),
+        guarantees: Side::default(),
+    };
+    for i in 0..40 {
+        for (name, owner) in [("x", Owner::Environment), ("y", Owner::System)] {
+            specification.variables.push(Variable {
+                name: format!("{name}{i}"),
+                owner,
+                internal: false,
+                unit: String::new(),
+                domain: Domain::Bool,
+                span: Span::default(),
+            });
+        }
+        let expr = [2 * i, 2 * i + 1].map(|v| Expr::Var(VarId(v), Time::Next));
+        let [x, y] = expr;
+        specification.guarantees.safety.push(formula(
+            &format!("repeat {i}"),
+            Expr::binary(BinaryOp::Eq, x, y),
+        ));
+    }
+    let options = Options {
+        without_core: true,
+        ..Options::default()
+    };
+    let Outcome::Realizable(won) = solve_with(&specification, &options).outcome else {
+        panic!("outputs can repeat inputs");
+    };
+    let functions = Functions::extract(&specification, &won, &Limits::default());
+    let functions = functions.expect("no limit");
+    (specification, functions)
+}
+
+fn formula(name: &str, expr: Expr) -> Formula {
+    Formula {
+        name: name.to_owned(),
+        requirement: None,
+        text: format!("{expr:?}"),
+        expr,
+        span: Span::default(),
+    }
+}
+
+/// Specifications with a formula more whose numbers leave 64 bits: the first of all, the last of all, and the only one.
+pub fn too_large(specification: &Specification) -> [Specification; 3] {
+    let variable = Expr::Var(VarId(0), Time::Now);
+    let large = Expr::binary(BinaryOp::Mul, variable, Expr::Const(i64::MAX));
+    let large = formula("large", Expr::binary(BinaryOp::Ge, large, Expr::Const(0)));
+    let mut first = specification.clone();
+    first.assumptions.initial.insert(0, large.clone());
+    let mut last = specification.clone();
+    last.guarantees.justice.push(large.clone());
+    let mut only = specification.clone();
+    (only.assumptions, only.guarantees) = Default::default();
+    only.guarantees.safety.push(large);
+    [first, last, only]
 }
 
 fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -135,7 +259,8 @@ pub fn change(
     steps: &[[Vec<i64>; 2]],
 ) {
     if r.chance(30) {
-        change_specification(r, specification, steps);
+        let answers = matches!(artefact, Artefact::Counterstrategy(_));
+        change_specification(r, specification, answers, steps);
         return;
     }
     match artefact {
@@ -144,6 +269,7 @@ pub fn change(
         }
         Artefact::Functions(functions) => change_functions(r, functions),
         Artefact::Proof(document, _) => change_proof(r, document),
+        Artefact::Graph(..) | Artefact::Formulas(..) => {}
     }
 }
 
@@ -155,15 +281,18 @@ fn pick<T>(r: &mut Random, list: &[T]) -> Option<usize> {
 fn change_specification(
     r: &mut Random,
     specification: &mut Specification,
+    answers: bool,
     steps: &[[Vec<i64>; 2]],
 ) {
     let kind = r.below(8);
     let variables = specification.variables.clone();
-    let inputs = |v: usize| variables[v].owner == linewright::gr1::Owner::Environment;
+    let inputs = |v: usize| variables[v].owner == Owner::Environment;
     // What may be mentioned: current and next variables.
     let (now, next): (Vec<usize>, Vec<usize>) = {
         let all = 0..variables.len();
         match kind {
+            // What the environment gives after an answer may be assumed to fit it.
+            0 if answers => (all.collect(), Vec::new()),
             0 | 1 => (all.filter(|v| inputs(*v)).collect(), Vec::new()),
             2 => (all.clone().collect(), all.filter(|v| inputs(*v)).collect()),
             4 | 5 => (all.collect(), Vec::new()),
@@ -193,13 +322,7 @@ fn change_specification(
         .reduce(|a, b| Expr::binary(BinaryOp::And, a, b));
     let expr = expr.unwrap_or(Expr::Const(1));
     let expr = if r.chance(70) { expr.not() } else { expr };
-    let added = Formula {
-        name: "added".to_owned(),
-        requirement: None,
-        text: format!("{expr:?}"),
-        expr,
-        span: Span::default(),
-    };
+    let added = formula("added", expr);
     let (assume, guarantee) = (
         &mut specification.assumptions,
         &mut specification.guarantees,
@@ -433,7 +556,7 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
         return;
     }
     let goal = r.below(goals as u64) as usize;
-    match r.below(34) {
+    match r.below(42) {
         0 => change_ports(r, &mut functions.inputs),
         1 => change_ports(r, &mut functions.outputs),
         2 => functions.timing = flipped(functions.timing),
@@ -616,6 +739,37 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
                 *set = pointed(&mut diagram, *set, &bits, value);
             }
             functions.controls.certificate.diagram = diagram;
+        }
+        // What is asked of a driver, in some of its inputs.
+        34..=38 => {
+            let first = r.chance(40);
+            let inputs = functions.input_bits.iter().flatten().map(|b| b.primed());
+            let mut bits: Vec<Bit> = inputs.collect();
+            if !first {
+                bits.extend((0..pairs as u16).map(|p| Bit(2 * p)));
+            }
+            let bits: Vec<_> = bits
+                .into_iter()
+                .filter_map(|b| r.chance(50).then(|| (b, r.chance(50))))
+                .collect();
+            let value = r.chance(30);
+            let controls = &mut functions.controls;
+            let list = if first {
+                &mut controls.assumed_first
+            } else {
+                &mut controls.assumed
+            };
+            if let Some(i) = pick(r, list) {
+                list[i].1 = pointed(&mut controls.diagram, list[i].1, &bits, value);
+            }
+        }
+        39 => {
+            for mode in &mut functions.controls.goals[goal].modes {
+                mode.aim = Aim::Nearer;
+            }
+            if r.chance(60) {
+                functions.controls.certificate.goals[goal].pop();
+            }
         }
         // A state less, or one more, everywhere.
         28 | 29 => {

@@ -287,10 +287,19 @@ pub fn counterstrategy(specification: &Specification, machine: &Machine) -> (Bro
         // What it gives, taken or not, keeps the assumptions.
         let mut keeps = true;
         for t in transitions {
-            let given = with(specification, &outputs[0], Owner::Environment, &t.output);
-            let wrong = broken(&specification.assumptions, now, &given);
+            let mut wrong: BTreeSet<&str> =
+                specification.assumptions.all().map(|f| &*f.name).collect();
+            for answer in &outputs {
+                let step = with(specification, answer, Owner::Environment, &t.output);
+                let here = broken(&specification.assumptions, now, &step);
+                wrong.retain(|name| here.iter().any(|f| f.name == *name));
+            }
             keeps &= wrong.is_empty();
-            found.extend(wrong.iter().map(|f| Clause::Assumption(f.name.clone())));
+            found.extend(
+                wrong
+                    .iter()
+                    .map(|name| Clause::Assumption((*name).to_owned())),
+            );
         }
         for answer in &outputs {
             let values = part(specification, answer, Owner::System);
@@ -303,7 +312,13 @@ pub fn counterstrategy(specification: &Specification, machine: &Machine) -> (Bro
             }
             match of[..] {
                 [] => drop(found.insert(Clause::Unanswered)),
-                [t] if legal && keeps => steps.push((t.to, next)),
+                [t] if legal && keeps => {
+                    let wrong = broken(&specification.assumptions, now, &next);
+                    if wrong.is_empty() {
+                        steps.push((t.to, next));
+                    }
+                    found.extend(wrong.iter().map(|f| Clause::Assumption(f.name.clone())));
+                }
                 [_] => {}
                 _ => drop(found.insert(Clause::AnsweredTwice)),
             }
@@ -321,6 +336,31 @@ pub fn counterstrategy(specification: &Specification, machine: &Machine) -> (Bro
         }
     }
     (found, product)
+}
+
+/// Whether some cycle of bad edges meets all that is to be met.
+pub fn fair_cycle(edges: &[Vec<(usize, u32)>], met: usize) -> bool {
+    let bad: Vec<Vec<(usize, u32)>> = edges
+        .iter()
+        .map(|out| {
+            out.iter()
+                .copied()
+                .filter(|(_, label)| label & 1 == 1)
+                .collect()
+        })
+        .collect();
+    let out: Vec<Vec<usize>> = bad
+        .iter()
+        .map(|o| o.iter().map(|(to, _)| *to).collect())
+        .collect();
+    let reach: Vec<Vec<bool>> = (0..out.len()).map(|n| reachable(&out, n)).collect();
+    (0..out.len()).any(|n| {
+        let on = |a: usize, b: usize| (a == n || reach[n][a]) && (b == n || reach[b][n]);
+        let seen = |i: usize| {
+            (0..out.len()).any(|a| bad[a].iter().any(|(b, l)| on(a, *b) && l >> i & 1 == 1))
+        };
+        reach[n][n] && (1..=met).all(seen)
+    })
 }
 
 /// The value of an edge, bits being indexed by their number.
@@ -371,7 +411,13 @@ pub fn functions(specification: &Specification, functions: &Functions) -> Option
     if !found.is_empty() {
         return Some(found);
     }
-    Codes::new(specification, functions).check()
+    let codes = Codes::new(specification, functions);
+    // Of more nobody counts through all.
+    if codes.pairs > 12 {
+        None
+    } else {
+        codes.check()
+    }
 }
 
 fn layout(specification: &Specification) -> Vec<Vec<Bit>> {
@@ -698,6 +744,11 @@ impl<'a> Codes<'a> {
                 let next = self.values(&bits, 1);
                 let wrong = guarantee.initial.iter().filter(|f| !holds(f, &next, &[]));
                 found.extend(wrong.map(|f| Clause::Initial(f.name.clone())));
+                if self.outside(&next, Owner::System).is_some() {
+                    // What a formula says of codes without a value means nothing.
+                    let any = guarantee.initial.iter();
+                    found.extend(any.map(|f| Clause::Initial(f.name.clone())));
+                }
                 if !self.set(controls.certificate.region, &Self::then(&bits)) {
                     found.insert(Clause::Start);
                 }
@@ -733,7 +784,12 @@ impl<'a> Codes<'a> {
         let formula = side.justice.get(goal);
         let name = formula.map_or("true".to_owned(), |f| f.name.clone());
         let met = formula.is_none_or(|f| holds(f, &now, &next));
-        if self.function(pursuit.reached, &bits) != met {
+        let meaningless = self.outside(&next, Owner::System).is_some();
+        if meaningless {
+            let any = side.safety.iter();
+            found.extend(any.map(|f| Clause::Safety(f.name.clone())));
+        }
+        if meaningless || self.function(pursuit.reached, &bits) != met {
             found.insert(Clause::Reached(name.clone()));
         }
         if met && self.set(controls.certificate.region, &then) {

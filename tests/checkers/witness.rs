@@ -1,7 +1,11 @@
 //! Whether the play of a violation shows what is said of it.
 
+use super::copies::verify::residual::{Pool, Tree, key};
+use super::copies::verify::{Edge, fair};
 use super::definition::{broken, holds, matching, part, valuations, with};
-use linewright::gr1::{Formula, Owner, Specification, Timing};
+use super::game::value;
+use linewright::game::Limits;
+use linewright::gr1::{BinaryOp, Expr, Formula, Owner, Specification, Time, Timing};
 use linewright::mealy::{Machine, Transition};
 
 /// The clause, or that its play does not show it.
@@ -98,8 +102,7 @@ fn play_of_machine(
     }
 }
 
-/// A play of a counterstrategy. Of one that goes round for ever, only the way there is looked at: it is told with the steps by which its
-/// states were first reached.
+/// A play of a counterstrategy.
 pub fn counterstrategy(
     specification: &Specification,
     machine: &Machine,
@@ -122,19 +125,17 @@ fn play_of_counterstrategy(
     if trace.is_empty() {
         return Ok(());
     }
-    if repeats_from.is_some_and(|from| from >= trace.len()) {
-        return Err("nothing repeats");
-    }
-    let end = repeats_from.unwrap_or(trace.len());
+    let again = repeats_from.map_or(&[][..], |from| &trace[from.min(trace.len())..]);
+    let mut round: Vec<(&[i64], &[i64])> = Vec::new();
     let mut at: Option<(usize, &[i64])> = None;
-    for (i, next) in trace[..end].iter().enumerate() {
+    for (i, next) in trace.iter().chain(again).enumerate() {
         let now = at.map(|(_, now)| now);
         let transitions = machine.transitions(at.map(|(s, _)| s));
         let answer = part(specification, next, Owner::System);
         let of = matching(transitions, &answer);
         let given = part(specification, next, Owner::Environment);
         let legal = broken(guarantee, now, next).is_empty();
-        if repeats_from.is_none() && i + 1 == end {
+        if repeats_from.is_none() && i + 1 == trace.len() {
             let moore = specification.timing == Timing::Moore;
             let outputs = valuations(specification, Owner::System);
             let right = match clause {
@@ -164,7 +165,142 @@ fn play_of_counterstrategy(
         if t.output != given || !legal || !broken(assume, now, next).is_empty() {
             return Err("a step is another one, or breaks something");
         }
+        if let Some(now) = now
+            && i >= trace.len()
+        {
+            round.push((now, next));
+        }
         at = Some((t.to, next));
     }
-    Ok(())
+    if round.is_empty() {
+        return Err("nothing repeats");
+    }
+    let met = |f: &Formula| round.iter().any(|(now, next)| holds(f, now, next));
+    let right = if clause == "Won" {
+        guarantee.justice.iter().all(met)
+    } else {
+        let mut named = assume.justice.iter().filter(|f| f.name == quoted(clause));
+        named.any(|f| !met(f))
+    };
+    if right {
+        Ok(())
+    } else {
+        Err("the round is another one")
+    }
+}
+
+/// Looks for a fair cycle; what is found is one.
+pub fn cycle(edges: &[Vec<(usize, u32)>], met: usize) -> String {
+    let edge = |(to, label): &(usize, u32)| Edge {
+        to: *to,
+        label: *label,
+    };
+    let graph: Vec<Vec<Edge>> = edges
+        .iter()
+        .map(|out| out.iter().map(edge).collect())
+        .collect();
+    let bad = |label: u32| label & 1 == 1;
+    let fair = |label: u32, i: usize| label >> (i + 1) & 1 == 1;
+    let found = fair::fair_cycle(&graph, met, &bad, &fair, &Limits::default());
+    let Some(cycle) = found.expect("no limit") else {
+        return "accepted".to_owned();
+    };
+    let follows = cycle
+        .iter()
+        .zip(cycle.iter().skip(1))
+        .all(|((_, a), (b, _))| a.to == *b);
+    let closed = cycle.last().is_some_and(|(_, edge)| edge.to == cycle[0].0);
+    let there = cycle
+        .iter()
+        .all(|(from, edge)| bad(edge.label) && graph[*from].contains(edge));
+    let all = (0..met).all(|i| cycle.iter().any(|(_, edge)| fair(edge.label, i)));
+    // From one to the next by a shortest way, and back.
+    let short = cycle.len() <= (met + 1) * graph.len();
+    let right = follows && closed && there && all && short;
+    shown(
+        "a cycle".to_owned(),
+        if right {
+            Ok(())
+        } else {
+            Err("something is wrong")
+        },
+    )
+}
+
+/// Formulas of which one variable after the other becomes known.
+pub fn formulas(specification: &Specification, formulas: &[Expr], values: &[[i64; 2]]) -> String {
+    let times = [Time::Now, Time::Next];
+    let now: Vec<i64> = values.iter().map(|v| v[0]).collect();
+    let next: Vec<i64> = values.iter().map(|v| v[1]).collect();
+    let mut pool = Pool::default();
+    let mut order = Vec::new();
+    for (v, variable) in specification.variables.iter().enumerate() {
+        for (time, shift) in times.into_iter().zip(0..) {
+            if key(v, time) != 2 * v as u32 + shift {
+                return "a key is another one".to_owned();
+            }
+            order.push((key(v, time), variable.domain.low(), variable.domain.high()));
+        }
+    }
+    let ids: Vec<_> = formulas.iter().map(|f| pool.add(f, &|t| t)).collect();
+    let shifted: Vec<_> = formulas
+        .iter()
+        .map(|f| pool.add(f, &|_| Time::Next))
+        .collect();
+    for (formula, id) in formulas.iter().zip(&shifted) {
+        if pool.eval(*id, &next) != value(formula, &next, &next) {
+            return "a value of next values is another one".to_owned();
+        }
+    }
+    for (formula, id) in formulas.iter().zip(&ids) {
+        let mut mentioned = Vec::new();
+        formula.for_each_var(&mut |v, time| mentioned.push(key(v.index(), time)));
+        let keys = pool.keys(*id).to_vec();
+        if !keys.is_sorted_by(|a, b| a < b) || keys.iter().any(|k| !mentioned.contains(k)) {
+            return "keys are out of order, or are not mentioned".to_owned();
+        }
+        let known = |k: u32| values[k as usize / 2][k as usize % 2];
+        let left = keys
+            .iter()
+            .fold(*id, |left, k| pool.fix(left, *k, known(*k)));
+        if pool.value(left) != Some(value(formula, &now, &next)) {
+            return "a value is another one".to_owned();
+        }
+    }
+    // What is the same on both sides needs no question.
+    if let Some(i) = ids.iter().position(|id| pool.value(*id).is_none()) {
+        let expr = &formulas[i];
+        let same = Expr::binary(BinaryOp::Eq, expr.clone(), expr.clone());
+        let both = || Box::new(expr.clone());
+        let choice = Expr::If(both(), both(), both());
+        let same = pool.add(&same, &|t| t);
+        if pool.value(same) != Some(1) || pool.add(&choice, &|t| t) != ids[i] {
+            return "nothing is left out".to_owned();
+        }
+    }
+    let mut tree = Tree::new(order.clone());
+    tree.conjunction = true;
+    let (yes, no) = (pool.constant(1), pool.constant(0));
+    let place = tree.place(&pool, ids.clone());
+    let again = ids
+        .iter()
+        .rev()
+        .copied()
+        .chain([yes])
+        .chain(ids.iter().copied());
+    if tree.place(&pool, again.collect()) != place {
+        return "one conjunction has two places".to_owned();
+    }
+    // A tree that asks for everything comes to an end where all is known.
+    let mut at = place;
+    while let Some(question) = tree.question(at) {
+        let asked = order[question].0 as usize;
+        at = tree.answer(&mut pool, at, values[asked / 2][asked % 2]);
+    }
+    let all = formulas.iter().all(|f| value(f, &now, &next) != 0);
+    let end: &[_] = if all { &[] } else { &[no] };
+    if tree.formulas(at) != end {
+        return "the end of a tree is another one".to_owned();
+    }
+    "accepted".to_owned()
 }

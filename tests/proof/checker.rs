@@ -251,7 +251,6 @@ pub fn accepts(
                             && (justice(&guarantee.justice, j, state, &next) && region(&next)
                                 || below(&next)
                                 || !justice(&assume.justice, *assumption, state, &next)
-                                    && !assume.justice.is_empty()
                                     && proof.holds(*wait, &next))
                     };
                     let possible = |x: &&Vec<i64>| {

@@ -80,6 +80,8 @@ struct Check<'a> {
     labels: Vec<Vec<bool>>,
     label_numbers: HashMap<Vec<bool>, u32>,
     pairs: u64,
+    /// The edge whose valuation is looked for, once the product is there.
+    wanted: Option<Edge>,
 }
 
 /// What is found wrong: the node, the valuation of the step after it, and the clause.
@@ -116,8 +118,8 @@ impl<'a> Check<'a> {
 
         let (assumed, guaranteed) = (&specification.assumptions, &specification.guarantees);
         let (mut start, mut step, mut names) = (Vec::new(), Vec::new(), Vec::new());
-        let mut rules = [0; 2];
-        for (place, side) in [assumed, guaranteed].into_iter().enumerate() {
+        let rules = [assumed, guaranteed].map(|side| {
+            let before = names.len();
             let yes = pool.constant(1);
             let mut list = |formulas: &[Formula], at_start: bool, at_step: bool| {
                 for formula in formulas {
@@ -135,10 +137,10 @@ impl<'a> Check<'a> {
             list(&side.initial, true, false);
             list(&side.invariants, true, true);
             list(&side.safety, false, true);
-            rules[place] = names.len() - if place == 0 { 0 } else { rules[0] };
-        }
+            names.len() - before
+        });
         for formula in assumed.justice.iter().chain(&guaranteed.justice) {
-            start.push(pool.constant(0));
+            start.push(no);
             step.push(pool.add(&formula.expr, &|t| t));
         }
         let mut matters = vec![false; specification.variables.len()];
@@ -178,6 +180,7 @@ impl<'a> Check<'a> {
             labels: Vec::new(),
             label_numbers: HashMap::new(),
             pairs: 0,
+            wanted: None,
         }
     }
 
@@ -237,14 +240,8 @@ impl<'a> Check<'a> {
             let transitions = self.machine.transitions(self.nodes[current].state);
             let first = self.specification.timing == Timing::Mealy;
             let mut edges = Vec::new();
-            // Where the environment moves first, all transitions give the same and are looked at together.
-            let groups: Vec<&'a [Transition]> = if first {
-                vec![transitions]
-            } else {
-                transitions.chunks(1).collect()
-            };
-            for group in groups {
-                if let Some(wrong) = self.answers(current, group, first, &mut edges)? {
+            for group in self.groups(current) {
+                if let Some(wrong) = self.answers(current, group, &mut edges)? {
                     return Ok(Some(wrong));
                 }
             }
@@ -259,12 +256,20 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
+    /// The transitions of a node that give the same. Where the environment moves first, all do and are looked at together.
+    fn groups(&self, node: usize) -> Vec<&'a [Transition]> {
+        let transitions = self.machine.transitions(self.nodes[node].state);
+        match self.specification.timing {
+            Timing::Mealy => vec![transitions],
+            Timing::Moore => transitions.chunks(1).collect(),
+        }
+    }
+
     /// Follows all legal answers to what a group of transitions gives.
     fn answers(
         &mut self,
         node: usize,
         group: &'a [Transition],
-        complete: bool,
         edges: &mut Vec<Edge>,
     ) -> Result<Option<Wrong>, Limit> {
         self.limits.check_time()?;
@@ -306,7 +311,7 @@ impl<'a> Check<'a> {
             edges: Vec::new(),
         };
         letter.candidates[0] = cubes.collect();
-        let wrong = self.walk(&mut letter, 0, place, complete)?;
+        let wrong = self.walk(&mut letter, 0, place)?;
         edges.append(&mut letter.edges);
         Ok(wrong.map(|clause| (node, letter.next, clause)))
     }
@@ -316,9 +321,10 @@ impl<'a> Check<'a> {
         letter: &mut Letter<'a>,
         depth: usize,
         place: Place,
-        complete: bool,
     ) -> Result<Option<Clause>, Limit> {
-        if place == self.broken || !complete && letter.candidates[depth].is_empty() {
+        // Where the machine answers first, the other groups have transitions for these answers.
+        let elsewhere = self.specification.timing == Timing::Moore;
+        if place == self.broken || elsewhere && letter.candidates[depth].is_empty() {
             return Ok(None);
         }
         let Some(output) = self.answered.get(depth).copied() else {
@@ -338,7 +344,7 @@ impl<'a> Check<'a> {
             } else {
                 place
             };
-            let wrong = self.walk(letter, depth + 1, below, complete)?;
+            let wrong = self.walk(letter, depth + 1, below)?;
             if wrong.is_some() {
                 return Ok(wrong);
             }
@@ -346,8 +352,8 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// A legal answer.
-    fn leaf(&mut self, letter: &mut Letter<'a>) -> Result<Option<Clause>, Limit> {
+    /// Counts an answer that is looked at.
+    fn count(&mut self) -> Result<(), Limit> {
         self.pairs += 1;
         if self.pairs > self.limits.most_nodes.unwrap_or(MOST_PAIRS).min(MOST_PAIRS) {
             return Err(Limit::Size);
@@ -355,6 +361,12 @@ impl<'a> Check<'a> {
         if self.pairs.is_multiple_of(1 << 14) {
             self.limits.check_time()?;
         }
+        Ok(())
+    }
+
+    /// A legal answer.
+    fn leaf(&mut self, letter: &mut Letter<'a>) -> Result<Option<Clause>, Limit> {
+        self.count()?;
         let next = &letter.next;
         for (index, id) in letter.formulas[..self.rules[0]].iter().enumerate() {
             if self.pool.eval(*id, next) == 0 {
@@ -393,6 +405,10 @@ impl<'a> Check<'a> {
             to,
             label: label_number,
         };
+        if self.wanted == Some(edge) {
+            // Whatever is given stops the enumeration here.
+            return Ok(Some(Clause::Won));
+        }
         if letter.edges.last() != Some(&edge) {
             letter.edges.push(edge);
         }
@@ -434,12 +450,9 @@ impl<'a> Check<'a> {
             return Ok(None);
         }
         let Some(output) = self.answered.get(depth).copied() else {
-            return Ok((here.len() > 1).then_some(Clause::AnsweredTwice));
+            return Ok(Some(Clause::AnsweredTwice));
         };
-        self.pairs += 1;
-        if self.pairs > MOST_PAIRS {
-            return Err(Limit::Size);
-        }
+        self.count()?;
         let domain = &self.specification.variable(output).domain;
         for value in domain.low()..=domain.high() {
             letter.next[output.index()] = value;
@@ -463,34 +476,44 @@ impl<'a> Check<'a> {
     }
 
     /// A cycle on which an assumption is starved or all goals are met.
-    fn liveness(&self) -> Result<Option<Violation>, Limit> {
-        let assumptions = self.specification.assumptions.justice.len();
+    fn liveness(&mut self) -> Result<Option<Violation>, Limit> {
+        let assumed = &self.specification.assumptions.justice;
         let goals = self.specification.guarantees.justice.len();
         let holds = |label: u32, place: usize| self.labels[label as usize][place];
-        let wrong = |clause: Clause, cycle: &[(usize, Edge)]| {
-            let mut trace = self.trace_to(cycle[0].0);
-            let from = trace.len();
-            for (_, edge) in cycle {
-                let reached = self.nodes[edge.to].from.as_ref();
-                trace.extend(reached.map(|(_, valuation)| valuation.clone()));
-            }
-            Violation {
-                clause,
-                trace,
-                repeats_from: Some(from),
-            }
-        };
-        for i in 0..assumptions {
+        let met = |label: u32, j: usize| holds(label, assumed.len() + j);
+        for (i, formula) in assumed.iter().enumerate() {
             let starved = |label: u32| !holds(label, i);
-            let cycle = fair_cycle(&self.edges, 0, &starved, &|_, _| true, self.limits)?;
+            let cycle = fair_cycle(&self.edges, 0, &starved, &met, self.limits)?;
             if let Some(cycle) = cycle {
-                let name = &self.specification.assumptions.justice[i].name;
-                return Ok(Some(wrong(Clause::Starved(name.clone()), &cycle)));
+                let clause = Clause::Starved(formula.name.clone());
+                return self.violation(clause, &cycle).map(Some);
             }
         }
-        let met = |label: u32, j: usize| holds(label, assumptions + j);
-        let cycle = fair_cycle(&self.edges, goals, &|_| true, &met, self.limits)?;
-        Ok(cycle.map(|cycle| wrong(Clause::Won, &cycle)))
+        match fair_cycle(&self.edges, goals, &|_| true, &met, self.limits)? {
+            Some(cycle) => self.violation(Clause::Won, &cycle).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// What a cycle shows.
+    fn violation(&mut self, clause: Clause, cycle: &[(usize, Edge)]) -> Result<Violation, Limit> {
+        self.pairs = 0;
+        let mut trace = self.trace_to(cycle[0].0);
+        let repeats_from = Some(trace.len());
+        for (from, edge) in cycle {
+            self.wanted = Some(*edge);
+            for group in self.groups(*from) {
+                if let Some((_, valuation, _)) = self.answers(*from, group, &mut Vec::new())? {
+                    trace.push(valuation);
+                    break;
+                }
+            }
+        }
+        Ok(Violation {
+            clause,
+            trace,
+            repeats_from,
+        })
     }
 }
 

@@ -174,7 +174,7 @@ impl<'a> Check<'a> {
             }
         }
         for formula in assumed.justice.iter().chain(&guaranteed.justice) {
-            start.push(pool.constant(0));
+            start.push(no);
             step.push(pool.add(&formula.expr, &|t| t));
         }
         let start = contexts.place(&pool, start);

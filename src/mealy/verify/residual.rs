@@ -258,8 +258,8 @@ const NEVER: u32 = u32::MAX;
 impl Tree {
     /// A tree that asks for these keys.
     pub fn new(order: Vec<(Key, i64, i64)>) -> Self {
-        let keys = order.iter().map(|(k, ..)| *k as usize);
-        let mut ranks = vec![NEVER; keys.max().map_or(0, |k| k + 1)];
+        let ends = order.iter().map(|(k, ..)| *k as usize + 1);
+        let mut ranks = vec![NEVER; ends.max().unwrap_or_default()];
         for (rank, (key, ..)) in order.iter().enumerate() {
             ranks[*key as usize] = rank as u32;
         }

@@ -23,8 +23,9 @@
 //! | set | operations of the kernel for one another (`and`, `or`, `and_not`, `xor`, `iff`), `prime` left out |
 //! | arm | where two arms of a `match` give a name each, the other name |
 //!
-//! Left as they are: constants outside of functions, how things are shown (`Display`, `Debug`), and calls that ask the
-//! clock or give a kernel an opportunity, with conditions that guard nothing else ([`SPEED`]).
+//! Left as they are: constants outside of functions, how things are shown (`Display`, `Debug`), and what says how long
+//! something takes and never what comes out: calls that ask the clock or give a kernel an opportunity ([`SPEED`])
+//! with conditions that guard nothing else, and comparisons with constants that choose a way by size ([`SIZES`]).
 
 use proc_macro2::{Span, TokenStream};
 use quote::{ToTokens, quote};
@@ -36,6 +37,9 @@ use syn::{BinOp, Expr, ExprLit, Ident, Item, Lit, LitStr, Stmt, Token, UnOp, par
 
 /// Methods that say how long something takes, never what comes out.
 const SPEED: [&str; 4] = ["check_time", "safe_point", "set_reordering", "reserve"];
+
+/// What constants are called that choose between two right ways by size.
+const SIZES: &str = "_NODES";
 
 /// Methods whose argument is a predicate.
 const PREDICATES: [&str; 11] = [
@@ -226,6 +230,10 @@ impl Switcher {
 
     /// A condition: always, never, and what its parts give.
     fn condition(&mut self, condition: &mut Expr) {
+        if !has_let(condition) && by_size(condition) {
+            PathChanger.visit_expr_mut(condition);
+            return;
+        }
         if has_let(condition) {
             if let Expr::Binary(chain) = condition {
                 self.condition(&mut chain.left);
@@ -243,6 +251,20 @@ impl Switcher {
             &right,
             vec![parse_quote!(true), parse_quote!(false)],
         );
+    }
+}
+
+/// Whether a condition compares with a constant that chooses a way by size.
+fn by_size(condition: &Expr) -> bool {
+    match condition {
+        Expr::Binary(binary) => match &*binary.right {
+            Expr::Path(path) => {
+                let last = path.path.segments.last();
+                last.is_some_and(|s| s.ident.to_string().ends_with(SIZES))
+            }
+            _ => false,
+        },
+        _ => false,
     }
 }
 
@@ -312,6 +334,12 @@ fn arithmetic(op: &BinOp) -> Option<BinOp> {
 impl VisitMut for Switcher {
     fn visit_item_mut(&mut self, item: &mut Item) {
         match item {
+            // Small in the copy, so that small artefacts come by both ways.
+            Item::Const(constant) if constant.ident.to_string().ends_with(SIZES) => {
+                if constant.ident != "SMALL_NODES" {
+                    *constant.expr = parse_quote!(6);
+                }
+            }
             Item::Const(_) | Item::Static(_) | Item::Macro(_) => {}
             Item::Impl(block) => {
                 let shows = block.trait_.as_ref().is_some_and(|(_, path, _)| {
@@ -327,6 +355,14 @@ impl VisitMut for Switcher {
             }
             _ => visit_mut::visit_item_mut(self, item),
         }
+    }
+
+    fn visit_item_struct_mut(&mut self, item: &mut syn::ItemStruct) {
+        item.vis = parse_quote!(pub);
+        for field in &mut item.fields {
+            field.vis = parse_quote!(pub);
+        }
+        PathChanger.visit_item_struct_mut(item);
     }
 
     fn visit_item_fn_mut(&mut self, function: &mut syn::ItemFn) {
