@@ -322,7 +322,7 @@ fn change_specification(
         .reduce(|a, b| Expr::binary(BinaryOp::And, a, b));
     let expr = expr.unwrap_or(Expr::Const(1));
     let expr = if r.chance(70) { expr.not() } else { expr };
-    let added = formula("added", expr);
+    let added = formula(&format!("added {}", r.below(1 << 30)), expr);
     let (assume, guarantee) = (
         &mut specification.assumptions,
         &mut specification.guarantees,
