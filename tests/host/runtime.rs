@@ -20,12 +20,17 @@ use std::time::Duration;
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Mutants in the sample of the gate. `LINEWRIGHT_MUTANTS` may name another number.
-const SAMPLE: usize = 8;
+const SAMPLE: usize = 6;
 
 /// Mutants that no call can show: what the line has, what becomes of it, and why.
-const EQUIVALENT: [(&str, &str, &str); 3] = [
+const EQUIVALENT: [(&str, &str, &str); 4] = [
     (
         "after->started = 1;",
+        "`1` -> `2`",
+        "it is only asked whether it is 0",
+    ),
+    (
+        "job->running[index] = 1;",
         "`1` -> `2`",
         "it is only asked whether it is 0",
     ),

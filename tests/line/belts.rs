@@ -239,5 +239,5 @@ fn a_part_that_goes_back_is_lost() {
         .route("B", &["b", "slow", "sink"]);
     let trace = builder.run_until(100.0);
     assert_eq!(trace.end, End::PartLost);
-    insta::assert_snapshot!(trace.findings[0].message, @"belt lost a part at 0:00:02: A 1 was on place 1 and would now be behind it, on place 0");
+    insta::assert_snapshot!(trace.findings[0].message, @"belt lost a part at 0:00:02: A 3 was on place 1 and would now be behind it, on place 0");
 }
