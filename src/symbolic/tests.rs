@@ -337,7 +337,7 @@ fn work_is_counted_alike_whatever_else_goes_on() {
     fn alike<K: Kernel>() {
         let alone = work_on::<K>();
         std::thread::scope(|scope| {
-            let threads: Vec<_> = (0..6).map(|_| scope.spawn(work_on::<K>)).collect();
+            let threads: Vec<_> = (0..4).map(|_| scope.spawn(work_on::<K>)).collect();
             for thread in threads {
                 assert_eq!(thread.join().unwrap(), alone, "{}", K::NAME);
             }
@@ -351,7 +351,7 @@ fn work_is_counted_alike_whatever_else_goes_on() {
 #[test]
 fn room_for_nodes_is_the_same_every_time() {
     let mut seen = [false; 2];
-    for most in [30_000, 60_000, 90_000, 120_000, 240_000] {
+    for most in [30_000, 90_000, 240_000] {
         let limits = Limits {
             most_nodes: Some(most),
             most_work: Some(u64::MAX),
@@ -367,7 +367,7 @@ fn room_for_nodes_is_the_same_every_time() {
             (ends.map(|f| m.size(&f)), m.work())
         };
         let first = once();
-        for _ in 0..4 {
+        for _ in 0..2 {
             assert_eq!(once(), first, "{most}");
         }
         seen[usize::from(first.0.is_ok())] = true;
