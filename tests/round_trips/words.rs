@@ -2,7 +2,7 @@
 
 use super::equivalence::{Layout, prove};
 use super::support::games::reload;
-use super::{TARGETS, format, support, there_and_back};
+use super::{TARGETS, support, there_and_back};
 use linewright::diagnostics::has_errors;
 use linewright::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable};
 use linewright::interchange::{Format, contract, read};
