@@ -5,7 +5,7 @@ use super::asked;
 use super::libraries::Controlled;
 use crate::algebra::proof::prove;
 use crate::algebra::system::FormulaRef;
-use crate::contract::line::Line;
+use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::game::{Budget, Limit, Limits, RuleKind};
@@ -73,8 +73,11 @@ pub fn examine<'a>(
     proof.findings.extend(asked.findings);
     for (node, why) in &calls.undecided {
         let station = &line.nodes[*node].name;
-        let message = format!("whether {station} answers every call was not decided: {why}");
-        proof.findings.push(note(line, message, ASKED));
+        // That there is no controller is told of its contract.
+        if has_controllers(line, *node, &controlled) {
+            let message = format!("whether {station} answers every call was not decided: {why}");
+            proof.findings.push(note(line, message, ASKED));
+        }
         if proof.verdict == "proved" {
             proof.verdict = "safe";
         }
@@ -83,6 +86,18 @@ pub fn examine<'a>(
         }
     }
     proof
+}
+
+/// Whether a node is no machine, or one with controllers.
+fn has_controllers<'a>(
+    line: &Line,
+    node: usize,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+) -> bool {
+    match &line.nodes[node].kind {
+        NodeKind::Station { machine, .. } => controlled(machine).is_some(),
+        _ => true,
+    }
 }
 
 /// What is wrong with the calls of a line: what `check` and `run` both say of it.

@@ -10,7 +10,7 @@ use crate::gr1::Formula;
 use crate::station::{ErrorCode, messages};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Maximum operations that are listed on the way to a refusal.
+/// Maximum operations, or changes of values, that are listed on the way to a mistake.
 const MOST_TOLD: usize = 8;
 
 /// Adds what was found.
@@ -334,6 +334,11 @@ impl Writer<'_> {
                 }
             }
             last = Some(vertex);
+        }
+        let left_out = told.len().saturating_sub(MOST_TOLD + 1);
+        if left_out > 0 {
+            let rest = format!("{left_out} more changes");
+            told.splice(1..=left_out, [rest]);
         }
         format!("the way of that part: {}", told.join("; "))
     }

@@ -134,12 +134,14 @@ impl<'a> Walk<'a> {
                 self.follow(vertex);
             }
             if self.vertices.len() > self.bounds.values {
-                let last = self.vertices.len() - 1;
+                let last = self.vertices.iter().rev();
+                let at_station = |v: &&Vertex| self.desks[v.node].is_some();
+                let node = last.clone().find(at_station).or(last.clone().next());
                 let why = format!(
                     "parts can carry more than {} combinations of values",
                     self.bounds.values
                 );
-                self.undecided.push((self.vertices[last].node, why));
+                self.undecided.push((node.map_or(0, |v| v.node), why));
                 return self;
             }
             if !self.serve() {

@@ -1,0 +1,359 @@
+//! What the proof of a line says of its calls, clause by clause of the theorem in `docs/proof.md`: small lines, each with what has to be said of it.
+
+mod support;
+
+use serde_json::Value;
+use support::linewright;
+
+/// A machine that writes a property, and one that takes any part in `t` seconds.
+const MACHINES: &str = "import std.coordination.single
+
+contract Work {
+    input requested: bool
+    input goal: 0..3
+    output finished: bool
+    output got: 0..3
+    guarantee report: always (finished <-> requested)
+    guarantee copies: always got = goal
+}
+machine Adder {
+    step 1 s
+    property x: 0..9 = 0
+    abstract goal: 0..3 = x
+    coordinator c: Single {
+        job = operation = add
+        executed = a.finished
+    }
+    action a: Work when c.command {
+        requested = c.command
+        goal = goal
+        time 1 s
+    }
+    operation add: a
+    done c.done
+    write x = a.got + 1
+}
+
+contract Plain {
+    input requested: bool
+    output finished: bool
+    guarantee report: always (finished <-> requested)
+}
+machine Any(t: 0..9 = 1) {
+    step 0 s
+    property x: 0..9 = 0
+    coordinator c: Single {
+        job = operation = take
+        executed = a.finished
+    }
+    action a: Plain when c.command {
+        requested = c.command
+        time (t + x) * 1 s
+    }
+    operation take: a
+    done c.done
+}
+";
+
+/// The row of the line in what `check` says of it.
+fn checked(line: &str) -> Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("line.lw"), format!("{MACHINES}{line}")).expect("a file");
+    let output = linewright(
+        folder.path(),
+        &["check", "line.lw", "--format", "json", "--no-timing"],
+    );
+    let document: Value = serde_json::from_slice(&output.stdout)
+        .unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)));
+    document["lines"][0].clone()
+}
+
+fn codes(row: &Value, severity: &str) -> Vec<String> {
+    let findings = row["findings"].as_array().expect("findings");
+    let of = findings.iter().filter(|f| f["severity"] == severity);
+    of.map(|f| f["code"].as_str().expect("a code").to_owned())
+        .collect()
+}
+
+fn premises(row: &Value) -> Vec<&str> {
+    let premises = row["premises"].as_array().into_iter().flatten();
+    premises
+        .map(|p| p["name"].as_str().expect("a name"))
+        .collect()
+}
+
+fn proved(line: &str, expected: &[&str]) {
+    let row = checked(line);
+    assert_eq!(row["proof"], "proved", "{line}\n{row:#}");
+    assert_eq!(premises(&row), expected, "{line}\n{row:#}");
+}
+
+/// Not proved, with these errors and these warnings.
+fn open(line: &str, errors: &[&str], warnings: &[&str]) -> String {
+    let row = checked(line);
+    assert_eq!(row["proof"], "open", "{line}\n{row:#}");
+    assert_eq!(codes(&row, "error"), errors, "{line}\n{row:#}");
+    assert_eq!(codes(&row, "warning"), warnings, "{line}\n{row:#}");
+    row.to_string()
+}
+
+/// So many adders in a row; each adds one, and takes no more than 3.
+fn adders(count: usize, first: &str) -> String {
+    let stations: String = (0..count)
+        .map(|i| format!("    station m{i}: Adder {{ perform add on P {first} }}\n"))
+        .collect();
+    let way: String = (0..count).map(|i| format!(" -> m{i}")).collect();
+    format!(
+        "line L {{
+    part P {{ property x: 0..9 = 0 }}
+    source s: P every 10 s
+    sink k
+{stations}    route P: s{way} -> k
+}}
+"
+    )
+}
+
+#[test]
+fn written_values_are_followed_from_station_to_station() {
+    proved(&adders(4, ""), &[]);
+    let said = open(&adders(5, ""), &["LW414"], &[]);
+    let way =
+        "made at s with x = 0; m0 makes x = 1; m1 makes x = 2; m2 makes x = 3; m3 makes x = 4";
+    assert!(said.contains(way), "{said}");
+}
+
+#[test]
+fn defects_count_where_they_can_happen() {
+    let defect = |percent: &str, value: &str| {
+        format!("defect on P probability {percent} %: x becomes {value}")
+    };
+    proved(&adders(1, &defect("0", "it + 90")), &[]);
+    proved(&adders(3, &defect("50", "max(it - 1, 0)")), &[]);
+    open(&adders(1, &defect("1", "it + 90")), &["LW415"], &[]);
+    open(&adders(1, &defect("100", "0 - 1")), &["LW415"], &[]);
+    // Four are reached by chance only.
+    let said = open(&adders(4, &defect("5", "it + 1")), &["LW414"; 2], &[]);
+    assert!(said.contains("a defect at m"), "{said}");
+}
+
+/// A loop of rework: `again` by chance.
+fn rework(defect: &str, initial: u8) -> String {
+    format!(
+        "line L {{
+    part P {{ property again: 0..1 = {initial} }}
+    source s: P every 10 s, at most 2 in the line
+    sink k
+    buffer b capacity 5
+    station m: Any {{ perform take on P {defect} }}
+    route P: s -> b -> m
+    route P: m -> b when again = 1
+    route P: m -> k otherwise
+}}
+"
+    )
+}
+
+#[test]
+fn chance_sees_to_a_branch_or_the_proof_says_that_it_rests_on_it() {
+    let often = "defect on P probability 30 %: again becomes 1 - it";
+    proved(&rework(often, 0), &[]);
+    proved(&rework(often, 1), &[]);
+    // Nothing ever goes back, and what is left of the loop is a way.
+    proved(&rework("", 0), &[]);
+    let always = "defect on P probability 100 %: again becomes 1";
+    open(&rework(always, 0), &[], &["LW409"]);
+    // Two types of one kind of branch: what one of them does is fixed by how it is made, and nothing says that both go on.
+    let fixed = "line L {
+    part P { property x: 0..9 = 0 }
+    source s: P every 10 s
+    sink k
+    sink l
+    station m: Any { perform take on P  defect on P probability 50 %: x becomes 1 }
+    station n: Any { perform take on P }
+    route P: s -> m
+    route P: m -> k when x = 0
+    route P: m -> n otherwise
+    route P: n -> l
+}
+";
+    proved(fixed, &[]);
+}
+
+#[test]
+fn premises_are_named() {
+    let stock = "line L {
+    part P
+    store s: 7 P
+    sink k
+    station m: Any { perform take on P }
+    route P: s -> m -> k
+}
+";
+    proved(stock, &["stock_of_P_at_s"]);
+    proved(
+        &stock.replace("store s: 7 P", "source s: P every 5 s limit 7"),
+        &["more_from_s"],
+    );
+    let scrap = "line L {
+    part P { property x: 0..9 = 0 }
+    source s: P on order
+    sink k
+    sink bad rejectsREORDER
+    station m: Any { perform take on P  defect on P probability 50 %: x becomes 1 }
+    route P: s -> m
+    route P: m -> bad when x = 1
+    route P: m -> k otherwise
+}
+";
+    proved(&scrap.replace("REORDER", ""), &["more_orders_for_s"]);
+    proved(&scrap.replace("REORDER", " reorder s"), &[]);
+}
+
+#[test]
+fn joined_parts_take_over_values() {
+    let line = |defect: u8| {
+        format!(
+            "line L {{
+    part A {{ property x: 0..9 = 0 }}
+    part B
+    part P from 1 A, 1 B {{ property x: 0..9 = A.x }}
+    product P
+    source a: A every 10 s
+    source b: B every 10 s
+    sink k
+    station m: Any {{ perform take on A  defect on A probability 50 %: x becomes {defect} }}
+    station j: Adder {{ perform add on P }}
+    route A: a -> m -> j
+    route B: b -> j
+    route P: j -> k
+}}
+"
+        )
+    };
+    proved(&line(3), &[]);
+    let said = open(&line(7), &["LW414"], &[]);
+    assert!(said.contains("joined to a P at j with x = 7"), "{said}");
+}
+
+#[test]
+fn time_has_to_pass_for_all_values() {
+    let line = |t: u8, defect: &str| {
+        format!(
+            "line L {{
+    part P {{ property x: 0..9 = 0 }}
+    source s: P on order
+    sink k
+    station m: Any(t = {t}) {{ perform take on P }}
+    station n: Any(t = {t}) {{ perform take on P {defect} }}
+    route P: s -> n -> m -> k
+}}
+"
+        )
+    };
+    proved(&line(1, ""), &[]);
+    open(&line(0, ""), &["LW416"], &[]);
+    // Of one part in two the work at `m` takes time, that at `n` never does.
+    open(
+        &line(0, "defect on P probability 50 %: x becomes 1"),
+        &[],
+        &["LW416"],
+    );
+    proved(&line(0, "").replace("on order", "every 1 s"), &[]);
+}
+
+#[test]
+fn every_part_needs_a_way() {
+    let line = |condition: &str, defect: &str| {
+        format!(
+            "line L {{
+    part P {{ property x: 0..9 = 0 }}
+    source s: P every 5 s
+    sink k
+    station m: Any {{ perform take on P {defect} }}
+    route P: s -> m
+    route P: m -> k when {condition}
+}}
+"
+        )
+    };
+    let half = "defect on P probability 50 %: x becomes 1";
+    proved(&line("x <= 1", half), &[]);
+    open(&line("x = 0", half), &["LW402"], &[]);
+    open(&line("x = 2", half), &["LW402"], &[]);
+}
+
+#[test]
+fn what_is_too_much_to_follow_is_not_proved() {
+    let line = "line L {
+    part P { property n, o: number = 0 }
+    source s: P every 10 s, at most 2 in the line
+    sink k
+    buffer b capacity 5
+    station m: Any {
+        perform take on P
+        defect on P probability 50 %: n becomes it + 1
+        defect on P probability 50 %: o becomes it + 1
+    }
+    route P: s -> b -> m
+    route P: m -> b when n > o
+    route P: m -> k otherwise
+}
+";
+    let row = checked(line);
+    assert_eq!(row["proof"], "safe", "{row:#}");
+    assert!(
+        row["undecided"].to_string().contains("answers_at_"),
+        "{row:#}"
+    );
+    assert_eq!(codes(&row, "note"), ["LW410"], "{row:#}");
+}
+
+#[test]
+fn a_belt_has_to_keep_its_parts_and_its_assumptions() {
+    let with = |change: fn(String) -> String, end: &str| {
+        let belt = "moore contract Carry {
+    input load, unload_ready: bool
+    output s: array[2] of bool
+    output ready: bool
+    assume waits: always (load and not ready -> next load)
+    assume taken: always eventually unload_ready
+    define moves = unload_ready or not s[1]
+    guarantee empty: not s[0] and not s[1]
+    guarantee first: always (next s[0] <-> (load and not s[0]) or (s[0] and not moves))
+    guarantee shift: always (next s[1] <-> (if moves then s[0] else s[1]))
+    guarantee room: always (ready <-> not s[0])
+}
+machine Belt {
+    signal load: bool = false
+    signal unload_ready: bool = true
+    action belt: Carry
+}
+";
+        let belt = change(belt.to_owned());
+        format!(
+            "{belt}line L {{
+    part P
+    source s: P every 5 s
+    sink k
+    conveyor v: Belt pitch 1 m speed 1 m/s
+    station m: Any {{ perform take on P }}
+    route P: s -> v -> {end}
+}}
+"
+        )
+    };
+    proved(&with(|belt| belt, "m -> k"), &[]);
+    // What is on its last place is gone a step later, taken or not.
+    let loses = |belt: String| belt.replace("(if moves then s[0] else s[1])", "s[0] and moves");
+    let said = open(&with(loses, "m -> k"), &[], &["LW407"]);
+    assert!(said.contains("stays on it"), "{said}");
+    let demands = |belt: String| {
+        belt.replace(
+            "assume waits:",
+            "assume free: always unload_ready\n    assume waits:",
+        )
+    };
+    let said = open(&with(demands, "m -> k"), &[], &["LW411"]);
+    assert!(said.contains("`free`"), "{said}");
+}
