@@ -185,8 +185,8 @@ pub fn wide() -> (Specification, Functions) {
         assumptions: Side::default(),
         guarantees: Side::default(),
     };
-    for i in 0..40 {
-        for (name, owner) in [("x", Owner::Environment), ("y", Owner::System)] {
+    for i in 0..33 {
+        let mut add = |name: &str, owner| {
             specification.variables.push(Variable {
                 name: format!("{name}{i}"),
                 owner,
@@ -195,8 +195,14 @@ pub fn wide() -> (Specification, Functions) {
                 domain: Domain::Bool,
                 span: Span::default(),
             });
+        };
+        // The last output repeats the first input.
+        if i < 32 {
+            add("x", Owner::Environment);
         }
-        let expr = [2 * i, 2 * i + 1].map(|v| Expr::Var(VarId(v), Time::Next));
+        add("y", Owner::System);
+        let repeated = if i < 32 { [2 * i, 2 * i + 1] } else { [0, 64] };
+        let expr = repeated.map(|v| Expr::Var(VarId(v), Time::Next));
         let [x, y] = expr;
         specification.guarantees.safety.push(formula(
             &format!("repeat {i}"),
@@ -284,7 +290,11 @@ fn change_specification(
     answers: bool,
     steps: &[[Vec<i64>; 2]],
 ) {
-    let kind = r.below(8);
+    let kind = match r.below(8) {
+        // What is met again and again.
+        kind if answers && r.chance(40) => 3 + kind % 2 * 4,
+        kind => kind,
+    };
     let variables = specification.variables.clone();
     let inputs = |v: usize| variables[v].owner == Owner::Environment;
     // What may be mentioned: current and next variables.
@@ -379,6 +389,22 @@ fn change_machine(r: &mut Random, machine: &mut Machine) {
     match r.below(30) {
         0 => return change_ports(r, &mut machine.inputs),
         1 => return change_ports(r, &mut machine.outputs),
+        4 | 5 => {
+            // A guard that asks for what nothing else does.
+            let spare = inputs.iter().position(|p| p.name == "spare");
+            let mut lists: Vec<_> = machine.states.iter_mut().collect();
+            lists.push(&mut machine.initial);
+            let transitions = lists.into_iter().flatten();
+            let mut cubes: Vec<_> = transitions.flat_map(|t| &mut t.guard.0).collect();
+            if let (Some(input), Some(c)) = (spare, pick(r, &cubes)) {
+                cubes[c].0.push(Test {
+                    input,
+                    low: 0,
+                    high: 0,
+                });
+            }
+            return;
+        }
         2 => return machine.timing = flipped(machine.timing),
         3 => {
             // A state that is never reached.
@@ -834,7 +860,13 @@ fn change_proof(r: &mut Random, document: &mut Value) {
         0 => json!(r.below(2)),
         _ => json!(2 + r.below(2 * count.max(1))),
     };
-    match r.below(16) {
+    match r.below(17) {
+        16 => {
+            let count = document["variables"].as_array().map_or(0, Vec::len) as u64;
+            if count > 0 {
+                document["variables"][r.below(count) as usize]["low"] = Value::Null;
+            }
+        }
         0 if count > 0 => {
             let node = r.below(count) as usize;
             let child = 1 + r.below(2) as usize;

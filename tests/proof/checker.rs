@@ -46,12 +46,8 @@ fn list(value: &Value) -> Result<&Vec<Value>, String> {
         .ok_or_else(|| "a list is missing".to_owned())
 }
 
-fn numbers<const N: usize>(values: [&Value; N]) -> Result<[usize; N], String> {
-    let mut result = [0; N];
-    for (to, from) in result.iter_mut().zip(values) {
-        *to = number(from)?;
-    }
-    Ok(result)
+fn numbers([a, b, c]: [&Value; 3]) -> Result<[usize; 3], String> {
+    Ok([number(a)?, number(b)?, number(c)?])
 }
 
 impl Proof {
