@@ -295,7 +295,7 @@ fn cases() -> &'static [Case] {
             let count = alike.entry((kind(artefact), label)).or_insert(0);
             *count += 1;
             let most = if wide {
-                6
+                15
             } else if broken.is_empty() {
                 3 * MOST_ALIKE
             } else {

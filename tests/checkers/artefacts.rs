@@ -292,7 +292,7 @@ fn change_specification(
 ) {
     let kind = match r.below(8) {
         // What is met again and again.
-        kind if answers && r.chance(40) => 3 + kind % 2 * 4,
+        kind if answers && r.chance(50) => [0, 3, 3, 7][kind as usize % 4],
         kind => kind,
     };
     let variables = specification.variables.clone();
@@ -386,7 +386,8 @@ fn change_machine(r: &mut Random, machine: &mut Machine) {
     let states = machine.states.len();
     let inputs = machine.inputs.clone();
     let outputs = machine.outputs.clone();
-    match r.below(30) {
+    let spare = inputs.iter().any(|p| p.name == "spare") && r.chance(30);
+    match if spare { 4 } else { r.below(30) } {
         0 => return change_ports(r, &mut machine.inputs),
         1 => return change_ports(r, &mut machine.outputs),
         4 | 5 => {
@@ -571,7 +572,10 @@ fn some_set<'f>(r: &mut Random, functions: &'f mut Functions) -> Option<&'f mut 
 
 fn change_functions(r: &mut Random, functions: &mut Functions) {
     let pairs = functions.pairs();
-    let any_bit = |r: &mut Random| Bit(r.below(2 * pairs as u64) as u16);
+    let any_bit = |r: &mut Random| match r.below(10) {
+        0 => Bit(2 * pairs as u16 - 1),
+        _ => Bit(r.below(2 * pairs as u64) as u16),
+    };
     let point = |r: &mut Random, share: u64, only_now: bool| -> Vec<(Bit, bool)> {
         let bits = (0..2 * pairs as u16).filter(|b| !only_now || b % 2 == 0);
         bits.filter_map(|b| r.chance(share).then(|| (Bit(b), r.chance(50))))
@@ -774,19 +778,22 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
             if !first {
                 bits.extend((0..pairs as u16).map(|p| Bit(2 * p)));
             }
-            let bits: Vec<_> = bits
-                .into_iter()
-                .filter_map(|b| r.chance(50).then(|| (b, r.chance(50))))
-                .collect();
-            let value = r.chance(30);
             let controls = &mut functions.controls;
             let list = if first {
                 &mut controls.assumed_first
             } else {
                 &mut controls.assumed
             };
-            if let Some(i) = pick(r, list) {
-                list[i].1 = pointed(&mut controls.diagram, list[i].1, &bits, value);
+            let share = [100, 60][r.below(2) as usize];
+            for (_, edge) in list.iter_mut() {
+                if r.chance(share) {
+                    let bits = bits.iter().copied();
+                    let point: Vec<_> = bits
+                        .filter_map(|b| r.chance(50).then(|| (b, r.chance(50))))
+                        .collect();
+                    let value = r.chance(40);
+                    *edge = pointed(&mut controls.diagram, *edge, &point, value);
+                }
             }
         }
         39 => {
