@@ -22,6 +22,7 @@ use crate::game::{Aim, Assumed, Limit, Limits};
 use crate::gr1::{Expr, Owner, Specification, Time, Timing, VarId};
 use crate::symbolic::{Biodivine, Bit, BitSet, Diagram, Edge, Encoding, Kernel, OxiDd};
 use std::fmt;
+use std::ops::Range;
 
 /// Functions of more nodes than this are checked on the kernel for large games.
 const SMALL_NODES: usize = 2_000;
@@ -362,9 +363,9 @@ struct Check<'a, K: Kernel> {
     may_begin: Vec<K::Function>,
     /// What it may do in a later step.
     may_do: Vec<K::Function>,
-    /// The machine's safety: formulas by their place, and a conjunction of several with the place behind the last.
+    /// The machine's safety: formulas by their place, and conjunctions of several with their places.
     safety: Vec<K::Function>,
-    clusters: Vec<(K::Function, usize)>,
+    clusters: Vec<(K::Function, Range<usize>)>,
     assumptions: Vec<K::Function>,
     goals: Vec<K::Function>,
 }
@@ -416,15 +417,16 @@ impl<'a, K: Kernel> Check<'a, K> {
             may_do.push(encoding.formula(&m, &formula.expr)?);
         }
         let mut safety = Vec::new();
-        let mut clusters: Vec<(K::Function, usize)> = Vec::new();
+        let mut clusters: Vec<(K::Function, Range<usize>)> = Vec::new();
         for (i, formula) in specification.guarantees.safety.iter().enumerate() {
             let function = encoding.formula(&m, &formula.expr)?;
-            if let Some((last, end)) = clusters.last_mut()
+            if let Some((last, places)) = clusters.last_mut()
                 && m.size(last) + m.size(&function) <= CLUSTER_NODES
             {
-                (*last, *end) = (m.and(last, &function)?, i + 1);
+                *last = m.and(last, &function)?;
+                places.end += 1;
             } else {
-                clusters.push((function.clone(), i + 1));
+                clusters.push((function.clone(), i..i + 1));
             }
             safety.push(function);
         }
@@ -484,8 +486,8 @@ impl<'a, K: Kernel> Check<'a, K> {
             let same = m.iff(&m.literal(*bit, true), &self.at(*edge)?)?;
             several = m.and(&several, &same)?;
             if m.size(&several) > OUTPUT_NODES {
-                steps = m.and(&steps, &several)?;
-                several = m.constant(true);
+                let large = std::mem::replace(&mut several, m.constant(true));
+                steps = m.and(&steps, &large)?;
             }
         }
         m.and(&steps, &several)
@@ -494,16 +496,14 @@ impl<'a, K: Kernel> Check<'a, K> {
     /// The formula of the machine's safety that a step breaks.
     fn broken(&self, steps: &K::Function) -> Result<Option<usize>, Limit> {
         let m = &self.kernel;
-        let mut begin = 0;
-        for (cluster, end) in &self.clusters {
+        for (cluster, places) in &self.clusters {
             if !m.is_false(&m.and_not(steps, cluster)?) {
-                for i in begin..*end {
+                for i in places.clone() {
                     if !m.is_false(&m.and_not(steps, &self.safety[i])?) {
                         return Ok(Some(i));
                     }
                 }
             }
-            begin = *end;
         }
         Ok(None)
     }

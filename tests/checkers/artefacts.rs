@@ -185,8 +185,8 @@ pub fn wide() -> (Specification, Functions) {
         assumptions: Side::default(),
         guarantees: Side::default(),
     };
-    for i in 0..40 {
-        for (name, owner) in [("x", Owner::Environment), ("y", Owner::System)] {
+    for i in 0..33 {
+        let mut add = |name: &str, owner| {
             specification.variables.push(Variable {
                 name: format!("{name}{i}"),
                 owner,
@@ -195,8 +195,14 @@ pub fn wide() -> (Specification, Functions) {
                 domain: Domain::Bool,
                 span: Span::default(),
             });
+        };
+        // The last output repeats the first input.
+        if i < 32 {
+            add("x", Owner::Environment);
         }
-        let expr = [2 * i, 2 * i + 1].map(|v| Expr::Var(VarId(v), Time::Next));
+        add("y", Owner::System);
+        let repeated = if i < 32 { [2 * i, 2 * i + 1] } else { [0, 64] };
+        let expr = repeated.map(|v| Expr::Var(VarId(v), Time::Next));
         let [x, y] = expr;
         specification.guarantees.safety.push(formula(
             &format!("repeat {i}"),
@@ -284,7 +290,11 @@ fn change_specification(
     answers: bool,
     steps: &[[Vec<i64>; 2]],
 ) {
-    let kind = r.below(8);
+    let kind = match r.below(8) {
+        // What is met again and again.
+        kind if answers && r.chance(50) => [0, 3, 3, 7][kind as usize % 4],
+        kind => kind,
+    };
     let variables = specification.variables.clone();
     let inputs = |v: usize| variables[v].owner == Owner::Environment;
     // What may be mentioned: current and next variables.
@@ -376,9 +386,26 @@ fn change_machine(r: &mut Random, machine: &mut Machine) {
     let states = machine.states.len();
     let inputs = machine.inputs.clone();
     let outputs = machine.outputs.clone();
-    match r.below(30) {
+    let spare = inputs.iter().any(|p| p.name == "spare") && r.chance(30);
+    match if spare { 4 } else { r.below(30) } {
         0 => return change_ports(r, &mut machine.inputs),
         1 => return change_ports(r, &mut machine.outputs),
+        4 | 5 => {
+            // A guard that asks for what nothing else does.
+            let spare = inputs.iter().position(|p| p.name == "spare");
+            let mut lists: Vec<_> = machine.states.iter_mut().collect();
+            lists.push(&mut machine.initial);
+            let transitions = lists.into_iter().flatten();
+            let mut cubes: Vec<_> = transitions.flat_map(|t| &mut t.guard.0).collect();
+            if let (Some(input), Some(c)) = (spare, pick(r, &cubes)) {
+                cubes[c].0.push(Test {
+                    input,
+                    low: 0,
+                    high: 0,
+                });
+            }
+            return;
+        }
         2 => return machine.timing = flipped(machine.timing),
         3 => {
             // A state that is never reached.
@@ -545,7 +572,10 @@ fn some_set<'f>(r: &mut Random, functions: &'f mut Functions) -> Option<&'f mut 
 
 fn change_functions(r: &mut Random, functions: &mut Functions) {
     let pairs = functions.pairs();
-    let any_bit = |r: &mut Random| Bit(r.below(2 * pairs as u64) as u16);
+    let any_bit = |r: &mut Random| match r.below(10) {
+        0 => Bit(2 * pairs as u16 - 1),
+        _ => Bit(r.below(2 * pairs as u64) as u16),
+    };
     let point = |r: &mut Random, share: u64, only_now: bool| -> Vec<(Bit, bool)> {
         let bits = (0..2 * pairs as u16).filter(|b| !only_now || b % 2 == 0);
         bits.filter_map(|b| r.chance(share).then(|| (Bit(b), r.chance(50))))
@@ -748,19 +778,22 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
             if !first {
                 bits.extend((0..pairs as u16).map(|p| Bit(2 * p)));
             }
-            let bits: Vec<_> = bits
-                .into_iter()
-                .filter_map(|b| r.chance(50).then(|| (b, r.chance(50))))
-                .collect();
-            let value = r.chance(30);
             let controls = &mut functions.controls;
             let list = if first {
                 &mut controls.assumed_first
             } else {
                 &mut controls.assumed
             };
-            if let Some(i) = pick(r, list) {
-                list[i].1 = pointed(&mut controls.diagram, list[i].1, &bits, value);
+            let share = [100, 60][r.below(2) as usize];
+            for (_, edge) in list.iter_mut() {
+                if r.chance(share) {
+                    let bits = bits.iter().copied();
+                    let point: Vec<_> = bits
+                        .filter_map(|b| r.chance(50).then(|| (b, r.chance(50))))
+                        .collect();
+                    let value = r.chance(40);
+                    *edge = pointed(&mut controls.diagram, *edge, &point, value);
+                }
             }
         }
         39 => {
@@ -834,7 +867,13 @@ fn change_proof(r: &mut Random, document: &mut Value) {
         0 => json!(r.below(2)),
         _ => json!(2 + r.below(2 * count.max(1))),
     };
-    match r.below(16) {
+    match r.below(17) {
+        16 => {
+            let count = document["variables"].as_array().map_or(0, Vec::len) as u64;
+            if count > 0 {
+                document["variables"][r.below(count) as usize]["low"] = Value::Null;
+            }
+        }
         0 if count > 0 => {
             let node = r.below(count) as usize;
             let child = 1 + r.below(2) as usize;

@@ -214,8 +214,14 @@ pub fn cycle(edges: &[Vec<(usize, u32)>], met: usize) -> String {
         .iter()
         .all(|(from, edge)| bad(edge.label) && graph[*from].contains(edge));
     let all = (0..met).all(|i| cycle.iter().any(|(_, edge)| fair(edge.label, i)));
-    // From one to the next by a shortest way, and back.
-    let short = cycle.len() <= (met + 1) * graph.len();
+    // With one thing to meet it ends where it is one; with more they are met in turn.
+    let short = met > 1
+        || (1..cycle.len()).all(|end| {
+            let closed = cycle[end - 1].1.to == cycle[0].0;
+            let mut wanted = 0..met;
+            let met = wanted.all(|i| cycle[..end].iter().any(|(_, edge)| fair(edge.label, i)));
+            !closed || !met
+        });
     let right = follows && closed && there && all && short;
     shown(
         "a cycle".to_owned(),

@@ -46,12 +46,8 @@ fn list(value: &Value) -> Result<&Vec<Value>, String> {
         .ok_or_else(|| "a list is missing".to_owned())
 }
 
-fn numbers<const N: usize>(values: [&Value; N]) -> Result<[usize; N], String> {
-    let mut result = [0; N];
-    for (to, from) in result.iter_mut().zip(values) {
-        *to = number(from)?;
-    }
-    Ok(result)
+fn numbers([a, b, c]: [&Value; 3]) -> Result<[usize; 3], String> {
+    Ok([number(a)?, number(b)?, number(c)?])
 }
 
 impl Proof {
@@ -203,12 +199,12 @@ pub fn accepts(
         return Err(Clause::Start);
     }
 
-    let (states, tried): (Vec<Vec<i64>>, u64) = match extent {
+    let (states, mut sample): (Vec<Vec<i64>>, Option<(u64, Random)>) = match extent {
         Extent::All => {
             let states = inputs
                 .iter()
                 .flat_map(|x| outputs.iter().map(|y| joined(specification, x, y)));
-            (states.collect(), u64::MAX)
+            (states.collect(), None)
         }
         Extent::Some {
             seed,
@@ -217,12 +213,12 @@ pub fn accepts(
         } => {
             let mut r = Random::new(seed);
             let mut pick = |of: &[Vec<i64>]| of[r.below(of.len() as u64) as usize].clone();
-            let states =
-                (0..states).map(|_| joined(specification, &pick(&inputs), &pick(&outputs)));
-            (states.collect(), tried)
+            let states = std::iter::repeat_n((), states as usize)
+                .map(|()| joined(specification, &pick(&inputs), &pick(&outputs)))
+                .collect();
+            (states, Some((tried, r)))
         }
     };
-    let mut r = Random::new(1);
     for state in &states {
         // 2. The region is legal.
         if !region(state) {
@@ -258,11 +254,14 @@ pub fn accepts(
                         all(&assume.invariants, x, &[]) && all(&assume.safety, state, x)
                     };
                     let all_moves: Vec<&Vec<i64>> = inputs.iter().filter(possible).collect();
-                    let moves: Vec<&Vec<i64>> = if (all_moves.len() as u64) <= tried {
-                        all_moves
-                    } else {
-                        let n = all_moves.len() as u64;
-                        (0..tried).map(|_| all_moves[r.below(n) as usize]).collect()
+                    let moves: Vec<&Vec<i64>> = match &mut sample {
+                        Some((tried, r)) if !all_moves.is_empty() => {
+                            let n = all_moves.len() as u64;
+                            std::iter::repeat_n((), *tried as usize)
+                                .map(|()| all_moves[r.below(n) as usize])
+                                .collect()
+                        }
+                        _ => all_moves,
                     };
                     let answered = match specification.timing {
                         Timing::Mealy => moves.iter().all(|x| outputs.iter().any(|y| good(x, y))),

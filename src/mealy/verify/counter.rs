@@ -10,7 +10,7 @@
 
 use super::fair::fair_cycle;
 use super::residual::{Id, Place, Pool, Tree, key};
-use super::{Clause, Edge, MOST_PAIRS, Violation};
+use super::{Clause, Edge, MOST_PAIRS, Violation, distinct};
 use crate::game::{Limit, Limits};
 use crate::gr1::interval::{Interval, interval};
 use crate::gr1::{Formula, Specification, Time, Timing, VarId};
@@ -248,9 +248,7 @@ impl<'a> Check<'a> {
             if !first && let Some(wrong) = self.answered_always(current, transitions)? {
                 return Ok(Some(wrong));
             }
-            edges.sort_unstable();
-            edges.dedup();
-            self.edges.push(edges);
+            self.edges.push(distinct(edges));
             current += 1;
         }
         Ok(None)
@@ -354,6 +352,10 @@ impl<'a> Check<'a> {
 
     /// Counts an answer that is looked at.
     fn count(&mut self) -> Result<(), Limit> {
+        // To tell what was found costs nothing more.
+        if self.wanted.is_some() {
+            return Ok(());
+        }
         self.pairs += 1;
         if self.pairs > self.limits.most_nodes.unwrap_or(MOST_PAIRS).min(MOST_PAIRS) {
             return Err(Limit::Size);
@@ -497,7 +499,6 @@ impl<'a> Check<'a> {
 
     /// What a cycle shows.
     fn violation(&mut self, clause: Clause, cycle: &[(usize, Edge)]) -> Result<Violation, Limit> {
-        self.pairs = 0;
         let mut trace = self.trace_to(cycle[0].0);
         let repeats_from = Some(trace.len());
         for (from, edge) in cycle {

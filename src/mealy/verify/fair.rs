@@ -68,7 +68,7 @@ fn path(
                 path.reverse();
                 return path;
             }
-            if edge.to != from && !before.contains_key(&edge.to) {
+            if !before.contains_key(&edge.to) {
                 before.insert(edge.to, (node, *edge));
                 queue.push_back(edge.to);
             }

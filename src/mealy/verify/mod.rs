@@ -89,6 +89,13 @@ struct Edge {
     label: u32,
 }
 
+/// The edges in order, each once.
+fn distinct(mut edges: Vec<Edge>) -> Vec<Edge> {
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
+
 struct Check<'a> {
     specification: &'a Specification,
     machine: &'a Machine,
@@ -254,7 +261,7 @@ impl<'a> Check<'a> {
         let formulas = self.contexts.formulas(place).to_vec();
         let (assumed, rest) = formulas.split_at(self.assumptions);
         let (guaranteed, justice) = rest.split_at(self.guarantee_names.len());
-        let always = |id: &Id| self.pool.value(*id).is_some_and(|v| v != 0);
+        let always = |id: &Id| self.pool.value(*id) == Some(1);
         let left = assumed.to_vec();
         let guarantees = guaranteed.iter().copied().zip(0..);
         let guarantees = guarantees.filter(|(id, _)| !always(id)).collect();
@@ -324,9 +331,7 @@ impl<'a> Check<'a> {
                     repeats_from: None,
                 }));
             }
-            edges.sort_unstable();
-            edges.dedup();
-            self.edges.push(edges);
+            self.edges.push(distinct(edges));
             current += 1;
         }
         Ok(None)

@@ -290,7 +290,8 @@ impl Tree {
         let keys = formulas.iter().flat_map(|id| pool.keys(*id));
         let ranks = keys.map(|k| self.ranks.get(*k as usize).copied().unwrap_or(NEVER));
         let question = ranks.min().filter(|r| *r != NEVER).map(|r| r as usize);
-        let children = question.map_or(0, |q| (self.order[q].2 - self.order[q].1 + 1) as usize);
+        let values = |q: usize| (self.order[q].2 - self.order[q].1 + 1) as usize;
+        let children = question.map(values).unwrap_or_default();
         let place = self.branches.len() as Place;
         self.branches.push(Branch {
             formulas: Rc::clone(&formulas),

@@ -337,7 +337,7 @@ impl VisitMut for Switcher {
             // Small in the copy, so that small artefacts come by both ways.
             Item::Const(constant) if constant.ident.to_string().ends_with(SIZES) => {
                 if constant.ident != "SMALL_NODES" {
-                    *constant.expr = parse_quote!(6);
+                    *constant.expr = parse_quote!(16);
                 }
             }
             Item::Const(_) | Item::Static(_) | Item::Macro(_) => {}
