@@ -260,9 +260,8 @@ machine M {
     };
     assert_eq!((stuck.component, stuck.trace.len()), (1, 3));
     let why = closed.contradiction(stuck, &Limits::default());
-    let names: Vec<&str> = { why.expect("no limit").iter() }
-        .map(|f| f.name.as_str())
-        .collect();
+    let why = why.expect("no limit");
+    let names: Vec<&str> = why.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(names, ["up", "down"]);
     let mut random = Random::new(1);
     assert_eq!(
