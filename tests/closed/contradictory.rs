@@ -196,7 +196,7 @@ fn agrees(
 fn contradictory_assumptions_are_decided_as_they_run() {
     let mut random = Random::new(24);
     let (mut looked_at, mut sound, mut silent) = (0, 0, 0);
-    for _ in 0..260 {
+    for _ in 0..150 {
         let text = text(&mut random);
         let machine = load(&text);
         let Some(controllers) = synthesized_as_far_as_can_be(&machine) else {
@@ -213,7 +213,7 @@ fn contradictory_assumptions_are_decided_as_they_run() {
         sound += usize::from(!verdict.is_broken());
     }
     println!("{looked_at} machines, {sound} sound, {silent} silent");
-    assert!(looked_at > 120 && sound > 10 && silent > 30);
+    assert!(looked_at > 100 && sound > 5 && silent > 12);
 }
 
 /// A state without a row that is reached in the middle of a call. Where a controller is minimised it is one with any other, so the table is
@@ -261,7 +261,7 @@ machine M {
     assert_eq!((stuck.component, stuck.trace.len()), (1, 3));
     let why = closed.contradiction(stuck, &Limits::default());
     let why = why.expect("no limit");
-    let names: Vec<&str> = { why.iter() }.map(|f| f.name.as_str()).collect();
+    let names: Vec<&str> = why.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(names, ["up", "down"]);
     let mut random = Random::new(1);
     assert_eq!(

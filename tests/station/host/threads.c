@@ -119,6 +119,7 @@ static void without_an_instance(int thread)
     for (int done = 0; done < rounds; done++) {
         const char *text;
         char copy[TEXT_ROOM];
+        int32_t length;
         if (sizeof(LW_UF_INTEGER) >= sizeof(lw_handle) && (done + thread) % 2 == 0) {
             same(LW_ERROR_ARGUMENT, call_integer(lib->reset_value, &real, "reset"), "reset with a real number");
         } else {
@@ -128,7 +129,8 @@ static void without_an_instance(int thread)
         if (strcmp(text, "the handle must be an integer") != 0) {
             holds(text, "never given by this library", "last_error without an instance");
         }
-        same((int64_t)lib->last_error(-1, copy, sizeof copy), (int64_t)strlen(copy), "the length of a copied text");
+        length = lib->last_error(-1, copy, sizeof copy);
+        same((int64_t)strlen(copy), length, "the length of a copied text");
     }
 }
 
