@@ -23,7 +23,28 @@ const PATIENCE: Duration = Duration::from_mins(1);
 const SAMPLE: usize = 6;
 
 /// Mutants that no call can show: what the line has, what becomes of it, and why.
-const EQUIVALENT: [(&str, &str, &str); 4] = [
+const EQUIVALENT: [(&str, &str, &str); 9] = [
+    (
+        "if (error->pieces < LW_PIECES) {",
+        "` < ` -> ` <= `",
+        "no error has as many pieces",
+    ),
+    (
+        "while (length > 0 && ((unsigned char)name[length]",
+        "`0` -> `1`",
+        "a name that begins with half a character is no text",
+    ),
+    (
+        "while (length > 0 && ((unsigned char)name[length]",
+        "` > ` -> ` >= `",
+        "likewise",
+    ),
+    (
+        "uint64_t rest = value < 0 ?",
+        "` < ` -> ` <= `",
+        "the negative of 0 is 0",
+    ),
+    ("out->text[0] = '\\0';", "", "a text is read by its length"),
     (
         "after->started = 1;",
         "`1` -> `2`",
@@ -192,7 +213,9 @@ fn mutants(file: &'static str, text: &str) -> Vec<Mutant> {
         let statement = line.trim();
         let at = begin + line.len() - line.trim_start().len();
         begin += line.len();
-        let declares = TYPES.iter().any(|ty| statement.starts_with(ty));
+        // `(void)x;` says that something is not used.
+        let declares =
+            statement.starts_with("(void)") || TYPES.iter().any(|ty| statement.starts_with(ty));
         let whole = statement.ends_with(';') && line.starts_with("    ") && !declares;
         let balanced = statement.matches('(').count() == statement.matches(')').count();
         let begun =
