@@ -400,8 +400,12 @@ impl Writer<'_> {
                     -0.0,
                     123_456_789.25,
                     -98_765_432.125,
+                    // In cells of 90 degrees: the least that is too large for a text, less than is shown, and -1.
+                    9e13,
+                    -1e-5,
+                    -90.0,
                 ];
-                *value = odd[random.below(9) as usize];
+                *value = odd[random.below(12) as usize];
             }
             // One that is not there, now and then.
             let operation = random.below(count as u64 + 1) as usize;

@@ -24,6 +24,11 @@ pub fn counting() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
             span: Span::default(),
         });
     }
+    // Longer than any text that a library keeps, of characters of three bytes.
+    let coordinator = Arc::make_mut(&mut machine.components[0].specification);
+    for formula in &mut coordinator.assumptions.safety {
+        formula.requirement = Some("\u{2192}".repeat(500));
+    }
     machine.writes.push((wish + 1, RealExpr::Property(wish)));
     (Arc::new(machine), controllers)
 }
