@@ -22,6 +22,7 @@ use linewright::gr1::Domain;
 use linewright::mealy::{self, Cube, Guard, Test, Transition, extract::extract};
 use random::Random;
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 
 /// A place in a list of so many.
 fn pick(random: &mut Random, bound: usize) -> usize {
@@ -277,7 +278,10 @@ fn unmet(random: &mut Random, component: usize, formula: &str) -> String {
         some(random, &FIRST[..1]),
         some(random, &[SECOND[2]]),
     ];
-    own[component] += &format!("\nassume unmet: always eventually ({formula})");
+    let _ = write!(
+        own[component],
+        "\nassume unmet: always eventually ({formula})"
+    );
     let [lead, first, second] = own;
     let script = ["true", "false, true", "true, true, false"][pick(random, 3)];
     format!(
@@ -305,7 +309,7 @@ machine M {{
 fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
     let mut random = Random::new(24);
     let mut outside = 0;
-    for round in 0..120 {
+    for round in 0..60 {
         let component = round % 3;
         let formulas = UNMET[component];
         let formula = formulas[pick(&mut random, formulas.len())];
@@ -345,7 +349,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
         assert!(verdict.open.iter().any(|o| is_it(&o.what)), "{text}");
     }
     assert!(
-        outside > 50,
+        outside > 25,
         "only {outside} speak of what comes from outside"
     );
 }

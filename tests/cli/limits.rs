@@ -93,7 +93,11 @@ fn proofs_are_limited_by_counted_work() {
         let over = AtomicBool::new(false);
         std::thread::scope(|scope| {
             for _ in 0..4 {
-                scope.spawn(|| while !over.load(Ordering::Relaxed) {});
+                scope.spawn(|| {
+                    while !over.load(Ordering::Relaxed) {
+                        std::hint::black_box(0);
+                    }
+                });
             }
             let printed = run(more);
             over.store(true, Ordering::Relaxed);
