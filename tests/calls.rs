@@ -262,6 +262,37 @@ fn time_has_to_pass_for_all_values() {
     proved(&line(0, "").replace("on order", "every 1 s"), &[]);
 }
 
+/// Stores give out what they took in, and sinks take what always comes.
+#[test]
+fn time_has_to_pass_between_stores_too() {
+    let line = |ways: &str| {
+        format!(
+            "line L {{
+    part P
+    part Q
+    product P
+    source s: P on order
+    sink k
+    sink l
+    source q: Q on order
+    store a: 3 Q
+    store b
+    station m: Any {{ perform take on P  perform take on Q }}
+    route P: s -> m -> k
+{ways}}}
+"
+        )
+    };
+    let said = open(&line("    route Q: q -> l\n"), &["LW416"], &[]);
+    assert!(said.contains("from q to l"), "{said}");
+    open(&line("    route Q: q -> a -> a\n"), &["LW416"], &[]);
+    open(&line("    route Q: q -> b -> a -> b\n"), &["LW416"], &[]);
+    proved(
+        &line("    route Q: q -> m -> b\n").replace("    store a: 3 Q\n", ""),
+        &[],
+    );
+}
+
 #[test]
 fn every_part_needs_a_way() {
     let line = |condition: &str, defect: &str| {
@@ -286,7 +317,7 @@ fn every_part_needs_a_way() {
 #[test]
 fn what_is_too_much_to_follow_is_not_proved() {
     let line = "line L {
-    part P { property n, o: number = 0 }
+    part P { property n: number = 0  property o: number = 0 }
     source s: P every 10 s, at most 2 in the line
     sink k
     buffer b capacity 5

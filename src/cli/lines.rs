@@ -66,6 +66,8 @@ pub fn examine<'a>(
         proof.verdict = "open";
         proof.discharges.clear();
         proof.undecided.clear();
+        // What was not decided beside what is wrong does not matter yet.
+        proof.findings.retain(|f| f.code != codes::LINE_UNDECIDED);
     }
     proof.routes_decided = calls.undecided.is_empty();
     proof.findings.extend(found);

@@ -213,12 +213,11 @@ impl Shape {
             place.from.sort_unstable();
             place.ways.sort_by_key(|w| w.part);
         }
-        self.check_time()?;
         self.check_limits(line)
     }
 
     /// Somewhere on the way of every part time has to pass, or else all others wait for ever for parts that move at once.
-    fn check_time(&self) -> Result<(), Unfit> {
+    pub(super) fn check_time(&self) -> Result<(), Unfit> {
         let Some((from, to)) = self.timeless(&BTreeSet::new()) else {
             return Ok(());
         };
@@ -235,16 +234,21 @@ impl Shape {
         };
         for (start, declared) in self.places.iter().enumerate() {
             let endless = matches!(declared.kind, PlaceKind::Supply { always: true, .. });
-            let room = matches!(declared.kind, PlaceKind::Room { .. }) || is_station(declared);
-            if !endless && !room {
+            let instant = match declared.kind {
+                PlaceKind::Room { .. } | PlaceKind::Supply { .. } => true,
+                _ => is_station(declared),
+            };
+            if !instant {
                 continue;
             }
             let mut seen = BTreeSet::new();
-            let mut open: Vec<usize> = self.after(start).into_iter().collect();
+            let mut open: Vec<usize> = self.onward(start).into_iter().collect();
             while let Some(place) = open.pop() {
-                let timeless = match self.places[place].kind {
-                    PlaceKind::End { .. } => endless,
-                    PlaceKind::Room { .. } => place == start,
+                let timeless = match &self.places[place].kind {
+                    PlaceKind::End { leaves, .. } => {
+                        endless && self.comes(place).iter().any(|part| leaves.contains(part))
+                    }
+                    PlaceKind::Room { .. } | PlaceKind::Supply { .. } => place == start,
                     PlaceKind::Station { .. } if is_station(&self.places[place]) => place == start,
                     _ => continue,
                 };
@@ -252,11 +256,25 @@ impl Shape {
                     return Some((start, place));
                 }
                 if seen.insert(place) {
-                    open.extend(self.after(place));
+                    open.extend(self.onward(place));
                 }
             }
         }
         None
+    }
+
+    /// The places that parts may be in next. What a store takes in it may give out again.
+    fn onward(&self, place: usize) -> BTreeSet<usize> {
+        let mut next = self.after(place);
+        if let PlaceKind::End { .. } = self.places[place].kind {
+            let (node, comes) = (self.places[place].node, self.comes(place));
+            let given_out = { self.places.iter().enumerate() }.filter(|(_, other)| {
+                other.node == node
+                    && matches!(other.kind, PlaceKind::Supply { part, .. } if comes.contains(&part))
+            });
+            next.extend(given_out.map(|(other, _)| other));
+        }
+        next
     }
 
     /// A limit of work in progress counts a type; what would make that count inexact is refused.
