@@ -3,6 +3,7 @@
 mod support;
 
 use serde_json::Value;
+use std::fmt::Write as _;
 use support::linewright;
 
 /// A machine that writes a property, and one that takes any part in `t` seconds.
@@ -99,10 +100,14 @@ fn open(line: &str, errors: &[&str], warnings: &[&str]) -> String {
 
 /// So many adders in a row; each adds one, and takes no more than 3.
 fn adders(count: usize, first: &str) -> String {
-    let stations: String = (0..count)
-        .map(|i| format!("    station m{i}: Adder {{ perform add on P {first} }}\n"))
-        .collect();
-    let way: String = (0..count).map(|i| format!(" -> m{i}")).collect();
+    let (mut stations, mut way) = (String::new(), String::new());
+    for i in 0..count {
+        let _ = writeln!(
+            stations,
+            "    station m{i}: Adder {{ perform add on P {first} }}"
+        );
+        let _ = write!(way, " -> m{i}");
+    }
     format!(
         "line L {{
     part P {{ property x: 0..9 = 0 }}

@@ -168,21 +168,21 @@ fn broken(
     specification: &Specification,
     artefact: &Artefact,
 ) -> Option<(BTreeSet<String>, definition::Product)> {
-    fn named<C: std::fmt::Debug>(clauses: BTreeSet<C>) -> BTreeSet<String> {
+    fn named<C: std::fmt::Debug>(clauses: &BTreeSet<C>) -> BTreeSet<String> {
         clauses.iter().map(|c| format!("{c:?}")).collect()
     }
     Some(match artefact {
         Artefact::Machine(machine) => {
             let (found, product) = definition::machine(specification, machine);
-            (named(found), product)
+            (named(&found), product)
         }
         Artefact::Counterstrategy(machine) => {
             let (found, product) = definition::counterstrategy(specification, machine);
-            (named(found), product)
+            (named(&found), product)
         }
         Artefact::Functions(functions) => {
             let found = definition::functions(specification, functions)?;
-            (named(found), definition::Product::default())
+            (named(&found), definition::Product::default())
         }
         Artefact::Graph(edges, met) => {
             let cycle = definition::fair_cycle(edges, *met);

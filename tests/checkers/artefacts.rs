@@ -68,7 +68,10 @@ pub fn right(specification: &Specification) -> Vec<Artefact> {
                 let ranking = won.ranking(specification, &limits).expect("no limit");
                 let text = proof::to_text(specification, &ranking);
                 let document: Value = serde_json::from_str(&text).expect("a document");
-                found.push(Artefact::Proof(document, sizes(specification) % 5 == 0));
+                found.push(Artefact::Proof(
+                    document,
+                    sizes(specification).is_multiple_of(5),
+                ));
             }
             found
         }
@@ -271,7 +274,7 @@ pub fn change(
     }
     match artefact {
         Artefact::Machine(machine) | Artefact::Counterstrategy(machine) => {
-            change_machine(r, machine)
+            change_machine(r, machine);
         }
         Artefact::Functions(functions) => change_functions(r, functions),
         Artefact::Proof(document, _) => change_proof(r, document),
@@ -578,8 +581,14 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
     };
     let point = |r: &mut Random, share: u64, only_now: bool| -> Vec<(Bit, bool)> {
         let bits = (0..2 * pairs as u16).filter(|b| !only_now || b % 2 == 0);
-        bits.filter_map(|b| r.chance(share).then(|| (Bit(b), r.chance(50))))
-            .collect()
+        bits.filter_map(|b| {
+            if r.chance(share) {
+                Some((Bit(b), r.chance(50)))
+            } else {
+                None
+            }
+        })
+        .collect()
     };
     let goals = functions.controls.goals.len();
     if goals == 0 || functions.controls.certificate.goals.len() < goals {
@@ -676,7 +685,7 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
                     .flat_map(|g| g.modes.iter_mut().map(|m| &mut m.outputs)),
             );
             let i = r.below(lists.len() as u64) as usize;
-            let list = &mut lists[i];
+            let list = &mut *lists[i];
             if let Some(i) = pick(r, list) {
                 match r.below(4) {
                     0 => list.reverse(),
@@ -789,7 +798,13 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
                 if r.chance(share) {
                     let bits = bits.iter().copied();
                     let point: Vec<_> = bits
-                        .filter_map(|b| r.chance(50).then(|| (b, r.chance(50))))
+                        .filter_map(|b| {
+                            if r.chance(50) {
+                                Some((b, r.chance(50)))
+                            } else {
+                                None
+                            }
+                        })
                         .collect();
                     let value = r.chance(40);
                     *edge = pointed(&mut controls.diagram, *edge, &point, value);

@@ -394,7 +394,7 @@ fn formula_of<'m>(machine: &'m Machine, rule: &str) -> Option<(&'m Component, &'
             &component.specification.assumptions,
             &component.specification.guarantees,
         ];
-        let mut formulas = sides.into_iter().flat_map(|side| side.all());
+        let mut formulas = sides.into_iter().flat_map(crate::gr1::Side::all);
         let formula = formulas.find(|f| messages::rule(component, f) == rule)?;
         Some((component, formula))
     })

@@ -12,7 +12,7 @@
 //! A station answers a call as its controllers say, and by nothing else: given its state and the values of the part, the answer is fixed. So
 //! the calls of a line are explored one by one, with the very interpreter that the station libraries are tested against
 //! ([`crate::station::interpret`]). The order in which parts come to a station is left open: every part that can come is
-//! tried in every state that calls can lead to ([`desk`]). Chance branches. Everything else about times and orders is forgotten, so more is
+//! tried in every state that calls can lead to (`desk.rs`). Chance branches. Everything else about times and orders is forgotten, so more is
 //! explored than can happen, and never less.
 //!
 //! - What can be explored within its limits is exact but for the order of parts: a refusal that does not depend on the state of the station
@@ -20,7 +20,7 @@
 //! - What cannot be is undecided, and the line is not proved.
 //!
 //! Where several routes remain for parts of a type, a proof that all goes on needs each of them to be taken again and again. Chance sees to
-//! that, almost surely, where every part that is made has a chance to come to that route whatever the stations' states are ([`chance`]).
+//! that, almost surely, where every part that is made has a chance to come to that route whatever the stations' states are (`chance.rs`).
 
 mod belt;
 mod chance;

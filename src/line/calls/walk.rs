@@ -408,10 +408,7 @@ impl<'a> Walk<'a> {
         let mut tried = false;
         for node in 0..self.desks.len() {
             let tasks = self.tasks(node);
-            loop {
-                let Some(desk) = &mut self.desks[node] else {
-                    break;
-                };
+            while let Some(desk) = &mut self.desks[node] {
                 let Some((state, call, steps)) = desk.try_next(tasks) else {
                     break;
                 };

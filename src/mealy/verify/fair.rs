@@ -47,6 +47,10 @@ pub fn fair_cycle(
 }
 
 /// A shortest path of inner edges whose last one is wanted.
+#[expect(
+    clippy::map_entry,
+    reason = "a question and a statement can each be made wrong by the tests of this"
+)]
 fn path(
     edges: &[Vec<Edge>],
     from: usize,
