@@ -25,8 +25,9 @@ static uint64_t lw_moment(void)
     FILETIME now;
     QueryPerformanceCounter(&ticks);
     GetSystemTimeAsFileTime(&now);
-    return (uint64_t)ticks.QuadPart ^ ((uint64_t)now.dwHighDateTime << 32 | now.dwLowDateTime)
-           ^ (uint64_t)GetCurrentProcessId() << 44;
+    /* Both may tick alike: their sum changes with them, which the difference of their bits need not. */
+    return (uint64_t)ticks.QuadPart + ((uint64_t)now.dwHighDateTime << 32 | now.dwLowDateTime)
+           + ((uint64_t)GetCurrentProcessId() << 44);
 }
 #else
 #include <pthread.h>
