@@ -58,8 +58,12 @@ machine Any(t: 0..9 = 1) {
 
 /// The row of the line in what `check` says of it.
 fn checked(line: &str) -> Value {
+    checked_with(MACHINES, line)
+}
+
+fn checked_with(machines: &str, line: &str) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("line.lw"), format!("{MACHINES}{line}")).expect("a file");
+    std::fs::write(folder.path().join("line.lw"), format!("{machines}{line}")).expect("a file");
     let output = linewright(
         folder.path(),
         &["check", "line.lw", "--format", "json", "--no-timing"],
@@ -265,6 +269,29 @@ fn time_has_to_pass_for_all_values() {
         &["LW416"],
     );
     proved(&line(0, "").replace("on order", "every 1 s"), &[]);
+}
+
+/// What a station's file computes may be longer than a run can measure.
+#[test]
+fn no_work_takes_longer_than_a_run_can_measure() {
+    let machines = MACHINES.replace("(t + x) * 1 s", "(t + x) * 1e9 s");
+    let line = |t: u8| {
+        format!(
+            "line L {{
+    part P
+    source s: P on order
+    sink k
+    station m: Any(t = {t}) {{ perform take on P }}
+    route P: s -> m -> k
+}}
+"
+        )
+    };
+    let sound = checked_with(&machines, &line(1));
+    assert_eq!(sound["proof"], "proved", "{sound:#}");
+    let open = checked_with(&machines, &line(2));
+    assert_eq!(open["proof"], "open", "{open:#}");
+    assert_eq!(codes(&open, "error"), ["LW414"], "{open:#}");
 }
 
 /// Stores give out what they took in, and sinks take what always comes.

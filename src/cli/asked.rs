@@ -11,11 +11,9 @@ use crate::contract::line::{Line, Node, NodeKind};
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::game::{Limit, Limits};
+use crate::line::calls::in_turn;
 use crate::station::messages;
 use std::collections::BTreeSet;
-
-/// A sequence of operations is told in so many entries.
-const MOST_TOLD: usize = 8;
 
 /// What is known of the stations of a line.
 #[derive(Debug, Default)]
@@ -34,8 +32,8 @@ pub fn examine<'a>(
     limits: &Limits,
 ) -> Asked {
     let mut asked = Asked::default();
-    for (index, node) in line.nodes.iter().enumerate().filter(|(i, _)| wanted(*i)) {
-        let _ = index;
+    let nodes = line.nodes.iter().enumerate();
+    for (_, node) in nodes.filter(|(i, _)| wanted(*i)) {
         let NodeKind::Station { machine, tasks, .. } = &node.kind else {
             continue;
         };
@@ -136,27 +134,4 @@ fn finding(station: &Node, machine: &Machine, called: &Called, open: &Open) -> D
     .with_help(
         "let the station perform other operations, or the same ones in another order; or weaken what forbids it",
     )
-}
-
-/// `` `left` twice, then `right` ``; the last of them where there are many.
-fn in_turn(operations: &[&str]) -> String {
-    let mut told: Vec<(&str, usize)> = Vec::new();
-    for name in operations {
-        match told.last_mut() {
-            Some((last, times)) if last == name => *times += 1,
-            _ => told.push((name, 1)),
-        }
-    }
-    let text = |(name, times): &(&str, usize)| match times {
-        1 => format!("`{name}`"),
-        2 => format!("`{name}` twice"),
-        times => format!("`{name}` {times} times"),
-    };
-    let left_out = told.len().saturating_sub(MOST_TOLD);
-    let mut texts: Vec<String> = Vec::new();
-    if left_out > 0 {
-        texts.push(format!("{left_out} others"));
-    }
-    texts.extend(told[left_out..].iter().map(text));
-    texts.join(", then ")
 }

@@ -240,7 +240,7 @@ fn table(
 
 /// What to do where it was not decided what a station is asked for.
 const ASKED: &str = "A run shows what is refused. Fewer values of properties, or a machine that comes back to the same state after each operation, \
-                     leave less to be looked at.";
+                     leave less to try; `--effort 10` lets the proof try ten times as much.";
 
 /// What to do where something was not decided.
 const FEWER: &str = "Smaller limits and buffers, or fewer types of parts in one, make the line smaller; `--effort 10` lets the proof do ten times \

@@ -20,6 +20,7 @@ mod uses;
 mod value;
 
 pub use load::load;
+pub use units::{GREATEST_WATTS, LONGEST_SECONDS, SHORTEST_SECONDS, is_duration, is_energy};
 
 use crate::gr1::Specification;
 use crate::order::Skills;

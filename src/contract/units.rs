@@ -97,6 +97,26 @@ pub(super) fn unit(name: &str) -> (Dimension, f64) {
     }
 }
 
+/// The shortest duration other than 0, in seconds. The clock of a run is a double: after [`LONGEST_SECONDS`] it still tells two
+/// instants apart that lie this far from each other.
+pub const SHORTEST_SECONDS: f64 = 1e-6;
+
+/// The longest duration, in seconds: some thirty years.
+pub const LONGEST_SECONDS: f64 = 1e9;
+
+/// The greatest power, in watts, to either side of 0; an operation's energy is finite below it.
+pub const GREATEST_WATTS: f64 = 1e12;
+
+/// Whether a run can measure this duration: 0, or between the shortest and the longest.
+pub fn is_duration(seconds: f64) -> bool {
+    seconds == 0.0 || (SHORTEST_SECONDS..=LONGEST_SECONDS).contains(&seconds)
+}
+
+/// Whether an operation may use this much energy, in joules. Less than 0 is given back.
+pub fn is_energy(joules: f64) -> bool {
+    joules.abs() <= GREATEST_WATTS * LONGEST_SECONDS
+}
+
 /// The units by name.
 const UNITS: &[&str] = &[
     "ms", "s", "min", "h", "d", "mm", "cm", "m", "deg", "rad", "W", "kW", "J", "Wh", "kWh", "g",

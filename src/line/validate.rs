@@ -2,6 +2,7 @@
 //!
 //! The resolver gives the user better messages for most of this, and earlier; a line that it has passed gets none here.
 
+use crate::contract::is_duration;
 use crate::contract::line::{Belt, InitialValue, Line, Node, NodeKind, Supply, Task};
 use crate::contract::machine::{Machine, RealExpr};
 use crate::diagnostics::{Diagnostic, codes};
@@ -102,7 +103,7 @@ impl Check<'_> {
                     format!("{name} makes an unknown part type")
                 });
                 if let Supply::Every { seconds, .. } = supply {
-                    self.require(seconds.is_finite() && *seconds >= 0.0, node.span, || {
+                    self.require(is_duration(*seconds), node.span, || {
                         format!("{name} makes a part every {seconds} seconds, which is no duration")
                     });
                 }
@@ -134,14 +135,13 @@ impl Check<'_> {
                 self.require(has_controller, node.span, || {
                     format!("{name} has no controller")
                 });
-                self.require(
-                    setup_seconds.is_finite() && *setup_seconds >= 0.0,
-                    node.span,
-                    || format!("the setup of {name} takes {setup_seconds} seconds, which is no duration"),
-                );
+                self.require(is_duration(*setup_seconds), node.span, || {
+                    format!(
+                        "the setup of {name} takes {setup_seconds} seconds, which is no duration"
+                    )
+                });
                 if let Some(f) = failures {
-                    let sound =
-                        f.mtbf > 0.0 && f.mttr >= 0.0 && f.mtbf.is_finite() && f.mttr.is_finite();
+                    let sound = f.mtbf > 0.0 && is_duration(f.mtbf) && is_duration(f.mttr);
                     self.require(sound, node.span, || {
                         format!("the failures of {name} need a positive time between them and a time to repair")
                     });
@@ -169,7 +169,7 @@ impl Check<'_> {
                 watts,
             } => {
                 let period = pitch / speed;
-                let sound = *places > 0 && period.is_finite() && period > 0.0 && watts.is_finite();
+                let sound = *places > 0 && period > 0.0 && is_duration(period) && watts.is_finite();
                 self.require(sound, node.span, || {
                     format!("{name} needs places, a pitch and a speed, all greater than 0")
                 });

@@ -5,6 +5,7 @@
 
 use super::{CallError, ErrorCode};
 use crate::contract::machine::{Component, Machine, PlantInput, PlantSource, RealExpr, Role};
+use crate::contract::{LONGEST_SECONDS, is_energy};
 use crate::gr1::Formula;
 use crate::order::lower::{AT_FIRST, rule_of};
 
@@ -281,6 +282,19 @@ impl CallError {
             ErrorCode::Domain,
             format!("{component}: its time is not a finite number of at least 0"),
         )
+    }
+
+    /// What an operation of a line took, if a run cannot measure that.
+    pub(crate) fn unmeasured(seconds: f64, joules: f64) -> Option<Self> {
+        let sound = (0.0..=LONGEST_SECONDS).contains(&seconds) && is_energy(joules);
+        (!sound).then(|| {
+            Self::plain(
+                ErrorCode::Internal,
+                format!(
+                    "the operation took {seconds} s and {joules} J, which a run cannot measure"
+                ),
+            )
+        })
     }
 
     pub(super) fn write(property: &str) -> Self {

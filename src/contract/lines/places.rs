@@ -10,6 +10,7 @@ use crate::contract::machines::{
 };
 use crate::contract::scope::{double, stands_twice};
 use crate::contract::value::{Dimension, Value};
+use crate::contract::{LONGEST_SECONDS, SHORTEST_SECONDS, is_duration};
 use crate::diagnostics::codes;
 use crate::gr1::Domain;
 use crate::source::Span;
@@ -248,6 +249,18 @@ impl<'a> Builder<'a, '_> {
                 name.span,
                 "pitch and speed of a conveyor are more than 0",
                 "write both with their unit: `pitch 0.5 m speed 0.25 m/s`",
+            );
+            return None;
+        }
+        let period = pitch / speed;
+        if period == 0.0 || !is_duration(period) {
+            self.e.error_with(
+                codes::ARGUMENT,
+                name.span,
+                format!("a part takes {period:e} s from place to place, which a run cannot measure"),
+                format!(
+                    "choose pitch and speed so that pitch/speed is {SHORTEST_SECONDS:e} s to {LONGEST_SECONDS:e} s"
+                ),
             );
             return None;
         }

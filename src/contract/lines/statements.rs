@@ -12,6 +12,9 @@ use crate::source::Span;
 use crate::syntax::ast::{self, LineItem};
 use std::collections::BTreeMap;
 
+/// The shortest shift, in seconds.
+const SHORTEST_SHIFT: f64 = 1.0;
+
 impl<'a> Builder<'a, '_> {
     pub(super) fn product(&mut self, decl: &'a ast::Line, model: &mut Line) {
         let mut named = decl.items.iter().filter_map(|i| match i {
@@ -81,6 +84,14 @@ impl<'a> Builder<'a, '_> {
                             codes::ARGUMENT,
                             from.span.to(to.span),
                             "a shift begins before it ends, within one day",
+                            "write `shift 6 h to 14 h`",
+                        );
+                    }
+                    if from_s < to_s && to_s - from_s < SHORTEST_SHIFT {
+                        self.e.error_with(
+                            codes::ARGUMENT,
+                            from.span.to(to.span),
+                            "a shift lasts at least a second",
                             "write `shift 6 h to 14 h`",
                         );
                     }

@@ -5,6 +5,7 @@ use super::properties::{PropertyType, assigned, assigned_array};
 use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::machine::{Failures, Machine, RealExpr};
 use crate::contract::value::Dimension;
+use crate::contract::{GREATEST_WATTS, LONGEST_SECONDS, SHORTEST_SECONDS, is_duration};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::{Time, VarId};
 use crate::source::Span;
@@ -178,7 +179,7 @@ pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, mod
     }
 }
 
-/// A quantity that is not negative.
+/// A quantity that is not negative; a duration that a run can measure, a power with an energy.
 pub(in crate::contract) fn positive<'a>(
     e: &mut Elaborator<'a>,
     x: &'a ast::Expr,
@@ -196,6 +197,21 @@ pub(in crate::contract) fn positive<'a>(
             },
             "write a number from 0 upwards, with its unit",
         );
+        return None;
+    }
+    let unmeasured = match dimension {
+        Dimension::Time if !is_duration(value) => Some((
+            format!("{value:e} s is no duration that a run can measure"),
+            format!("write 0 s, or a time from {SHORTEST_SECONDS:e} s to {LONGEST_SECONDS:e} s"),
+        )),
+        Dimension::Power if value > GREATEST_WATTS => Some((
+            format!("{value:e} W is more power than a run can add up"),
+            format!("write a power up to {GREATEST_WATTS:e} W"),
+        )),
+        _ => None,
+    };
+    if let Some((message, help)) = unmeasured {
+        e.error_with(codes::ARGUMENT, x.span, message, help);
         return None;
     }
     Some(value)

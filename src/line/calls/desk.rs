@@ -138,16 +138,10 @@ impl Desk {
                     return (state, Err(refusal), steps);
                 }
             }
-            if !(seconds.is_finite() && joules.is_finite()) {
+            if let Some(error) = CallError::unmeasured(seconds, joules) {
                 let refusal = Refusal {
                     operation: *operation,
-                    error: CallError {
-                        code: ErrorCode::Internal,
-                        rule: None,
-                        message: format!(
-                            "the operation took {seconds} seconds and {joules} joules, which is no duration or no energy"
-                        ),
-                    },
+                    error,
                 };
                 return (state, Err(refusal), steps);
             }

@@ -400,8 +400,8 @@ fn formula_of<'m>(machine: &'m Machine, rule: &str) -> Option<(&'m Component, &'
     })
 }
 
-/// `` `left` twice, then `right` ``; the last of them where there are many.
-pub(super) fn in_turn(operations: &[&str]) -> String {
+/// Operations in order, for a message: `` `left` twice, then `right` ``. Of a long sequence only the end.
+pub fn in_turn(operations: &[&str]) -> String {
     let mut told: Vec<(&str, usize)> = Vec::new();
     for name in operations {
         match told.last_mut() {

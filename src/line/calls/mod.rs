@@ -29,6 +29,7 @@ mod findings;
 mod premises;
 mod walk;
 
+pub use findings::in_turn;
 pub use premises::{Premise, premises};
 
 use crate::contract::line::{Line, NodeKind};

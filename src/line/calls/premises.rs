@@ -107,18 +107,11 @@ fn orders(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<Prem
             }
     })?;
     let name = &line.nodes[source].name;
-    let (kind, to) = (
-        &line.parts[route_part(lost)].name,
-        &line.nodes[lost.to].name,
-    );
+    let (kind, to) = (&line.parts[lost.part].name, &line.nodes[lost.to].name);
     Some(Premise {
         name: format!("more_orders_for_{name}"),
         text: format!(
             "{name} gets further orders: for a {kind} that ends at {to} nothing is ordered again from {name}"
         ),
     })
-}
-
-fn route_part(route: &crate::contract::line::Route) -> usize {
-    route.part
 }

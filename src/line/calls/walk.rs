@@ -6,6 +6,7 @@
 
 use super::desk::{Answer, Desk, Refusal};
 use super::{Bounds, Calls, Real, machine_of, ordered, plain};
+use crate::contract::SHORTEST_SECONDS;
 use crate::contract::line::{Defect, InitialValue, Line, NodeKind, Task};
 use crate::contract::machine::Machine;
 use crate::game::Limits;
@@ -494,7 +495,7 @@ impl<'a> Walk<'a> {
             let calls = desk.iter().flat_map(|d| &d.calls);
             let answers = calls.flat_map(|c| c.answers.values());
             let seconds: Vec<f64> = answers.flatten().map(|a| a.seconds.0).collect();
-            let timeless = |s: &f64| *s < LEAST_SECONDS;
+            let timeless = |s: &f64| *s < SHORTEST_SECONDS;
             if seconds.iter().any(timeless) {
                 found.insert(node, seconds.iter().all(timeless));
             }
@@ -532,9 +533,6 @@ impl<'a> Walk<'a> {
         self.askers.get(&(node, call)).map_or(&[], Vec::as_slice)
     }
 }
-
-/// Less than this is no time: the clock of a long run would not notice.
-const LEAST_SECONDS: f64 = 1e-6;
 
 /// What a part may leave with, as far as one defect goes.
 fn with_defect(defect: &Defect, values: &[Real]) -> Vec<Vec<Real>> {

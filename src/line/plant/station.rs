@@ -447,19 +447,11 @@ impl Run<'_> {
                 values[index] = value;
             }
             let service = controller.simulate(*operation, values)?;
-            let sound = |x: f64| x.is_finite() && x >= 0.0;
-            if !sound(service.seconds) || !service.joules.is_finite() {
-                return Err(CallError {
-                    code: ErrorCode::Internal,
-                    rule: None,
-                    message: format!(
-                        "the operation took {} seconds and {} joules, which is no duration or no energy",
-                        service.seconds, service.joules
-                    ),
-                });
-            }
             seconds += service.seconds;
             joules += service.joules;
+            if let Some(error) = CallError::unmeasured(seconds, joules) {
+                return Err(error);
+            }
         }
         for (value, target) in values.iter().zip(&task.properties) {
             if let Some(target) = target {
