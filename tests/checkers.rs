@@ -9,6 +9,7 @@
 //! | `witness` | whether the play that a verifier shows is one that breaks the clause it names |
 //! | `../proof/checker.rs` | the checker of proofs |
 //! | `switch` | which of the mutants that `mutation` has made is on |
+//! | `equivalent` | the mutants that nothing can notice, with the reason for each |
 
 #[path = "checkers/artefacts.rs"]
 mod artefacts;
@@ -17,6 +18,8 @@ mod artefacts;
 mod checker;
 #[path = "checkers/definition.rs"]
 mod definition;
+#[path = "checkers/equivalent.rs"]
+mod equivalent;
 #[path = "oracle/game.rs"]
 #[allow(dead_code, reason = "only its evaluator is used")]
 mod game;
@@ -30,7 +33,7 @@ mod switch;
 #[path = "checkers/witness.rs"]
 mod witness;
 
-use artefacts::Artefact;
+use artefacts::{Artefact, Tried};
 use linewright::game::{Limit, Limits};
 use linewright::gr1::{Owner, Specification};
 use linewright::mealy::{certify, verify};
@@ -54,8 +57,10 @@ struct Case {
     specification: Specification,
     artefact: Artefact,
     limits: Limits,
-    /// The clauses that it breaks, as they are printed; nothing where it is right.
+    /// The clauses that it breaks, as they are printed; nothing where it is right. A checker names one of them.
     broken: BTreeSet<String>,
+    /// Whether there is one only, and none that is asked for after it either.
+    alone: bool,
 }
 
 const ACCEPTED: &str = "accepted";
@@ -109,15 +114,17 @@ fn verdict(case: &Case) -> String {
         }
         Artefact::Graph(edges, met) => witness::cycle(edges, *met),
         Artefact::Formulas(formulas, values) => witness::formulas(specification, formulas, values),
+        Artefact::Product(of) => witness::product(specification, of, limits),
         Artefact::Proof(document, tried) => {
-            let extent = if *tried {
-                copies::checker::Extent::Some {
-                    seed: 1,
-                    states: TRIED,
-                    inputs: TRIED,
-                }
-            } else {
-                copies::checker::Extent::All
+            let some = |inputs| copies::checker::Extent::Some {
+                seed: 1,
+                states: TRIED,
+                inputs,
+            };
+            let extent = match tried {
+                Tried::All => copies::checker::Extent::All,
+                Tried::Some => some(TRIED),
+                Tried::StatesOnly => some(0),
             };
             let found = copies::checker::accepts(specification, document, extent);
             let clause = |clause: copies::checker::Clause| first_word(&format!("{clause:?}"));
@@ -155,10 +162,40 @@ fn said(case: &Case) -> String {
             clause(found.map(|f| f.map_err(|v| format!("{:?}", v.clause))))
         }
         // Parts of the verifiers, of which the copies are asked.
-        Artefact::Graph(..) | Artefact::Formulas(..) => verdict(case),
-        Artefact::Proof(document, _) => {
-            let found = checker::accepts(specification, document, checker::Extent::All);
+        Artefact::Graph(..) | Artefact::Formulas(..) | Artefact::Product(_) => verdict(case),
+        Artefact::Proof(document, tried) => {
+            let extent = match tried {
+                Tried::StatesOnly => checker::Extent::Some {
+                    seed: 1,
+                    states: TRIED,
+                    inputs: 0,
+                },
+                Tried::All | Tried::Some => checker::Extent::All,
+            };
+            let found = checker::accepts(specification, document, extent);
             clause(Ok(found.map_err(|c| first_word(&format!("{c:?}")))))
+        }
+    }
+}
+
+/// The clauses that an artefact breaks, as they are printed.
+struct Breaks {
+    named: BTreeSet<String>,
+    alone: bool,
+}
+
+impl Breaks {
+    fn only(named: BTreeSet<String>) -> Self {
+        let alone = named.len() == 1;
+        Self { named, alone }
+    }
+}
+
+impl<C: std::fmt::Debug> From<definition::Found<C>> for Breaks {
+    fn from(found: definition::Found<C>) -> Self {
+        Self {
+            named: found.named.iter().map(|c| format!("{c:?}")).collect(),
+            alone: found.named.len() == 1 && found.later.is_empty(),
         }
     }
 }
@@ -167,33 +204,34 @@ fn said(case: &Case) -> String {
 fn broken(
     specification: &Specification,
     artefact: &Artefact,
-) -> Option<(BTreeSet<String>, definition::Product)> {
-    fn named<C: std::fmt::Debug>(clauses: &BTreeSet<C>) -> BTreeSet<String> {
-        clauses.iter().map(|c| format!("{c:?}")).collect()
-    }
+) -> Option<(Breaks, definition::Product)> {
+    let none = definition::Product::default();
     Some(match artefact {
         Artefact::Machine(machine) => {
             let (found, product) = definition::machine(specification, machine);
-            (named(&found), product)
+            (found.into(), product)
         }
         Artefact::Counterstrategy(machine) => {
             let (found, product) = definition::counterstrategy(specification, machine);
-            (named(&found), product)
+            (found.into(), product)
         }
         Artefact::Functions(functions) => {
             let found = definition::functions(specification, functions)?;
-            (named(&found), definition::Product::default())
+            (found.into(), none)
         }
         Artefact::Graph(edges, met) => {
             let cycle = definition::fair_cycle(edges, *met);
             let found = cycle.then(|| "a cycle".to_owned());
-            (found.into_iter().collect(), definition::Product::default())
+            (Breaks::only(found.into_iter().collect()), none)
         }
-        Artefact::Formulas(..) => (BTreeSet::new(), definition::Product::default()),
-        Artefact::Proof(document, _) => (
-            definition::proof(specification, document),
-            definition::Product::default(),
-        ),
+        Artefact::Formulas(..) | Artefact::Product(_) => (Breaks::only(BTreeSet::new()), none),
+        Artefact::Proof(document, tried) => {
+            let mut found = definition::proof(specification, document);
+            if *tried == Tried::StatesOnly {
+                found.remove("Answer");
+            }
+            (Breaks::only(found), none)
+        }
     })
 }
 
@@ -205,6 +243,7 @@ fn kind(artefact: &Artefact) -> &'static str {
         Artefact::Proof(..) => "proof",
         Artefact::Graph(..) => "graph",
         Artefact::Formulas(..) => "formulas",
+        Artefact::Product(_) => "product",
     }
 }
 
@@ -217,13 +256,17 @@ const SPECIFICATIONS: u64 = 160;
 /// As many changes to each artefact.
 const CHANGES: usize = 60;
 
-/// As many artefacts of a kind are looked at with limits.
+/// As many artefacts of a kind are looked at with limits, and as many of those with an output that nothing mentions.
 const LIMITED: usize = 40;
+
+fn has_spare(specification: &Specification) -> bool {
+    specification.variables.iter().any(|v| v.name == "spare")
+}
 
 /// Artefacts with as little work as they need and with less, and right ones with numbers that are too large.
 fn limited(cases: &[Case]) -> Vec<Case> {
     let mut found = Vec::new();
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut counts: BTreeMap<(&str, bool), usize> = BTreeMap::new();
     for case in cases {
         // These are told once all was looked at, as is that nothing is wrong.
         let last = |b: &String| b == "Won" || b.starts_with("Starved") || b.starts_with("Justice");
@@ -232,8 +275,9 @@ fn limited(cases: &[Case]) -> Vec<Case> {
             continue;
         }
         let right = case.broken.is_empty();
+        let spare = has_spare(&case.specification);
         let count = counts
-            .entry(if right { kind } else { "wrong" })
+            .entry((if right { kind } else { "wrong" }, spare))
             .or_default();
         *count += 1;
         let with = |specification: &Specification, most: Option<u64>, broken: &[&str]| Case {
@@ -244,6 +288,7 @@ fn limited(cases: &[Case]) -> Vec<Case> {
                 ..Limits::default()
             },
             broken: broken.iter().map(|b| (*b).to_owned()).collect(),
+            alone: false,
         };
         if right && *count < 8 {
             for specification in artefacts::too_large(&case.specification) {
@@ -263,22 +308,49 @@ fn limited(cases: &[Case]) -> Vec<Case> {
     found
 }
 
+/// As many products of a kind are looked at, and as many proofs of which states are tried without their steps.
+const FURTHER: usize = 40;
+
+/// Other questions about artefacts that are there.
+fn further(cases: &[Case]) -> Vec<(Specification, Artefact)> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut found = Vec::new();
+    for case in cases {
+        let artefact = match &case.artefact {
+            right @ (Artefact::Machine(_) | Artefact::Counterstrategy(_))
+                if case.broken.is_empty() =>
+            {
+                Artefact::Product(Box::new(right.clone()))
+            }
+            Artefact::Proof(document, _) if case.broken.contains("Answer") => {
+                Artefact::Proof(document.clone(), Tried::StatesOnly)
+            }
+            _ => continue,
+        };
+        let count = counts.entry(kind(&case.artefact)).or_default();
+        *count += 1;
+        if *count <= FURTHER {
+            found.push((case.specification.clone(), artefact));
+        }
+    }
+    found
+}
+
 /// Right and wrong artefacts; the same in every run.
 fn cases() -> &'static [Case] {
     static CASES: OnceLock<Vec<Case>> = OnceLock::new();
     CASES.get_or_init(|| {
         let mut cases: Vec<Case> = Vec::new();
         let mut alike: BTreeMap<(&str, String), usize> = BTreeMap::new();
-        let mut keep = |specification: &Specification,
-                        artefact: &Artefact,
-                        broken: BTreeSet<String>| {
+        let mut keep = |specification: &Specification, artefact: &Artefact, broken: Breaks| {
             let kinds: BTreeSet<&str> = broken
+                .named
                 .iter()
                 .map(|b| b.split('(').next().unwrap_or(b))
                 .collect();
             let variables = &specification.variables;
             let of = |owner: Owner| variables.iter().filter(|v| v.owner == owner).count().min(2);
-            let spare = variables.iter().any(|v| v.name == "spare");
+            let spare = has_spare(specification);
             let wide = specification.name == "wide";
             let assumed = match artefact {
                 Artefact::Functions(f) => f.names.len().min(2),
@@ -296,7 +368,7 @@ fn cases() -> &'static [Case] {
             *count += 1;
             let most = if wide {
                 15
-            } else if broken.is_empty() {
+            } else if broken.named.is_empty() {
                 3 * MOST_ALIKE
             } else {
                 MOST_ALIKE
@@ -306,7 +378,8 @@ fn cases() -> &'static [Case] {
                     specification: specification.clone(),
                     artefact: artefact.clone(),
                     limits: Limits::default(),
-                    broken,
+                    broken: broken.named,
+                    alone: broken.alone,
                 });
             }
         };
@@ -315,8 +388,9 @@ fn cases() -> &'static [Case] {
             for right in artefacts::right(specification) {
                 let (wrong, product) = broken(specification, &right).expect("codes with a meaning");
                 assert!(
-                    wrong.is_empty(),
-                    "{wrong:?} of {right:#?}\n{specification:#?}"
+                    wrong.named.is_empty(),
+                    "{:?} of {right:#?}\n{specification:#?}",
+                    wrong.named
                 );
                 keep(specification, &right, wrong);
                 let value = |n: usize| product.nodes[n].1.clone();
@@ -337,8 +411,9 @@ fn cases() -> &'static [Case] {
             }
         }
         let (specification, right) = artefacts::wide();
+        let further_wide = artefacts::at_words(&right);
         let right = Artefact::Functions(Box::new(right));
-        keep(&specification, &right, BTreeSet::new());
+        keep(&specification, &right, Breaks::only(BTreeSet::new()));
         let mut r = Random::new(1);
         for _ in 0..40 * CHANGES {
             let (mut specification, mut artefact) = (specification.clone(), right.clone());
@@ -346,6 +421,23 @@ fn cases() -> &'static [Case] {
             if let Some((broken, _)) = broken(&specification, &artefact) {
                 keep(&specification, &artefact, broken);
             }
+        }
+        let further_wide = further_wide.into_iter().map(|functions| {
+            let artefact = Artefact::Functions(Box::new(functions));
+            (specification.clone(), artefact)
+        });
+        let further: Vec<_> = further_wide.chain(further(&cases)).collect();
+        for (specification, artefact) in further {
+            let Some((found, _)) = broken(&specification, &artefact) else {
+                continue;
+            };
+            cases.push(Case {
+                specification,
+                artefact,
+                limits: Limits::default(),
+                broken: found.named,
+                alone: false,
+            });
         }
         for seed in 0..400 {
             let mut r = Random::new(seed);
@@ -359,7 +451,8 @@ fn cases() -> &'static [Case] {
                     specification: specification.clone(),
                     artefact,
                     limits: Limits::default(),
-                    broken,
+                    broken: broken.named,
+                    alone: broken.alone,
                 });
             }
         }
@@ -367,6 +460,63 @@ fn cases() -> &'static [Case] {
         cases.extend(limited);
         cases
     })
+}
+
+/// The names of the clauses of an enum; one more in it does not compile.
+macro_rules! clauses {
+    ($enum:ident: $($name:ident)*) => {{
+        #[allow(dead_code, reason = "it is only compiled")]
+        fn every(clause: &$enum) {
+            match clause {
+                $($enum::$name { .. } => (),)*
+            }
+        }
+        &[$(stringify!($name)),*]
+    }};
+}
+
+const OF_PLAYS: &[&str] = {
+    use verify::Clause;
+    clauses!(Clause: Ports Timing Target Values Domain Guard First Nothing Gap Overlap Unanswered AnsweredTwice
+        Guarantee Justice Assumption Starved Won)
+};
+
+/// What is asked of counterstrategies only, and of machines only.
+const OF_COUNTERSTRATEGIES: [&str; 6] = [
+    "Nothing",
+    "Unanswered",
+    "AnsweredTwice",
+    "Assumption",
+    "Starved",
+    "Won",
+];
+const OF_MACHINES: [&str; 4] = ["Gap", "Overlap", "Guarantee", "Justice"];
+
+const OF_FUNCTIONS: &[&str] = {
+    use certify::Clause;
+    clauses!(Clause: Ports Diagram SetOfStates LayerAssumption OutputKnown OutputTwice OutputMissing ModeKnown ModeLayer
+        ModeMissing AssumptionKnown Domain Invariant Layers Refused NotRefused Initial Start Safety Reached Missed Strays
+        Back Waits Nowhere)
+};
+
+const OF_PROOFS: &[&str] = {
+    use checker::Clause;
+    clauses!(Clause: Form Start Region Layer Answer Reached Within)
+};
+
+/// All clauses, with the kinds of what they are asked of.
+fn all_clauses() -> Vec<(&'static str, &'static str)> {
+    let without =
+        |others: &'static [&str]| OF_PLAYS.iter().filter(move |name| !others.contains(name));
+    let machine = without(&OF_COUNTERSTRATEGIES).map(|name| ("machine", *name));
+    let counterstrategy = without(&OF_MACHINES).map(|name| ("counterstrategy", *name));
+    let functions = OF_FUNCTIONS.iter().map(|name| ("functions", *name));
+    let proof = OF_PROOFS.iter().map(|name| ("proof", *name));
+    machine
+        .chain(counterstrategy)
+        .chain(functions)
+        .chain(proof)
+        .collect()
 }
 
 #[test]
@@ -390,7 +540,7 @@ fn each_clause_is_named_when_it_is_broken() {
         for clause in &case.broken {
             let name = clause.split('(').next().unwrap_or(clause).to_owned();
             let count = alone.entry((kind(&case.artefact), name)).or_default();
-            count[usize::from(case.broken.len() == 1)] += 1;
+            count[usize::from(case.alone)] += 1;
         }
         if case.broken.is_empty() {
             alone
@@ -406,6 +556,14 @@ fn each_clause_is_named_when_it_is_broken() {
         println!("{kind:16} {clause:18} {alone:6} {others:12}");
     }
     assert_eq!(wrong, 0);
+    let never: Vec<_> = all_clauses()
+        .into_iter()
+        .filter(|(kind, clause)| {
+            let found = alone.get(&(*kind, (*clause).to_owned()));
+            found.is_none_or(|[_, alone]| *alone == 0)
+        })
+        .collect();
+    assert!(never.is_empty(), "nothing breaks these alone: {never:?}");
 }
 
 /// One mutant, and whether something noticed it.
@@ -418,7 +576,9 @@ struct Trial {
 
 #[test]
 fn no_mutant_of_a_checker_survives() {
+    let start = Instant::now();
     let cases = cases();
+    println!("cases made after {:?}", start.elapsed());
     // What each case comes by, and what it costs.
     let mut known: Vec<(usize, Vec<bool>, u64)> = Vec::new();
     for (i, case) in cases.iter().enumerate() {
@@ -442,6 +602,7 @@ fn no_mutant_of_a_checker_survives() {
             hook(info);
         }
     }));
+    println!("all are right after {:?}", start.elapsed());
     let clock = Instant::now();
     let threads = 2;
     let known = &known;
@@ -485,19 +646,70 @@ fn no_mutant_of_a_checker_survives() {
     for ((file, operator), [made, killed]) in &table {
         println!("{file:28} {operator:12} {made:5} {killed:6}");
     }
-    for (number, cases) in &survivors {
-        let m = &copies::MUTANTS[*number as usize];
+    let (stale, noticed) = compare(&survivors);
+    for row in equivalent::EQUIVALENT {
+        let (function, right, wrong) = (row.function, row.right, row.wrong);
         println!(
-            "survives ({cases}): {} | {} | {} | {} | {}",
-            m.file, m.function, m.operator, m.right, m.wrong
+            "equivalent: {} | {function} | {right} | {wrong}: {}",
+            row.file, row.why
         );
     }
     let (made, left) = (trials.len(), survivors.len());
     println!(
-        "{made} mutants, {} killed, {left} survive, {:?}",
+        "{made} mutants, {} killed, {left} survive, {} of them equivalent, {:?}",
         made - left,
+        left - noticed.len(),
         clock.elapsed()
     );
+    assert!(
+        noticed.is_empty(),
+        "nothing notices:\n{}",
+        noticed.join("\n")
+    );
+    assert!(
+        stale.is_empty(),
+        "said to be equivalent, and noticed or not there:\n{}",
+        stale.join("\n")
+    );
+    assert!(
+        (made - left) * 100 >= made * LEAST_KILLED,
+        "too many are equivalent"
+    );
+}
+
+/// As many of a hundred mutants are noticed; of the others it is shown that nothing can notice them.
+const LEAST_KILLED: usize = 98;
+
+/// Rows of the table of equivalent mutants that are none, and survivors that are not in it; as text.
+fn compare(survivors: &[(u32, usize)]) -> (Vec<String>, Vec<String>) {
+    let key = |m: &switch::Mutant| (m.file, m.function, m.right, m.wrong);
+    let mut known: BTreeSet<_> = equivalent::EQUIVALENT
+        .iter()
+        .map(|e| ((e.file, e.function, e.right, e.wrong), e.number))
+        .collect();
+    assert_eq!(
+        known.len(),
+        equivalent::EQUIVALENT.len(),
+        "rows stand twice"
+    );
+    let mut missing = Vec::new();
+    for (number, cases) in survivors {
+        let mutant = &copies::MUTANTS[*number as usize];
+        let before = copies::MUTANTS[..=*number as usize].iter();
+        let place = before.filter(|m| key(m) == key(mutant)).count();
+        if !known.remove(&(key(mutant), place)) {
+            missing.push(format!(
+                "{} | {} | {} | {} | {} | number {place}, {cases} cases",
+                mutant.file, mutant.function, mutant.operator, mutant.right, mutant.wrong
+            ));
+        }
+    }
+    let stale = known
+        .into_iter()
+        .map(|((file, function, right, wrong), place)| {
+            format!("{file} | {function} | {right} | {wrong} | number {place}")
+        });
+    (stale.collect(), missing)
 }
 
 /// Cases that ask more switches are left to the test of the clauses.

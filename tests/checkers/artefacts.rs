@@ -25,12 +25,24 @@ pub enum Artefact {
     Machine(Machine),
     Counterstrategy(Machine),
     Functions(Box<Functions>),
-    /// A document, and whether its states and inputs are tried or counted through.
-    Proof(Value, bool),
+    Proof(Value, Tried),
     /// The edges of a graph with what holds on them, as bits: that it stays bad, and what is to be met.
     Graph(Vec<Vec<(usize, u32)>>, usize),
     /// Formulas, and the values that their variables get.
     Formulas(Vec<Expr>, Vec<[i64; 2]>),
+    /// What a verifier builds of a right machine or counterstrategy.
+    Product(Box<Artefact>),
+}
+
+/// How a proof is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tried {
+    /// States and inputs are counted through.
+    All,
+    /// So many are tried that all are met.
+    Some,
+    /// States are, none of their inputs: whether a step has an answer is not asked.
+    StatesOnly,
 }
 
 /// As many valuations, and as many pairs of bits, are counted through.
@@ -68,10 +80,12 @@ pub fn right(specification: &Specification) -> Vec<Artefact> {
                 let ranking = won.ranking(specification, &limits).expect("no limit");
                 let text = proof::to_text(specification, &ranking);
                 let document: Value = serde_json::from_str(&text).expect("a document");
-                found.push(Artefact::Proof(
-                    document,
-                    sizes(specification).is_multiple_of(5),
-                ));
+                let tried = if sizes(specification).is_multiple_of(5) {
+                    Tried::Some
+                } else {
+                    Tried::All
+                };
+                found.push(Artefact::Proof(document, tried));
             }
             found
         }
@@ -224,6 +238,40 @@ pub fn wide() -> (Specification, Functions) {
     (specification, functions)
 }
 
+/// Functions of which one asks for a bit at the end of a word, at once or beneath another bit.
+pub fn at_words(right: &Functions) -> Vec<Functions> {
+    let end = 2 * right.pairs() as u16;
+    let words = (0..end).step_by(64);
+    let bits = words.flat_map(|w| [w.checked_sub(1), Some(w), Some(w + 1)]);
+    let mut found = Vec::new();
+    for bit in bits.flatten().filter(|b| *b < end).map(Bit) {
+        for beneath in [false, true] {
+            for place in 0..4 {
+                let mut functions = right.clone();
+                let controls = &mut functions.controls;
+                let diagram = if place == 0 {
+                    &mut controls.certificate.diagram
+                } else {
+                    &mut controls.diagram
+                };
+                let mut edge = literal(diagram, bit);
+                if beneath {
+                    edge = pointed(diagram, edge, &[(Bit(0), false)], true);
+                }
+                let mode = &mut controls.goals[0].modes[0];
+                *match place {
+                    0 => &mut controls.certificate.region,
+                    1 => &mut controls.first[0].1,
+                    2 => &mut mode.outputs[0].1,
+                    _ => &mut mode.when,
+                } = edge;
+                found.push(functions);
+            }
+        }
+    }
+    found
+}
+
 fn formula(name: &str, expr: Expr) -> Formula {
     Formula {
         name: name.to_owned(),
@@ -278,7 +326,7 @@ pub fn change(
         }
         Artefact::Functions(functions) => change_functions(r, functions),
         Artefact::Proof(document, _) => change_proof(r, document),
-        Artefact::Graph(..) | Artefact::Formulas(..) => {}
+        Artefact::Graph(..) | Artefact::Formulas(..) | Artefact::Product(_) => {}
     }
 }
 
@@ -533,6 +581,15 @@ fn literal(diagram: &mut Diagram, bit: Bit) -> Edge {
     Edge::to(diagram.nodes.len() - 1)
 }
 
+/// A function of some bit; now and then it comes to it only after another one, which is always known.
+fn asking(r: &mut Random, diagram: &mut Diagram, bit: Bit) -> Edge {
+    let edge = literal(diagram, bit);
+    if r.chance(60) {
+        return edge;
+    }
+    pointed(diagram, edge, &[(Bit(0), r.chance(50))], r.chance(50))
+}
+
 /// One of the edges of the functions.
 fn some_edge<'f>(r: &mut Random, functions: &'f mut Functions) -> Option<&'f mut Edge> {
     let controls = &mut functions.controls;
@@ -652,13 +709,15 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
         }
         // A set that asks for any bit, a function that does.
         9 => {
-            let edge = literal(&mut functions.controls.certificate.diagram, any_bit(r));
+            let bit = any_bit(r);
+            let edge = asking(r, &mut functions.controls.certificate.diagram, bit);
             if let Some(set) = some_set(r, functions) {
                 *set = edge;
             }
         }
         10 | 11 => {
-            let edge = literal(&mut functions.controls.diagram, any_bit(r));
+            let bit = any_bit(r);
+            let edge = asking(r, &mut functions.controls.diagram, bit);
             if let Some(place) = some_edge(r, functions) {
                 *place = edge;
             }

@@ -1,5 +1,8 @@
 //! What a right machine, a right counterstrategy and a right certificate are, by enumeration: which clauses an artefact
 //! breaks. Formulas are evaluated directly, diagrams are walked from their roots, nothing of the checkers is used.
+//!
+//! Clauses come in stages, and a checker names one of the first stage in which something is broken: the form, without which
+//! the others say nothing, then safety before liveness, or a certificate's region before what is promised and the steps.
 
 use super::game::value;
 use linewright::game::{Aim, Assumed, Edge};
@@ -12,6 +15,24 @@ use serde_json::Value;
 use std::collections::{BTreeSet, HashMap};
 
 pub type Broken = BTreeSet<Clause>;
+
+/// The clauses that an artefact breaks.
+pub struct Found<C> {
+    /// Those of the first stage in which something is broken, one of which a checker names.
+    pub named: BTreeSet<C>,
+    /// Those of the later stages, as far as they say something.
+    pub later: BTreeSet<C>,
+}
+
+impl<C: Ord> Found<C> {
+    fn staged(stages: impl IntoIterator<Item = BTreeSet<C>>) -> Self {
+        let mut broken = stages.into_iter().filter(|stage| !stage.is_empty());
+        Self {
+            named: broken.next().unwrap_or_default(),
+            later: broken.flatten().collect(),
+        }
+    }
+}
 
 /// All valuations of one side's variables; the others are 0.
 pub fn valuations(specification: &Specification, owner: Owner) -> Vec<Vec<i64>> {
@@ -232,10 +253,10 @@ fn reachable(out: &[Vec<usize>], from: usize) -> Vec<bool> {
 }
 
 /// The clauses that a machine breaks.
-pub fn machine(specification: &Specification, machine: &Machine) -> (Broken, Product) {
+pub fn machine(specification: &Specification, machine: &Machine) -> (Found<Clause>, Product) {
     let mut found = form(specification, machine, Owner::Environment, Owner::System);
     if !found.is_empty() {
-        return (found, Product::default());
+        return (Found::staged([found]), Product::default());
     }
     let inputs = valuations(specification, Owner::Environment);
     let product = Product::walk(|at| {
@@ -260,24 +281,24 @@ pub fn machine(specification: &Specification, machine: &Machine) -> (Broken, Pro
         }
         steps
     });
-    if found.is_empty() {
-        for goal in &specification.guarantees.justice {
-            if product.cycle(
-                |now, next| !holds(goal, now, next),
-                &specification.assumptions.justice,
-            ) {
-                found.insert(Clause::Justice(goal.name.clone()));
-            }
-        }
-    }
-    (found, product)
+    let missed = specification.guarantees.justice.iter().filter(|goal| {
+        product.cycle(
+            |now, next| !holds(goal, now, next),
+            &specification.assumptions.justice,
+        )
+    });
+    let missed = missed.map(|f| Clause::Justice(f.name.clone())).collect();
+    (Found::staged([found, missed]), product)
 }
 
 /// The clauses that a counterstrategy breaks.
-pub fn counterstrategy(specification: &Specification, machine: &Machine) -> (Broken, Product) {
+pub fn counterstrategy(
+    specification: &Specification,
+    machine: &Machine,
+) -> (Found<Clause>, Product) {
     let mut found = form(specification, machine, Owner::System, Owner::Environment);
     if !found.is_empty() {
-        return (found, Product::default());
+        return (Found::staged([found]), Product::default());
     }
     let outputs = valuations(specification, Owner::System);
     let product = Product::walk(|at| {
@@ -325,17 +346,16 @@ pub fn counterstrategy(specification: &Specification, machine: &Machine) -> (Bro
         }
         steps
     });
-    if found.is_empty() {
-        for assumption in &specification.assumptions.justice {
-            if product.cycle(|now, next| !holds(assumption, now, next), &[]) {
-                found.insert(Clause::Starved(assumption.name.clone()));
-            }
-        }
-        if product.cycle(|_, _| true, &specification.guarantees.justice) {
-            found.insert(Clause::Won);
-        }
+    let starved = specification
+        .assumptions
+        .justice
+        .iter()
+        .filter(|f| product.cycle(|now, next| !holds(f, now, next), &[]));
+    let mut live: Broken = starved.map(|f| Clause::Starved(f.name.clone())).collect();
+    if product.cycle(|_, _| true, &specification.guarantees.justice) {
+        live.insert(Clause::Won);
     }
-    (found, product)
+    (Found::staged([found, live]), product)
 }
 
 /// Whether some cycle of bad edges meets all that is to be met.
@@ -406,10 +426,13 @@ fn sound(diagram: &Diagram, bits: usize, edges: &[Edge]) -> bool {
 type Certified = BTreeSet<certify::Clause>;
 
 /// The clauses that functions with their certificate break; `None` where formulas would be asked of codes without a meaning.
-pub fn functions(specification: &Specification, functions: &Functions) -> Option<Certified> {
+pub fn functions(
+    specification: &Specification,
+    functions: &Functions,
+) -> Option<Found<certify::Clause>> {
     let found = form_of_functions(specification, functions);
     if !found.is_empty() {
-        return Some(found);
+        return Some(Found::staged([found]));
     }
     let codes = Codes::new(specification, functions);
     // Of more nobody counts through all.
@@ -649,9 +672,9 @@ impl<'a> Codes<'a> {
         then
     }
 
-    fn check(&self) -> Option<Certified> {
+    fn check(&self) -> Option<Found<certify::Clause>> {
         use certify::Clause;
-        let mut found = Certified::new();
+        let mut sets = Certified::new();
         let controls = &self.functions.controls;
         let (assume, guarantee) = (
             &self.specification.assumptions,
@@ -673,9 +696,9 @@ impl<'a> Codes<'a> {
             let out: Vec<_> = out.map(|(v, _)| Clause::Domain(v.name.clone())).collect();
             if out.is_empty() {
                 let wrong = guarantee.invariants.iter().filter(|f| !holds(f, &now, &[]));
-                found.extend(wrong.map(|f| Clause::Invariant(f.name.clone())));
+                sets.extend(wrong.map(|f| Clause::Invariant(f.name.clone())));
             }
-            found.extend(out);
+            sets.extend(out);
         }
         for layers in &controls.certificate.goals {
             let mut bounds = layers
@@ -690,11 +713,12 @@ impl<'a> Codes<'a> {
                     .all(|s| !self.set(stage.reached, s) || self.set(bound, s))
             });
             if !nested {
-                found.insert(Clause::Layers);
+                sets.insert(Clause::Layers);
             }
         }
-        if !found.is_empty() {
-            return Some(found);
+        // Of codes outside the domains formulas say nothing.
+        if sets.iter().any(|c| matches!(c, Clause::Domain(_))) {
+            return Some(Found::staged([sets]));
         }
 
         // What a driver is asked for.
@@ -704,6 +728,7 @@ impl<'a> Codes<'a> {
             self.outside(&next, Owner::Environment).is_none()
                 && broken(assume, (!first).then_some(&now), &next).is_empty()
         };
+        let mut promises = Certified::new();
         let mut ask = |bits: &[bool], first: bool| {
             let list = if first {
                 &controls.assumed_first
@@ -713,7 +738,7 @@ impl<'a> Codes<'a> {
             let accepted = list.iter().all(|(_, e)| self.function(*e, bits));
             let legal = legal(bits, first);
             if legal && !accepted {
-                found.insert(Clause::Refused);
+                promises.insert(Clause::Refused);
             }
             if accepted
                 && !legal
@@ -721,7 +746,7 @@ impl<'a> Codes<'a> {
                     .outside(&self.values(bits, 1), Owner::Environment)
                     .is_none()
             {
-                found.insert(Clause::NotRefused);
+                promises.insert(Clause::NotRefused);
             }
         };
         for bits in self.all(&none, 1, Some(Owner::Environment)) {
@@ -732,10 +757,7 @@ impl<'a> Codes<'a> {
                 ask(&bits, false);
             }
         }
-        if !found.is_empty() {
-            return Some(found);
-        }
-
+        let mut steps = Certified::new();
         for mut bits in self.all(&none, 1, Some(Owner::Environment)) {
             if legal(&bits, true) {
                 for (bit, edge) in &controls.first {
@@ -743,14 +765,14 @@ impl<'a> Codes<'a> {
                 }
                 let next = self.values(&bits, 1);
                 let wrong = guarantee.initial.iter().filter(|f| !holds(f, &next, &[]));
-                found.extend(wrong.map(|f| Clause::Initial(f.name.clone())));
+                steps.extend(wrong.map(|f| Clause::Initial(f.name.clone())));
                 if self.outside(&next, Owner::System).is_some() {
                     // What a formula says of codes without a value means nothing.
                     let any = guarantee.initial.iter();
-                    found.extend(any.map(|f| Clause::Initial(f.name.clone())));
+                    steps.extend(any.map(|f| Clause::Initial(f.name.clone())));
                 }
                 if !self.set(controls.certificate.region, &Self::then(&bits)) {
-                    found.insert(Clause::Start);
+                    steps.insert(Clause::Start);
                 }
             }
         }
@@ -758,12 +780,12 @@ impl<'a> Codes<'a> {
             for state in &region {
                 for bits in self.all(state, 1, Some(Owner::Environment)) {
                     if legal(&bits, false) {
-                        self.step(goal, bits, &mut found);
+                        self.step(goal, bits, &mut steps);
                     }
                 }
             }
         }
-        Some(found)
+        Some(Found::staged([sets, promises, steps]))
     }
 
     /// One step in pursuit of a goal.

@@ -1,7 +1,8 @@
 //! Whether the play of a violation shows what is said of it.
 
+use super::artefacts::Artefact;
 use super::copies::verify::residual::{Pool, Tree, key};
-use super::copies::verify::{Edge, fair};
+use super::copies::verify::{self, Edge, fair};
 use super::definition::{broken, holds, matching, part, valuations, with};
 use super::game::value;
 use linewright::game::Limits;
@@ -231,6 +232,35 @@ pub fn cycle(edges: &[Vec<(usize, u32)>], met: usize) -> String {
             Err("something is wrong")
         },
     )
+}
+
+/// What a verifier builds of a right artefact: the steps from each node in order and each once, each label once.
+pub fn product(specification: &Specification, of: &Artefact, limits: &Limits) -> String {
+    let (edges, labels) = match of {
+        Artefact::Machine(machine) => {
+            let check = verify::Check::new(specification, machine, limits);
+            let mut check = check.expect("no limit");
+            assert_eq!(check.explore(), Ok(None));
+            (check.edges, check.labels)
+        }
+        Artefact::Counterstrategy(machine) => {
+            let mut check = verify::counter::Check::new(specification, machine, limits);
+            assert_eq!(check.explore(), Ok(None));
+            (check.edges, check.labels)
+        }
+        _ => panic!("nothing is built of it"),
+    };
+    let each_once = |labels: &[Vec<bool>]| {
+        let mut different = labels.to_vec();
+        different.sort_unstable();
+        different.dedup();
+        different.len() == labels.len()
+    };
+    if edges.iter().all(|e| e.is_sorted_by(|a, b| a < b)) && each_once(&labels) {
+        "accepted".to_owned()
+    } else {
+        "something stands twice or out of order".to_owned()
+    }
 }
 
 /// Formulas of which one variable after the other becomes known.

@@ -350,6 +350,13 @@ impl VisitMut for Switcher {
                 if shows {
                     PathChanger.visit_item_impl_mut(block);
                 } else {
+                    for item in &mut block.items {
+                        if let syn::ImplItem::Fn(function) = item
+                            && block.trait_.is_none()
+                        {
+                            function.vis = parse_quote!(pub);
+                        }
+                    }
                     visit_mut::visit_item_impl_mut(self, block);
                 }
             }

@@ -1,0 +1,154 @@
+//! The mutants that nothing can notice: whatever is checked, the verdict is the same, and so is the play that shows it.
+//!
+//! Most save time: a table of what is known already, a question that spares others. What they leave out is done by what
+//! follows, only later.
+
+/// A mutant that comes to the same.
+pub struct Equivalent {
+    pub file: &'static str,
+    pub function: &'static str,
+    pub right: &'static str,
+    pub wrong: &'static str,
+    /// Which one of the mutants that look like this in the function, in the order of the text.
+    pub number: usize,
+    /// Why it comes to the same.
+    pub why: &'static str,
+}
+
+const CERTIFY: &str = "src/mealy/certify.rs";
+const COUNTER: &str = "src/mealy/verify/counter.rs";
+const FAIR: &str = "src/mealy/verify/fair.rs";
+const RESIDUAL: &str = "src/mealy/verify/residual.rs";
+const VERIFY: &str = "src/mealy/verify/mod.rs";
+
+pub const EQUIVALENT: &[Equivalent] = &[
+    Equivalent {
+        file: COUNTER,
+        function: "leaf",
+        right: "letter.edges.last() != Some(& edge)",
+        wrong: "true",
+        number: 1,
+        why: "`distinct` leaves each edge of a node once, so an edge that is put down again goes there",
+    },
+    Equivalent {
+        file: FAIR,
+        function: "components",
+        right: "0",
+        wrong: "1",
+        number: 1,
+        why: "numbers of nodes are only compared with each other and with NEW, wherever they begin",
+    },
+    Equivalent {
+        file: FAIR,
+        function: "components",
+        right: "0",
+        wrong: "1",
+        number: 2,
+        why: "as `all but the first` below: the same nodes are roots",
+    },
+    Equivalent {
+        file: FAIR,
+        function: "components",
+        right: "0 .. count",
+        wrong: "all but the first",
+        number: 1,
+        why: "node 0 is met from another root, or lies on no cycle but its own edges: then it alone keeps the part NEW, \
+              which is as good a name as any",
+    },
+    Equivalent {
+        file: RESIDUAL,
+        function: "choose",
+        right: "None => a",
+        wrong: "None => b",
+        number: 1,
+        why: "this arm is taken where `a == b`",
+    },
+    Equivalent {
+        file: RESIDUAL,
+        function: "fix",
+        right: "self.fixed.insert((id, key, value), result)",
+        wrong: "",
+        number: 1,
+        why: "what is fixed depends on expression, key and value alone and is interned: done again, it has the same number",
+    },
+    Equivalent {
+        file: RESIDUAL,
+        function: "answer",
+        right: "known != UNKNOWN",
+        wrong: "false",
+        number: 1,
+        why: "formulas fixed again are the same, and `place` finds the place that their list has",
+    },
+    Equivalent {
+        file: RESIDUAL,
+        function: "answer",
+        right: "self.branches [place as usize].children [slot] = child",
+        wrong: "",
+        number: 1,
+        why: "an answer that is not noted is worked out again; `place` finds the place that the list has",
+    },
+    Equivalent {
+        file: VERIFY,
+        function: "context",
+        right: "! always(id)",
+        wrong: "true",
+        number: 1,
+        why: "the constant 1 is evaluated for each letter and is never 0; the names of the others stay beside them",
+    },
+    Equivalent {
+        file: VERIFY,
+        function: "context",
+        right: "self.known.insert(place, Rc :: clone(& context))",
+        wrong: "",
+        number: 1,
+        why: "a context depends on its place alone; one that is not noted is made again, with the same places",
+    },
+    Equivalent {
+        file: VERIFY,
+        function: "explore",
+        right: "edges.last() != Some(& edge)",
+        wrong: "true",
+        number: 1,
+        why: "`distinct` leaves each edge of a node once, so an edge that is put down again goes there",
+    },
+    Equivalent {
+        file: CERTIFY,
+        function: "possible",
+        right: "self.kernel.is_false(& left)",
+        wrong: "false",
+        number: 1,
+        why: "nothing and a promise is nothing: the last line says no just as well",
+    },
+    Equivalent {
+        file: CERTIFY,
+        function: "broken",
+        right: "m.and_not(steps, cluster)",
+        wrong: ":: core :: result :: Result :: < _, linewright :: game :: Limit > :: Ok((steps).clone())",
+        number: 1,
+        why: "a cluster is the conjunction of its formulas: of one that all steps keep, each formula is looked at in vain",
+    },
+    Equivalent {
+        file: CERTIFY,
+        function: "broken",
+        right: "! m.is_false(& m.and_not(steps, cluster) ?)",
+        wrong: "true",
+        number: 1,
+        why: "as above: formulas are looked at in their order, and those of a cluster that is kept are kept",
+    },
+    Equivalent {
+        file: CERTIFY,
+        function: "assumptions",
+        right: "! promises.contains(f)",
+        wrong: "true",
+        number: 1,
+        why: "a function that is one of the promises is false nowhere where they hold: it is asked for in vain",
+    },
+    Equivalent {
+        file: CERTIFY,
+        function: "assumptions",
+        right: "! asked.contains(p)",
+        wrong: "true",
+        number: 1,
+        why: "a promise that is one of the functions asked for is broken nowhere where they hold: it is looked at in vain",
+    },
+];
