@@ -52,6 +52,9 @@ const MOST_PAIRS: usize = 7;
 /// Proofs are checked state by state and step by step.
 const MOST_STATES: u128 = 40;
 
+/// As many states are tried so often that all are met.
+const MOST_TRIED: u128 = 6;
+
 fn sizes(specification: &Specification) -> u128 {
     let sizes = specification.variables.iter().map(|v| v.domain.size());
     sizes.map(u128::from).product()
@@ -80,12 +83,10 @@ pub fn right(specification: &Specification) -> Vec<Artefact> {
                 let ranking = won.ranking(specification, &limits).expect("no limit");
                 let text = proof::to_text(specification, &ranking);
                 let document: Value = serde_json::from_str(&text).expect("a document");
-                let tried = if sizes(specification).is_multiple_of(5) {
-                    Tried::Some
-                } else {
-                    Tried::All
-                };
-                found.push(Artefact::Proof(document, tried));
+                if sizes(specification) <= MOST_TRIED {
+                    found.push(Artefact::Proof(document.clone(), Tried::Some));
+                }
+                found.push(Artefact::Proof(document, Tried::All));
             }
             found
         }
@@ -905,27 +906,58 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
     }
 }
 
-/// A function of a proof that is another one in one state, or some.
-fn another(r: &mut Random, document: &mut Value, edge: &Value) -> Value {
+/// Values of some of a proof's bits, each taken with this chance.
+fn some_bits(r: &mut Random, document: &Value, chance: u64) -> Vec<(u64, bool)> {
     let variables = document["variables"].as_array().into_iter().flatten();
     let bits = variables.flat_map(|v| v["bits"].as_array().into_iter().flatten());
     let bits: Vec<u64> = bits.filter_map(Value::as_u64).collect();
-    let mut inner = json!(r.below(2));
+    let mut found = Vec::new();
+    for bit in bits {
+        if r.chance(chance) {
+            found.push((bit, r.chance(50)));
+        }
+    }
+    found
+}
+
+/// A function of a proof with another value where bits have these.
+fn changed(document: &mut Value, edge: &Value, bits: &[(u64, bool)], value: bool) -> Value {
+    let mut inner = json!(u64::from(value));
     let Some(nodes) = document["nodes"].as_array_mut() else {
         return inner;
     };
-    for bit in bits {
-        if r.chance(85) {
-            let set = r.chance(50);
-            nodes.push(if set {
-                json!([bit, inner, edge])
-            } else {
-                json!([bit, edge, inner])
-            });
-            inner = json!(2 * nodes.len());
-        }
+    for (bit, set) in bits {
+        nodes.push(if *set {
+            json!([bit, inner, edge])
+        } else {
+            json!([bit, edge, inner])
+        });
+        inner = json!(2 * nodes.len());
     }
     inner
+}
+
+/// A function of a proof that is another one in one state, or some.
+fn another(r: &mut Random, document: &mut Value, edge: &Value) -> Value {
+    let value = r.chance(50);
+    let bits = some_bits(r, document, 85);
+    changed(document, edge, &bits, value)
+}
+
+/// A layer more, of what was there before and one state, or some, which are said to wait.
+fn add_layer(r: &mut Random, document: &mut Value, goal: usize, layer: usize) {
+    let bits = some_bits(r, document, 95);
+    let layers = &document["goals"][goal]["layers"];
+    let before = match layer.checked_sub(1) {
+        Some(before) => layers[before]["reached"].clone(),
+        None => json!(0),
+    };
+    let wait = changed(document, &json!(0), &bits, true);
+    let reached = changed(document, &before, &bits, true);
+    let added = json!({"assumption": r.below(2), "wait": wait, "reached": reached});
+    if let Some(list) = document["goals"][goal]["layers"].as_array_mut() {
+        list.insert(layer, added);
+    }
 }
 
 /// Another function in one place of a proof, a part less, or something that is no proof.
@@ -941,7 +973,8 @@ fn change_proof(r: &mut Random, document: &mut Value) {
         0 => json!(r.below(2)),
         _ => json!(2 + r.below(2 * count.max(1))),
     };
-    match r.below(17) {
+    match r.below(20) {
+        17.. if layers > 0 => add_layer(r, document, goal, layer),
         16 => {
             let count = document["variables"].as_array().map_or(0, Vec::len) as u64;
             if count > 0 {

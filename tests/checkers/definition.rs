@@ -852,14 +852,15 @@ impl<'a> Codes<'a> {
     }
 }
 
-/// The obligations of `docs/proof.md` that a document does not meet.
-pub fn proof(specification: &Specification, document: &Value) -> BTreeSet<String> {
+/// The obligations of `docs/proof.md` that a document does not meet. Who counts states through in their order names the first.
+pub fn proof(specification: &Specification, document: &Value) -> Found<String> {
     let obligations = Document::read(document)
         .filter(|d| d.goals.len() == specification.guarantees.justice.len().max(1));
     let Some(document) = obligations else {
-        return ["Form".to_owned()].into();
+        return Found::staged([["Form".to_owned()].into()]);
     };
-    document.broken(specification)
+    let stages = document.broken(specification).into_iter();
+    Found::staged(stages.map(|clause| [clause.to_owned()].into()))
 }
 
 /// A proof, as sets of states are needed of it.
@@ -938,8 +939,9 @@ impl Document {
         self.holds(if set { high } else { low }, state) != (edge % 2 == 1)
     }
 
-    fn broken(&self, specification: &Specification) -> BTreeSet<String> {
-        let mut found = BTreeSet::new();
+    /// What is broken, in the order in which it is found.
+    fn broken(&self, specification: &Specification) -> Vec<&'static str> {
+        let mut found = Vec::new();
         let (assume, guarantee) = (&specification.assumptions, &specification.guarantees);
         let inputs = valuations(specification, Owner::Environment);
         let outputs = valuations(specification, Owner::System);
@@ -978,34 +980,19 @@ impl Document {
             .collect();
         let starts =
             |s: &[i64]| legal(s) && guarantee.initial.iter().all(|f| holds(f, s, &[])) && region(s);
-        let mut note = |wrong: bool, name: &str| {
-            if wrong {
-                found.insert(name.to_owned());
+        let mut note = |wrong: bool, name: &'static str| {
+            if wrong && !found.contains(&name) {
+                found.push(name);
             }
         };
         note(!can(&first, &starts), "Start");
-        for state in &states {
-            let sets = self
-                .goals
-                .iter()
-                .flatten()
-                .flat_map(|[_, wait, reached]| [wait, reached]);
-            if !region(state) {
-                note(sets.into_iter().any(|s| self.holds(*s, state)), "Within");
-                continue;
-            }
+        for state in states.iter().filter(|s| region(s)) {
             note(!legal(state), "Region");
             let given: Vec<_> = inputs
                 .iter()
                 .filter(|x| broken(assume, Some(state), x).is_empty())
                 .collect();
             for (j, layers) in self.goals.iter().enumerate() {
-                note(
-                    !layers
-                        .iter()
-                        .any(|[_, _, reached]| self.holds(*reached, state)),
-                    "Reached",
-                );
                 for (k, [assumption, wait, reached]) in layers.iter().enumerate() {
                     let below = |s: &[i64]| k > 0 && self.holds(layers[k - 1][2], s);
                     let waits = self.holds(*wait, state);
@@ -1026,7 +1013,14 @@ impl Document {
                     };
                     note(waits && !below(state) && !can(&given, &good), "Answer");
                 }
+                let mut reached = layers.iter().map(|[_, _, reached]| reached);
+                note(!reached.any(|r| self.holds(*r, state)), "Reached");
             }
+        }
+        for state in states.iter().filter(|s| !region(s)) {
+            let layers = self.goals.iter().flatten();
+            let mut sets = layers.flat_map(|[_, wait, reached]| [wait, reached]);
+            note(sets.any(|s| self.holds(*s, state)), "Within");
         }
         found
     }

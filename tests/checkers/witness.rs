@@ -1,6 +1,7 @@
 //! Whether the play of a violation shows what is said of it.
 
 use super::artefacts::Artefact;
+use super::copies::checker;
 use super::copies::verify::residual::{Pool, Tree, key};
 use super::copies::verify::{self, Edge, fair};
 use super::definition::{broken, holds, matching, part, valuations, with};
@@ -263,8 +264,13 @@ pub fn product(specification: &Specification, of: &Artefact, limits: &Limits) ->
     }
 }
 
-/// Formulas of which one variable after the other becomes known.
+/// Formulas of a specification, whose valuations are all there, of which one variable after the other becomes known.
 pub fn formulas(specification: &Specification, formulas: &[Expr], values: &[[i64; 2]]) -> String {
+    for owner in [Owner::Environment, Owner::System] {
+        if checker::valuations(specification, owner) != valuations(specification, owner) {
+            return "valuations are others".to_owned();
+        }
+    }
     let times = [Time::Now, Time::Next];
     let now: Vec<i64> = values.iter().map(|v| v[0]).collect();
     let next: Vec<i64> = values.iter().map(|v| v[1]).collect();
