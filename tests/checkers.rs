@@ -116,15 +116,15 @@ fn verdict(case: &Case) -> String {
         Artefact::Formulas(formulas, values) => witness::formulas(specification, formulas, values),
         Artefact::Product(of) => witness::product(specification, of, limits),
         Artefact::Proof(document, tried) => {
-            let some = |inputs| copies::checker::Extent::Some {
+            let some = |states, inputs| copies::checker::Extent::Some {
                 seed: 1,
-                states: TRIED,
+                states,
                 inputs,
             };
             let extent = match tried {
                 Tried::All => copies::checker::Extent::All,
-                Tried::Some => some(TRIED),
-                Tried::StatesOnly => some(0),
+                Tried::Some => some(TRIED, TRIED),
+                Tried::StatesOnly => some(TRIED_ALONE, 0),
             };
             let found = copies::checker::accepts(specification, document, extent);
             let clause = |clause: copies::checker::Clause| first_word(&format!("{clause:?}"));
@@ -135,6 +135,9 @@ fn verdict(case: &Case) -> String {
 
 /// Where states and inputs are tried and not counted through: often enough that all of six are met.
 const TRIED: u64 = 60;
+
+/// Where states only are tried: of some forty.
+const TRIED_ALONE: u64 = 600;
 
 fn first_word(clause: &str) -> String {
     clause.split('(').next().unwrap_or(clause).to_owned()
@@ -167,7 +170,7 @@ fn said(case: &Case) -> String {
             let extent = match tried {
                 Tried::StatesOnly => checker::Extent::Some {
                     seed: 1,
-                    states: TRIED,
+                    states: TRIED_ALONE,
                     inputs: 0,
                 },
                 Tried::All | Tried::Some => checker::Extent::All,
@@ -257,13 +260,18 @@ fn kind(artefact: &Artefact) -> &'static str {
 const MOST_ALIKE: usize = 20;
 
 /// As many random specifications.
-const SPECIFICATIONS: u64 = 160;
+const SPECIFICATIONS: u64 = 240;
 
 /// As many changes to each artefact.
 const CHANGES: usize = 60;
 
 /// As many artefacts of a kind are looked at with limits, and as many of those with an output that nothing mentions.
 const LIMITED: usize = 40;
+
+/// Whether a clause is told once all was looked at, as is that nothing is wrong.
+fn last(clause: &str) -> bool {
+    clause == "Won" || clause.starts_with("Starved") || clause.starts_with("Justice")
+}
 
 fn has_spare(specification: &Specification) -> bool {
     specification.variables.iter().any(|v| v.name == "spare")
@@ -274,10 +282,8 @@ fn limited(cases: &[Case]) -> Vec<Case> {
     let mut found = Vec::new();
     let mut counts: BTreeMap<(&str, bool), usize> = BTreeMap::new();
     for case in cases {
-        // These are told once all was looked at, as is that nothing is wrong.
-        let last = |b: &String| b == "Won" || b.starts_with("Starved") || b.starts_with("Justice");
         let kind = kind(&case.artefact);
-        if !matches!(kind, "machine" | "counterstrategy") || !case.broken.iter().all(last) {
+        if !matches!(kind, "machine" | "counterstrategy") || !case.broken.iter().all(|b| last(b)) {
             continue;
         }
         let right = case.broken.is_empty();
@@ -314,29 +320,59 @@ fn limited(cases: &[Case]) -> Vec<Case> {
     found
 }
 
-/// As many products of a kind are looked at, and as many proofs of which states are tried without their steps.
-const FURTHER: usize = 40;
+/// As many products of a kind are looked at, as many proofs of which states are tried without their steps, as many of games
+/// that end, and as many counterstrategies whose machine has goals alone.
+const FURTHER: usize = 60;
+
+/// How many states a machine has.
+fn states(artefact: &Artefact) -> usize {
+    match artefact {
+        Artefact::Machine(machine) | Artefact::Counterstrategy(machine) => machine.states.len(),
+        _ => 0,
+    }
+}
 
 /// Other questions about artefacts that are there.
 fn further(cases: &[Case]) -> Vec<(Specification, Artefact)> {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut counts: BTreeMap<(&str, bool), usize> = BTreeMap::new();
     let mut found = Vec::new();
     for case in cases {
+        let mut specification = case.specification.clone();
         let artefact = match &case.artefact {
+            Artefact::Functions(functions)
+                if case.broken.is_empty() && specification.name != "wide" =>
+            {
+                let mut r = Random::new(found.len() as u64);
+                let variants = artefacts::variants(&mut r, &specification, functions);
+                let artefact = |f| Artefact::Functions(Box::new(f));
+                found.extend(variants.into_iter().map(|(s, f)| (s, artefact(f))));
+                continue;
+            }
             right @ (Artefact::Machine(_) | Artefact::Counterstrategy(_))
-                if case.broken.is_empty() =>
+                if case.broken.is_empty() && states(&case.artefact) > 1 =>
             {
                 Artefact::Product(Box::new(right.clone()))
             }
             Artefact::Proof(document, Tried::All) if case.broken.contains("Answer") => {
                 Artefact::Proof(document.clone(), Tried::StatesOnly)
             }
+            wrong @ Artefact::Counterstrategy(_)
+                if case.broken.iter().any(|b| b.starts_with("Assumption")) =>
+            {
+                specification = artefacts::goals_alone(&specification);
+                wrong.clone()
+            }
+            right @ Artefact::Proof(_, Tried::Some) if case.broken.is_empty() => {
+                specification = artefacts::ended(&specification);
+                right.clone()
+            }
             _ => continue,
         };
-        let count = counts.entry(kind(&case.artefact)).or_default();
+        let label = (kind(&case.artefact), case.broken.is_empty());
+        let count = counts.entry(label).or_default();
         *count += 1;
         if *count <= FURTHER {
-            found.push((case.specification.clone(), artefact));
+            found.push((specification, artefact));
         }
     }
     found
@@ -374,7 +410,7 @@ fn cases() -> &'static [Case] {
             *count += 1;
             let most = if wide {
                 15
-            } else if broken.named.is_empty() {
+            } else if broken.named.iter().all(|b| last(b)) {
                 3 * MOST_ALIKE
             } else {
                 MOST_ALIKE
@@ -695,36 +731,46 @@ fn no_mutant_of_a_checker_survives() {
 /// As many of a hundred mutants are noticed; of the others it is shown that nothing can notice them.
 const LEAST_KILLED: usize = 98;
 
+/// Mutants that are said to be equivalent are tried on one case in so many.
+const EQUIVALENT_TRIED: usize = 3;
+
+/// The row of a mutant in the table of equivalent ones.
+fn row(mutant: u32) -> Option<&'static equivalent::Equivalent> {
+    let all = copies::MUTANTS;
+    let key = |m: &switch::Mutant| (m.file, m.function, m.right, m.wrong);
+    let wanted = key(&all[mutant as usize]);
+    let mut rows = equivalent::EQUIVALENT
+        .iter()
+        .filter(|e| (e.file, e.function, e.right, e.wrong) == wanted);
+    let before = all[..=mutant as usize].iter();
+    let number = before.filter(|m| key(m) == wanted).count();
+    rows.find(|e| e.number == number)
+}
+
 /// Rows of the table of equivalent mutants that are none, and survivors that are not in it; as text.
 fn compare(survivors: &[(u32, usize)]) -> (Vec<String>, Vec<String>) {
-    let key = |m: &switch::Mutant| (m.file, m.function, m.right, m.wrong);
-    let mut known: BTreeSet<_> = equivalent::EQUIVALENT
-        .iter()
-        .map(|e| ((e.file, e.function, e.right, e.wrong), e.number))
-        .collect();
-    assert_eq!(
-        known.len(),
-        equivalent::EQUIVALENT.len(),
-        "rows stand twice"
-    );
+    let line = |e: &equivalent::Equivalent| {
+        let (file, function, right, wrong) = (e.file, e.function, e.right, e.wrong);
+        format!(
+            "{file} | {function} | {right} | {wrong} | number {}",
+            e.number
+        )
+    };
+    let mut stale: Vec<String> = equivalent::EQUIVALENT.iter().map(line).collect();
     let mut missing = Vec::new();
     for (number, cases) in survivors {
-        let mutant = &copies::MUTANTS[*number as usize];
-        let before = copies::MUTANTS[..=*number as usize].iter();
-        let place = before.filter(|m| key(m) == key(mutant)).count();
-        if !known.remove(&(key(mutant), place)) {
+        if let Some(row) = row(*number) {
+            let row = line(row);
+            stale.retain(|other| *other != row);
+        } else {
+            let m = &copies::MUTANTS[*number as usize];
             missing.push(format!(
-                "{} | {} | {} | {} | {} | number {place}, {cases} cases",
-                mutant.file, mutant.function, mutant.operator, mutant.right, mutant.wrong
+                "{} | {} | {} | {} | {} | {cases} cases",
+                m.file, m.function, m.operator, m.right, m.wrong
             ));
         }
     }
-    let stale = known
-        .into_iter()
-        .map(|((file, function, right, wrong), place)| {
-            format!("{file} | {function} | {right} | {wrong} | number {place}")
-        });
-    (stale.collect(), missing)
+    (stale, missing)
 }
 
 /// Cases that ask more switches are left to the test of the clauses.
@@ -741,6 +787,9 @@ fn trial(
     let mut tried = 0;
     let comes_by = |k: &usize| known[*k].1.get(place).copied().unwrap_or(false);
     let mut order: Vec<usize> = (0..known.len()).filter(comes_by).collect();
+    if row(mutant).is_some() {
+        order.retain(|k| k % EQUIVALENT_TRIED == 0);
+    }
     order.sort_by_key(|k| (std::cmp::Reverse(kills[*k]), *k));
     let mut long = None;
     let run = |k: usize, most: u64| {

@@ -298,6 +298,24 @@ pub fn too_large(specification: &Specification) -> [Specification; 3] {
     [first, last, only]
 }
 
+/// A specification with goals alone.
+pub fn goals_alone(specification: &Specification) -> Specification {
+    let mut alone = specification.clone();
+    let side = &mut alone.guarantees;
+    side.initial.clear();
+    side.invariants.clear();
+    side.safety.clear();
+    alone
+}
+
+/// A specification with an assumption that no second step keeps.
+pub fn ended(specification: &Specification) -> Specification {
+    let mut ended = specification.clone();
+    let side = &mut ended.assumptions;
+    side.safety.push(formula("ended", Expr::Const(0)));
+    ended
+}
+
 fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
@@ -316,8 +334,8 @@ pub fn change(
     artefact: &mut Artefact,
     steps: &[[Vec<i64>; 2]],
 ) {
-    if r.chance(30) {
-        let answers = matches!(artefact, Artefact::Counterstrategy(_));
+    let answers = matches!(artefact, Artefact::Counterstrategy(_));
+    if r.chance(if answers { 45 } else { 30 }) {
         change_specification(r, specification, answers, steps);
         return;
     }
@@ -345,6 +363,7 @@ fn change_specification(
     let kind = match r.below(8) {
         // What is met again and again.
         kind if answers && r.chance(50) => [0, 3, 3, 7][kind as usize % 4],
+        kind if !answers && r.chance(25) => [3, 7][kind as usize % 2],
         kind => kind,
     };
     let variables = specification.variables.clone();
@@ -449,6 +468,9 @@ fn change_machine(r: &mut Random, machine: &mut Machine) {
             lists.push(&mut machine.initial);
             let transitions = lists.into_iter().flatten();
             let mut cubes: Vec<_> = transitions.flat_map(|t| &mut t.guard.0).collect();
+            if r.chance(50) {
+                cubes.retain(|c| !c.0.is_empty());
+            }
             if let (Some(input), Some(c)) = (spare, pick(r, &cubes)) {
                 cubes[c].0.push(Test {
                     input,
@@ -653,7 +675,7 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
         return;
     }
     let goal = r.below(goals as u64) as usize;
-    match r.below(42) {
+    match r.below(45) {
         0 => change_ports(r, &mut functions.inputs),
         1 => change_ports(r, &mut functions.outputs),
         2 => functions.timing = flipped(functions.timing),
@@ -871,7 +893,7 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
                 }
             }
         }
-        39 => {
+        39 | 42.. => {
             for mode in &mut functions.controls.goals[goal].modes {
                 mode.aim = Aim::Nearer;
             }
@@ -920,6 +942,73 @@ fn some_bits(r: &mut Random, document: &Value, chance: u64) -> Vec<(u64, bool)> 
     found
 }
 
+/// What is asked of functions in ways that chance seldom finds: steps that leave a layer whose assumption never holds, steps
+/// that lead below the layer they are to lead to, and the last of several assumptions not asked of a driver.
+pub fn variants(
+    r: &mut Random,
+    specification: &Specification,
+    functions: &Functions,
+) -> Vec<(Specification, Functions)> {
+    let mut found = Vec::new();
+    let current: Vec<Bit> = (0..functions.pairs() as u16).map(|p| Bit(2 * p)).collect();
+    let mut never = specification.clone();
+    never
+        .assumptions
+        .justice
+        .push(formula("never", Expr::Const(0)));
+    for goal in 0..functions.controls.goals.len() {
+        let mut changed = functions.clone();
+        for mode in &mut changed.controls.goals[goal].modes {
+            mode.aim = Aim::Nearer;
+        }
+        let certificate = &mut changed.controls.certificate;
+        let stages = &mut certificate.goals[goal];
+        let Some(at) = pick(r, stages) else {
+            continue;
+        };
+        let before = at.checked_sub(1).map(|i| stages[i].reached);
+        let mut state = Vec::new();
+        for bit in &current {
+            if r.chance(90) {
+                state.push((*bit, r.chance(50)));
+            }
+        }
+        let before = before.unwrap_or(Edge::FALSE);
+        let mut added = stages[at];
+        added.reached = pointed(&mut certificate.diagram, before, &state, true);
+        stages.insert(at, added);
+        for stage in stages {
+            stage.assumption = never.assumptions.justice.len() - 1;
+        }
+        found.push((never.clone(), changed));
+        let layers = functions.controls.certificate.goals[goal].len();
+        for (i, mode) in functions.controls.goals[goal].modes.iter().enumerate() {
+            if let Aim::Layer(layer) = mode.aim
+                && layer + 1 < layers
+            {
+                let mut changed = functions.clone();
+                changed.controls.goals[goal].modes[i].aim = Aim::Layer(layer + 1);
+                found.push((specification.clone(), changed));
+            }
+        }
+    }
+    for first in [true, false] {
+        let mut changed = functions.clone();
+        let controls = &mut changed.controls;
+        let (list, names) = if first {
+            (&mut controls.assumed_first, &mut changed.names_first)
+        } else {
+            (&mut controls.assumed, &mut changed.names)
+        };
+        if list.len() > 1 {
+            list.pop();
+            names.pop();
+            found.push((specification.clone(), changed));
+        }
+    }
+    found
+}
+
 /// A function of a proof with another value where bits have these.
 fn changed(document: &mut Value, edge: &Value, bits: &[(u64, bool)], value: bool) -> Value {
     let mut inner = json!(u64::from(value));
@@ -960,6 +1049,17 @@ fn add_layer(r: &mut Random, document: &mut Value, goal: usize, layer: usize) {
     }
 }
 
+/// Two layers more, of states from which the goal is reached already: that they are said to wait, too, is no matter, wherever
+/// they lead.
+fn add_idle_layers(r: &mut Random, document: &mut Value, goal: usize) {
+    let bits = some_bits(r, document, 95);
+    let states = changed(document, &json!(0), &bits, true);
+    if let Some(list) = document["goals"][goal]["layers"].as_array_mut() {
+        list.push(json!({"assumption": 0, "wait": 0, "reached": states}));
+        list.push(json!({"assumption": 0, "wait": states, "reached": states}));
+    }
+}
+
 /// Another function in one place of a proof, a part less, or something that is no proof.
 fn change_proof(r: &mut Random, document: &mut Value) {
     let count = document["nodes"].as_array().map_or(0, Vec::len) as u64;
@@ -974,7 +1074,8 @@ fn change_proof(r: &mut Random, document: &mut Value) {
         _ => json!(2 + r.below(2 * count.max(1))),
     };
     match r.below(20) {
-        17.. if layers > 0 => add_layer(r, document, goal, layer),
+        17 | 18 if layers > 0 => add_layer(r, document, goal, layer),
+        19 if layers > 0 => add_idle_layers(r, document, goal),
         16 => {
             let count = document["variables"].as_array().map_or(0, Vec::len) as u64;
             if count > 0 {

@@ -306,7 +306,7 @@ pub fn counterstrategy(
         let now = at.map(|(_, now)| now);
         let mut steps = Vec::new();
         // What it gives, taken or not, keeps the assumptions.
-        let mut keeps = true;
+        let mut keeps = Vec::new();
         for t in transitions {
             let mut wrong: BTreeSet<&str> =
                 specification.assumptions.all().map(|f| &*f.name).collect();
@@ -315,7 +315,7 @@ pub fn counterstrategy(
                 let here = broken(&specification.assumptions, now, &step);
                 wrong.retain(|name| here.iter().any(|f| f.name == *name));
             }
-            keeps &= wrong.is_empty();
+            keeps.push(wrong.is_empty());
             found.extend(
                 wrong
                     .iter()
@@ -325,23 +325,29 @@ pub fn counterstrategy(
         for answer in &outputs {
             let values = part(specification, answer, Owner::System);
             let of = matching(transitions, &values);
-            let output = of.first().map_or(&transitions[0].output, |t| &t.output);
-            let next = with(specification, answer, Owner::Environment, output);
-            let legal = broken(&specification.guarantees, now, &next).is_empty();
-            if !legal && specification.timing == Timing::Mealy {
+            let step = |t: &Transition| with(specification, answer, Owner::Environment, &t.output);
+            let legal = |next: &[i64]| broken(&specification.guarantees, now, next).is_empty();
+            let first = specification.timing == Timing::Mealy;
+            if first && !legal(&step(&transitions[0])) {
                 continue;
             }
-            match of[..] {
-                [] => drop(found.insert(Clause::Unanswered)),
-                [t] if legal && keeps => {
-                    let wrong = broken(&specification.assumptions, now, &next);
-                    if wrong.is_empty() {
-                        steps.push((t.to, next));
-                    }
-                    found.extend(wrong.iter().map(|f| Clause::Assumption(f.name.clone())));
-                }
-                [_] => {}
+            match of.len() {
+                0 => drop(found.insert(Clause::Unanswered)),
+                1 => {}
                 _ => drop(found.insert(Clause::AnsweredTwice)),
+            }
+            for (t, keeps) in transitions.iter().zip(&keeps) {
+                let next = step(t);
+                // What is given first is met with this answer whether or not a transition is for it.
+                let met = first || of.contains(&t);
+                if !(met && *keeps && legal(&next)) {
+                    continue;
+                }
+                let wrong = broken(&specification.assumptions, now, &next);
+                if wrong.is_empty() && of == [t] {
+                    steps.push((t.to, next));
+                }
+                found.extend(wrong.iter().map(|f| Clause::Assumption(f.name.clone())));
             }
         }
         steps
