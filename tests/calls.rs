@@ -423,3 +423,71 @@ machine Belt {
     let said = open(&with(demands, "m -> k"), &[], &["LW411"]);
     assert!(said.contains("`free`"), "{said}");
 }
+
+/// A number that nothing depends on may grow for ever, as long as it stays finite.
+#[test]
+fn what_nobody_reads_need_not_be_followed() {
+    let line = |write: &str, condition: &str| {
+        format!(
+            "import std.coordination.single
+contract Plain {{
+    input requested: bool
+    output finished: bool
+    output weight: 0..3
+    guarantee report: always (finished <-> requested)
+}}
+machine Mill {{
+    step 1 s
+    property rounds: mm = 0
+    property wear: mm = 1
+    property good: bool = true
+    coordinator c: Single {{
+        job = operation = mill
+        executed = a.finished
+    }}
+    action a: Plain when c.command {{
+        requested = c.command
+    }}
+    operation mill: a
+    done c.done
+    write {write}
+}}
+line L {{
+    part P {{
+        property rounds: mm = 0
+        property wear: mm = 1
+        property good: bool = true
+    }}
+    source s: P on order, at most 2 in the line
+    sink k
+    buffer b capacity 2
+    station m: Mill {{
+        perform mill on P
+        defect on P probability 10 %: good becomes false
+        defect on P probability 90 %: wear becomes wear - 1 mm
+    }}
+    route P: m -> b when not good {condition}
+    route P: b -> m
+    route P: s -> m -> k
+}}
+"
+        )
+    };
+    let check = |write: &str, condition: &str| checked_with("", &line(write, condition));
+    let row = check(
+        "rounds = rounds + 1 mm + a.weight * 1 mm  write good = true",
+        "",
+    );
+    assert_eq!(row["proof"], "proved", "{row:#}");
+    // It may become infinite: then each value counts, and there may be too many.
+    let row = check("rounds = rounds * 3 + 1 mm  write good = true", "");
+    assert_eq!(codes(&row, "error"), ["LW414"], "{row:#}");
+    let row = check("rounds = rounds * 1.001 + 1 mm  write good = true", "");
+    assert_eq!(row["proof"], "safe", "{row:#}");
+    // What is read is followed, by way of others as well.
+    let row = check(
+        "rounds = rounds + 1 mm  write wear = rounds  write good = true",
+        "and wear < 3 mm",
+    );
+    assert_eq!(row["proof"], "proved", "{row:#}");
+}

@@ -48,7 +48,7 @@ pub struct Arguments {
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
     /// Run so many times, with the seeds that follow
-    #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub replications: u32,
     /// The folder for the station libraries [default: .linewright beside the file]
     #[arg(long, value_name = "DIR")]

@@ -120,35 +120,37 @@ pub(super) fn one_line(text: &str) -> String {
     words.join(" ")
 }
 
+/// Adds what a formula says; whether its shape has a place in GR(1). One that has none is refused for all values of its quantifiers alike.
 fn visit<'a>(
     e: &mut Elaborator<'a>,
     formula: &'a ast::Expr,
     at: &At<'a>,
     label: &Label<'_>,
     side: &mut Side,
-) {
+) -> bool {
     let place = at.place;
     if !temporal(formula) {
-        leaf(e, formula, at, label, side);
-        return;
+        return leaf(e, formula, at, label, side);
     }
     match (&formula.kind, place) {
         (ExprKind::Binary(BinaryOp::And, a, b), Place::Top | Place::Always) => {
-            visit(e, a, at, label, side);
-            visit(e, b, at, label, side);
+            let first = visit(e, a, at, label, side);
+            visit(e, b, at, label, side) && first
         }
         (ExprKind::Always(inner), Place::Top | Place::Always) => {
-            visit(e, inner, &at.under(Place::Always), label, side);
+            visit(e, inner, &at.under(Place::Always), label, side)
         }
         (ExprKind::Pattern(pattern), Place::Top) => {
             let origin = origin(formula, at, label);
             let obligations = patterns::lower(e, pattern, &origin);
             promise(e, obligations, (formula, place), &origin, label, side);
+            true
         }
         (ExprKind::Eventually(inner), Place::Top) if !temporal(inner) => {
             let origin = origin(formula, at, label);
             let obligations = patterns::promised(e, None, inner, &origin);
             promise(e, obligations, (formula, place), &origin, label, side);
+            true
         }
         (ExprKind::Binary(BinaryOp::Implies, p, q), Place::Always)
             if !temporal(p)
@@ -159,23 +161,23 @@ fn visit<'a>(
                 let obligations = patterns::promised(e, Some(p), q, &origin);
                 promise(e, obligations, (formula, place), &origin, label, side);
             }
+            true
         }
-        (ExprKind::Eventually(inner), Place::Always | Place::Justice) if !matches!(&inner.kind, ExprKind::Always(x) if !matches!(x.kind, ExprKind::Eventually(_))) =>
-        {
-            visit(e, inner, &at.under(Place::Justice), label, side);
+        (ExprKind::Eventually(inner), Place::Always | Place::Justice) if !matches!(&inner.kind, ExprKind::Always(x) if !matches!(x.kind, ExprKind::Eventually(_))) => {
+            visit(e, inner, &at.under(Place::Justice), label, side)
         }
         // `G F G F p` is `G F p`.
         (ExprKind::Always(inner), Place::Justice)
             if matches!(inner.kind, ExprKind::Eventually(_)) =>
         {
-            visit(e, inner, at, label, side);
+            visit(e, inner, at, label, side)
         }
         (
             ExprKind::Quantifier(Quantifier::Forall, name, domain, body),
             Place::Top | Place::Always,
         ) => {
             let Some(values) = e.quantified(domain) else {
-                return;
+                return true;
             };
             for value in values {
                 let shown = match &value {
@@ -185,12 +187,16 @@ fn visit<'a>(
                 let mut at = at.clone();
                 at.instance = format!("{} [{} = {shown}]", at.instance, name.text);
                 at.around.push((name, domain));
-                e.with_bound(&name.text, value, |e| visit(e, body, &at, label, side));
+                if !e.with_bound(&name.text, value, |e| visit(e, body, &at, label, side)) {
+                    return false;
+                }
             }
+            true
         }
         _ => {
             let finding = refusal::refusal(e, formula, place, &at.around, label);
             e.findings.push(finding);
+            false
         }
     }
 }
@@ -234,20 +240,20 @@ fn leaf<'a>(
     at: &At<'a>,
     label: &Label<'_>,
     side: &mut Side,
-) {
+) -> bool {
     let place = at.place;
     let Some(term) = e.boolean(formula, Time::Now) else {
-        return;
+        return true;
     };
     let Some(expr) = e.formula(&term, formula.span) else {
-        return;
+        return true;
     };
     // `always (next true -> P)` holds in every step that another one follows: a transition, and no invariant.
     let primed = expr.mentions_next() || place == Place::Always && speaks_of_next(formula);
     if place == Place::Top && primed {
         let finding = refusal::without_always(e, formula, &at.around, label);
         e.findings.push(finding);
-        return;
+        return false;
     }
     let (kind, temporal) = match place {
         Place::Top => (Kind::Initial, ""),
@@ -268,6 +274,7 @@ fn leaf<'a>(
         label,
         side,
     );
+    true
 }
 
 /// The name, place and text of a formula.

@@ -104,7 +104,7 @@ pub const SHORTEST_SECONDS: f64 = 1e-6;
 /// The longest duration, in seconds: some thirty years.
 pub const LONGEST_SECONDS: f64 = 1e9;
 
-/// The greatest power, in watts, to either side of 0; an operation's energy is finite below it.
+/// The greatest power, in watts.
 pub const GREATEST_WATTS: f64 = 1e12;
 
 /// Whether a run can measure this duration: 0, or between the shortest and the longest.
@@ -112,9 +112,9 @@ pub fn is_duration(seconds: f64) -> bool {
     seconds == 0.0 || (SHORTEST_SECONDS..=LONGEST_SECONDS).contains(&seconds)
 }
 
-/// Whether an operation may use this much energy, in joules. Less than 0 is given back.
+/// Whether an operation may use this much energy, in joules.
 pub fn is_energy(joules: f64) -> bool {
-    joules.abs() <= GREATEST_WATTS * LONGEST_SECONDS
+    (0.0..=GREATEST_WATTS * LONGEST_SECONDS).contains(&joules)
 }
 
 /// The units by name.

@@ -234,7 +234,7 @@ impl<'t> Names<'t> {
     /// A number in the text.
     pub fn number(&mut self, digits: &str, range: Range<usize>) -> Option<i64> {
         match digits.parse::<i64>() {
-            Ok(value) if value.abs() < MAX_NUMBER => Some(value),
+            Ok(value) if value.unsigned_abs() < MAX_NUMBER.unsigned_abs() => Some(value),
             _ => {
                 self.error(
                     codes::NUMBER_RANGE,

@@ -54,7 +54,7 @@ pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize
                 high.trim().parse::<i64>().ok()?,
             ))
         })
-        .filter(|(low, high)| low.abs() < 1 << 40 && high.abs() < 1 << 40);
+        .filter(|(low, high)| low.unsigned_abs().max(high.unsigned_abs()) < 1 << 40);
     let Some((low, high)) = bounds else {
         names.syntax(
             line,

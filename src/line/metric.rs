@@ -25,6 +25,15 @@ pub fn measure(metric: &Metric, trace: &Trace) -> f64 {
     }
 }
 
+/// Whether there was anything to measure: no product has no lead time.
+fn is_measured(metric: &Metric, trace: &Trace) -> bool {
+    let of_products = matches!(
+        metric,
+        Metric::MakespanSeconds | Metric::LeadTimeMeanSeconds
+    );
+    !of_products || trace.products > 0
+}
+
 /// Whether a comparison holds, and the words for it.
 fn compare(value: f64, comparison: Comparison, bound: f64) -> (bool, &'static str) {
     #[expect(clippy::float_cmp, reason = "the language's own equality")]
@@ -42,13 +51,18 @@ pub(super) fn check(line: &Line, trace: &mut Trace) {
     for requirement in &line.requirements {
         let value = measure(&requirement.metric, trace);
         let (holds, words) = compare(value, requirement.comparison, requirement.bound);
+        let measured = is_measured(&requirement.metric, trace);
+        let holds = holds && measured;
         if !holds {
             let what = describe(&requirement.metric, line);
+            let is = if measured {
+                format!("is {}", thousandths(value))
+            } else {
+                "was not measured, since no product was finished".to_owned()
+            };
             let message = format!(
-                "the requirement {} does not hold: {what} is {}, and should be {words} {}",
-                requirement.name,
-                thousandths(value),
-                requirement.bound
+                "the requirement {} does not hold: {what} {is}, and should be {words} {}",
+                requirement.name, requirement.bound
             );
             trace.findings.push(
                 Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)

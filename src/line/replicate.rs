@@ -55,13 +55,29 @@ impl Estimate {
 
 impl Plant {
     /// Runs the line `count` times (at least once), under the seed of the options and those that follow it. Gives the traces
-    /// in that order; their seeds, being mixed, are as independent as any others.
+    /// in that order; their seeds, being mixed, are as independent as any others. Once the deadline is past, no further run begins, and a
+    /// finding says so.
     pub fn replicate(&mut self, count: u64) -> (Vec<Trace>, Replications) {
         let first = self.seed();
-        let traces: Vec<Trace> = (0..count.max(1))
-            .map(|offset| self.run_seeded(first.wrapping_add(offset)))
-            .collect();
-        let replications = Replications::of(self.line(), &traces);
+        let count = count.max(1);
+        let mut traces = Vec::new();
+        for offset in 0..count {
+            traces.push(self.run_seeded(first.wrapping_add(offset)));
+            if offset + 1 < count && self.is_late() {
+                break;
+            }
+        }
+        let mut replications = Replications::of(self.line(), &traces);
+        let done = traces.len() as u64;
+        if done < count {
+            let message =
+                format!("{done} of {count} runs were over when the time limit was reached");
+            replications.findings.push(
+                Diagnostic::error(codes::GAVE_UP, self.line().span, message).with_help(
+                    "give them more time with --timeout SECONDS, or ask for fewer with --replications",
+                ),
+            );
+        }
         (traces, replications)
     }
 }

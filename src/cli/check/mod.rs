@@ -22,7 +22,7 @@ use super::proof;
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, Library};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
-use crate::game::Limits;
+use crate::game::{Limit, Limits};
 use crate::source::Span;
 use assembly::Assembly;
 use clap::Args;
@@ -184,7 +184,10 @@ fn check(
             _ => ExitCode::Success,
         })
         .fold(ExitCode::Success, ExitCode::and);
-    let code = options.exit_code(&findings).and(verdicts);
+    let mut code = options.exit_code(&findings).and(verdicts);
+    if findings.iter().any(was_limited) {
+        code = code.and(ExitCode::GaveUp);
+    }
     Ok(Checked {
         code: code.and(loaded.exit_code()),
         document,
@@ -229,6 +232,15 @@ fn is_only_refined(loaded: &Loaded, contract: &Contract) -> bool {
     !loaded.roots.contains(own)
         && library.machines.iter().any(refined)
         && !library.machines.iter().any(used)
+}
+
+/// Whether something was not decided because of `--timeout` or `--memory`. Proofs that did the work of their budget are as they would be on any
+/// computer, and are told of by the finding alone.
+fn was_limited(finding: &Diagnostic) -> bool {
+    let limits = [Limit::Time, Limit::Memory];
+    limits
+        .iter()
+        .any(|limit| finding.message.contains(&limit.to_string()))
 }
 
 /// Writes the proof of the only contract; the findings say why there is none.

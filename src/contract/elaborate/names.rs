@@ -20,10 +20,12 @@ impl<'a> Elaborator<'a> {
             );
             return None;
         }
-        Some(Value::Scalar(
-            Term::Real(number * factor),
-            Type::Number(dimension),
-        ))
+        // 95 hundredths are nearest to 95 / 100, and not to 95 times what is nearest to 0.01.
+        let base = match dimension {
+            Dimension::Share => number / (1.0 / factor).round(),
+            _ => number * factor,
+        };
+        Some(Value::Scalar(Term::Real(base), Type::Number(dimension)))
     }
 
     pub(super) fn path(

@@ -476,6 +476,25 @@ impl<'a> Builder<'a, '_> {
             }
             mapping.push(found);
         }
+        // Arrays of other lengths, or an array and a single value, share some elements at most.
+        let elements = |names: &mut dyn Iterator<Item = &str>, array: &str| -> Vec<String> {
+            let own = names.filter(|name| array_of(name) == array);
+            own.map(str::to_owned).collect()
+        };
+        for p in &machine.properties {
+            let array = array_of(&p.name);
+            if p.kind != PropertyKind::Part || clashes.iter().any(|c| array_of(c) == array) {
+                continue;
+            }
+            let in_part = elements(&mut carried.iter().map(|c| c.name.as_str()), array);
+            let in_machine = elements(
+                &mut machine.properties.iter().map(|p| p.name.as_str()),
+                array,
+            );
+            if !in_part.is_empty() && in_part != in_machine {
+                clashes.push(array.to_owned());
+            }
+        }
         for name in clashes {
             self.e.error_with(
                 codes::PROPERTY,
@@ -484,7 +503,7 @@ impl<'a> Builder<'a, '_> {
                     "`{name}` of `{}` has another type than in the machine `{}`",
                     part.text, machine.name
                 ),
-                "declare it in both with the same unit, range or labels",
+                "declare it in both with the same unit, range or labels, and the same length",
             );
         }
         Some(Task {
@@ -562,4 +581,9 @@ fn same_values(a: Option<&Domain>, b: Option<&Domain>) -> bool {
         (Some(a), Some(b)) => a.describe() == b.describe(),
         _ => false,
     }
+}
+
+/// The array whose element a property is, or its own name.
+fn array_of(property: &str) -> &str {
+    property.split('[').next().unwrap_or(property)
 }

@@ -209,9 +209,17 @@ impl Shape {
             }
             self.places[place].ways.push(Ways { part, to });
         }
-        for place in &mut self.places {
+        for (place, there) in self.places.iter_mut().zip(&there) {
             place.from.sort_unstable();
             place.ways.sort_by_key(|w| w.part);
+            // A task that nothing ever comes for is no task.
+            if let PlaceKind::Station { tasks } = &mut place.kind {
+                tasks.retain(|task| {
+                    let mut bill = task.bill.iter();
+                    task.plain && there.contains(&task.part)
+                        || bill.any(|(component, _)| there.contains(component))
+                });
+            }
         }
         self.check_limits(line)
     }

@@ -277,17 +277,24 @@ impl Writer<'_> {
                 v.stage == Stage::Leaves && (v.node, v.part) == (route.from, route.part)
             };
             let is_stranded = |at: &usize| leaves(&self.walk.vertices[*at]);
-            // What is left over may be nothing; and where no part comes at all, something before is told.
+            // What is left over may be nothing, unless a station is there for it alone; and where no part comes at all, something before is
+            // told.
+            let is_net = route.condition.is_none() && !self.is_idle_station(route.to);
             if calls.taken[index]
-                || route.condition.is_none()
+                || is_net
                 || self.walk.stranded.iter().any(is_stranded)
                 || !self.walk.vertices.iter().any(leaves)
             {
                 continue;
             }
             let kind = &self.line().parts[route.part].name;
+            let why = if route.condition.is_some() {
+                "its condition never holds there"
+            } else {
+                "the routes before this one take them all"
+            };
             let message = format!(
-                "no {kind} ever goes from {} to {}: its condition never holds there",
+                "no {kind} ever goes from {} to {}: {why}",
                 self.name(route.from),
                 self.name(route.to)
             );
@@ -296,6 +303,12 @@ impl Writer<'_> {
                     .with_help("see which values the part can have there; or leave the route out"),
             );
         }
+    }
+
+    /// Whether a node is a station to which no part ever comes.
+    fn is_idle_station(&self, node: usize) -> bool {
+        let is_station = matches!(self.line().nodes[node].kind, NodeKind::Station { .. });
+        is_station && !self.walk.vertices.iter().any(|v| v.node == node)
     }
 
     /// The vertices on the way of a part, from where it is made on.
@@ -348,11 +361,12 @@ impl Writer<'_> {
         let properties = self.line().parts[vertex.part].properties.iter().enumerate();
         let changed = |i: &usize| before.is_none_or(|b| b.values[*i] != vertex.values[*i]);
         properties
-            .filter(|(i, _)| changed(i))
+            .filter(|(i, _)| changed(i) && !self.walk.unread[vertex.part][*i])
             .map(|(i, property)| {
                 let value = vertex.values[i].0;
                 let shown = match &property.domain {
                     Some(domain) if domain.contains_real(value) => domain.show(value as i64),
+                    _ if value.abs() >= 1e15 => format!("{value:e}"),
                     _ => value.to_string(),
                 };
                 format!("{} = {shown}", property.name)

@@ -27,6 +27,7 @@ mod chance;
 mod desk;
 mod findings;
 mod premises;
+mod unread;
 mod walk;
 
 pub use findings::in_turn;

@@ -5,6 +5,7 @@
 //! joined with what ([`Choice::Open`]).
 
 use super::desk::{Answer, Desk, Refusal};
+use super::unread::unread;
 use super::{Bounds, Calls, Real, machine_of, ordered, plain};
 use crate::contract::SHORTEST_SECONDS;
 use crate::contract::line::{Defect, InitialValue, Line, NodeKind, Task};
@@ -86,6 +87,8 @@ pub(super) struct Walk<'a> {
     pub misfits: Vec<Misfit>,
     /// Nodes of which not all is known, and why.
     pub undecided: Vec<(usize, String)>,
+    /// By part type and property: whether its values are left out, since nothing depends on them.
+    pub unread: Vec<Vec<bool>>,
     steps: u64,
 }
 
@@ -118,6 +121,7 @@ impl<'a> Walk<'a> {
             stranded: Vec::new(),
             misfits: Vec::new(),
             undecided,
+            unread: unread(line),
             steps: 0,
         }
     }
@@ -209,7 +213,9 @@ impl<'a> Walk<'a> {
         values: Vec<Real>,
         before: Option<usize>,
     ) -> usize {
-        let key = (stage, node, part, values);
+        let values = { values.into_iter().zip(&self.unread[part]) }
+            .map(|(value, left_out)| if *left_out { Real(0.0) } else { value });
+        let key = (stage, node, part, values.collect());
         if let Some(known) = self.known.get(&key) {
             return *known;
         }

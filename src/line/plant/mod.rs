@@ -239,6 +239,12 @@ impl Plant {
         let end = run.advance();
         run.finish(end)
     }
+
+    /// Whether the deadline of the real clock is past.
+    pub(super) fn is_late(&self) -> bool {
+        let deadline = self.setup.options.deadline;
+        deadline.is_some_and(|d| std::time::Instant::now() >= d)
+    }
 }
 
 impl<'a> Run<'a> {
