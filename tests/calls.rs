@@ -491,3 +491,86 @@ line L {{
     );
     assert_eq!(row["proof"], "proved", "{row:#}");
 }
+
+/// Of a product that is never joined nothing is worked on, and that is no mistake of the proof's.
+#[test]
+fn a_task_for_which_nothing_comes_is_none() {
+    let said = open(
+        "line L {
+    part P { property x: 0..9 = 0 }
+    part Q { property x: 0..9 = 0 }
+    part A from 1 P, 1 Q { property x: 0..9 = P.x }
+    product A
+    source p: P on order
+    source q: Q on order
+    sink k
+    sink l
+    station m: Any(t = 1) { perform take on Q }
+    station j: Any(t = 1) { perform take on A }
+    station n: Any(t = 1) { perform take on A }
+    route P: p -> j
+    route Q: q -> m
+    route Q: m -> j when x = 3
+    route Q: m -> l otherwise
+    route A: j -> n -> k
+}
+",
+        &[],
+        &["LW409", "LW402"],
+    );
+    assert!(!said.contains("mistake in Linewright"), "{said}");
+}
+
+#[test]
+fn a_station_that_no_part_comes_to_is_told() {
+    let line = |condition: &str| {
+        format!(
+            "line L {{
+    part P {{ property x: 0..9 = 0 }}
+    source s: P on order
+    sink k
+    station m: Any(t = 1) {{ perform take on P }}
+    station n: Any(t = 1) {{ perform take on P }}
+    route P: s -> m when {condition}
+    route P: s -> n otherwise
+    route P: m -> k
+    route P: n -> k
+}}
+"
+        )
+    };
+    let row = checked(&line("x <= 5"));
+    assert_eq!(row["proof"], "proved", "{row:#}");
+    assert_eq!(codes(&row, "warning"), ["LW402"], "{row:#}");
+    assert!(
+        row.to_string().contains("no P ever goes from s to n"),
+        "{row:#}"
+    );
+    let row = checked(&line("x > 5"));
+    assert_eq!(codes(&row, "warning"), ["LW402"], "{row:#}");
+    assert!(
+        row.to_string().contains("no P ever goes from s to m"),
+        "{row:#}"
+    );
+}
+
+#[test]
+fn no_work_gives_energy_back() {
+    let machines = MACHINES.replace("time (t + x) * 1 s", "time 1 s  power (t - x) * 1 W");
+    let line = |t: u8| {
+        format!(
+            "line L {{
+    part P {{ property x: 0..9 = 5 }}
+    source s: P on order
+    sink k
+    station m: Any(t = {t}) {{ perform take on P }}
+    route P: s -> m -> k
+}}
+"
+        )
+    };
+    let sound = checked_with(&machines, &line(5));
+    assert_eq!(sound["proof"], "proved", "{sound:#}");
+    let open = checked_with(&machines, &line(4));
+    assert_eq!(codes(&open, "error"), ["LW414"], "{open:#}");
+}

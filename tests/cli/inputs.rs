@@ -1,6 +1,7 @@
 //! Files that are missing or wrong, names that are not there, and lines that stand still.
 
 use crate::session::{Session, assert_shown};
+use crate::support::root;
 
 /// Runs every command, compares it with its snapshot, and its exit code.
 fn check(cases: &[(&str, &str, i32)]) {
@@ -155,4 +156,34 @@ fn mistakes_elsewhere_in_the_file_do_not_matter_to_synth() {
     session.edit("lamp.lw", "/// Lights up", &format!("{other}/// Lights up"));
     assert_eq!(session.run("synth lamp.lw::Light").code, 0);
     assert_eq!(session.run("synth lamp.lw::Broken").code, 1);
+}
+
+/// A share is what stands there, and not a product of two rounded numbers.
+#[test]
+fn percentages_are_read_as_they_are_written() {
+    let text = std::fs::read_to_string(root().join("tests/cases/line/sound.lw")).expect("a line");
+    for percent in 0..=100 {
+        let line = "    requirement share: busy(table) >= ".to_owned()
+            + &percent.to_string()
+            + " %\n    limit";
+        let text = text.replacen("    limit", &line, 1);
+        assert!(text.contains("share"));
+        let (library, findings) =
+            linewright::contract::load(&[("line/sound.lw".to_owned(), text)], &|wanted, _| {
+                let path = root().join("tests/cases/line").join(wanted);
+                let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
+                Ok((wanted.to_owned(), text))
+            });
+        let line = library
+            .lines
+            .first()
+            .unwrap_or_else(|| panic!("{findings:?}"));
+        let share = line.requirements.iter().find(|r| r.name == "share");
+        let wanted: f64 = format!("{percent}e-2").parse().expect("a number");
+        assert_eq!(
+            share.expect("it is there").bound.to_bits(),
+            wanted.to_bits(),
+            "{percent}"
+        );
+    }
 }

@@ -192,3 +192,48 @@ fn large_tables_become_functions() {
         assert!(printed.out.contains(schema), "{wires} wires");
     }
 }
+
+/// A line that was not decided in time has no verdict, like a contract.
+#[test]
+fn a_line_that_is_not_decided_in_time_ends_with_3() {
+    use std::fmt::Write as _;
+    let session = Session::new();
+    let mut line = String::from(
+        "import std.coordination.single
+contract Work {
+    input requested: bool
+    output finished: bool
+    guarantee report: always (finished <-> requested)
+}
+machine M {
+    step 1 s
+    coordinator c: Single {
+        job = operation = go
+        executed = a.finished
+    }
+    action a: Work when c.command {
+        requested = c.command
+    }
+    operation go: a
+    done c.done
+}
+line L {
+    part P
+    source s: P on order
+    sink k
+",
+    );
+    let mut way = String::from("    route P: s");
+    for i in 0..300 {
+        let _ = writeln!(line, "    station m{i}: M {{ perform go on P }}");
+        let _ = write!(way, " -> m{i}");
+    }
+    let _ = writeln!(line, "{way} -> k\n}}");
+    std::fs::write(session.path("long.lw"), line).expect("a file");
+    let printed = session.run("check long.lw --no-timing --timeout 1");
+    assert_eq!(printed.code, 3, "{}{}", printed.out, printed.err);
+    assert!(
+        printed.err.contains("the time limit was reached")
+            || printed.out.contains("the time limit was reached")
+    );
+}

@@ -126,3 +126,52 @@ fn replications_use_different_seeds() {
     assert_eq!(plant.replicate(20).1, figures);
     let _ = every(0.0, None);
 }
+
+/// Once the deadline is past no further run begins, and that is said.
+#[test]
+fn replications_keep_the_time_limit() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(1.0))
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"]);
+    let mut plant = builder.plant(Options {
+        parts: Some(1),
+        deadline: Some(std::time::Instant::now()),
+        ..Options::default()
+    });
+    let (traces, figures) = plant.replicate(5);
+    assert_eq!(traces.len(), 1);
+    let last = figures.findings.last().unwrap();
+    assert_eq!(last.code.id, "LW204");
+    assert_eq!(
+        last.message,
+        "1 of 5 runs were over when the time limit was reached"
+    );
+}
+
+/// Where no product was made there is no lead time, so no bound of it is kept.
+#[test]
+fn what_was_not_measured_holds_of_nothing() {
+    let run = |seconds: f64| -> Vec<bool> {
+        let mut builder = simple();
+        for metric in [
+            Metric::LeadTimeMeanSeconds,
+            Metric::MakespanSeconds,
+            Metric::Rejected,
+        ] {
+            builder.require(Requirement {
+                name: "few".to_owned(),
+                metric,
+                comparison: Comparison::Le,
+                bound: 100.0,
+                span: span(),
+            });
+        }
+        let trace = builder.run_until(seconds);
+        trace.requirements.iter().map(|r| r.holds).collect()
+    };
+    assert_eq!(run(5.0), [false, false, true]);
+    assert_eq!(run(15.0), [true, true, true]);
+}

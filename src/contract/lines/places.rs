@@ -15,7 +15,7 @@ use crate::diagnostics::codes;
 use crate::gr1::Domain;
 use crate::source::Span;
 use crate::syntax::ast::{self, LineItem, StationItem};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 impl<'a> Builder<'a, '_> {
@@ -477,7 +477,7 @@ impl<'a> Builder<'a, '_> {
             mapping.push(found);
         }
         // Arrays of other lengths, or an array and a single value, share some elements at most.
-        let elements = |names: &mut dyn Iterator<Item = &str>, array: &str| -> Vec<String> {
+        let elements = |names: &mut dyn Iterator<Item = &str>, array: &str| -> BTreeSet<String> {
             let own = names.filter(|name| array_of(name) == array);
             own.map(str::to_owned).collect()
         };
