@@ -39,7 +39,7 @@ enum Value<'a> {
 struct Flows<'a> {
     /// By part type, its first slot.
     first: Vec<Slot>,
-    flows: Vec<(Slot, Value<'a>)>,
+    changes: Vec<(Slot, Value<'a>)>,
     /// Slots that are read.
     read: BTreeSet<Slot>,
     /// By slot, its values where these are known beforehand: it only ever gets numbers, or has the range of a part's property.
@@ -50,7 +50,7 @@ impl<'a> Flows<'a> {
     fn of(line: &'a Line) -> Self {
         let mut flows = Self {
             first: Vec::new(),
-            flows: Vec::new(),
+            changes: Vec::new(),
             read: BTreeSet::new(),
             ranges: Vec::new(),
         };
@@ -71,7 +71,7 @@ impl<'a> Flows<'a> {
                         Value::Copy(flows.first[kind] + number)
                     }
                 };
-                flows.flows.push((first + p, value));
+                flows.changes.push((first + p, value));
             }
         }
         for route in &line.routes {
@@ -100,7 +100,7 @@ impl<'a> Flows<'a> {
                     let mut slots: Vec<Slot> = (first..first + count).collect();
                     slots.push(first + property);
                     let value = Value::Computed(&defect.value, slots, None);
-                    flows.flows.push((first + property, value));
+                    flows.changes.push((first + property, value));
                 }
             }
         }
@@ -117,24 +117,24 @@ impl<'a> Flows<'a> {
             }
             self.ranges.push(None);
             let Some(carried) = task.properties[m] else {
-                self.flows.push((slot, Value::Number(property.default)));
+                self.changes.push((slot, Value::Number(property.default)));
                 continue;
             };
             let part = self.first[task.part] + carried;
-            self.flows.push((slot, Value::Copy(part)));
-            self.flows.push((part, Value::Copy(slot)));
+            self.changes.push((slot, Value::Copy(part)));
+            self.changes.push((part, Value::Copy(slot)));
             // A part whose value is outside its range is not worked on.
             let domain = &line.parts[task.part].properties[carried].domain;
             let is_written = machine.writes.iter().any(|(written, _)| *written == m);
             self.ranges[slot] = domain.as_ref().filter(|_| !is_written).map(Interval::of);
         }
         for (m, value) in task.operations.iter().flat_map(|(_, given)| given) {
-            self.flows.push((first + m, Value::Number(*value)));
+            self.changes.push((first + m, Value::Number(*value)));
         }
         for (m, value) in &machine.writes {
             let slots = (first..first + machine.properties.len()).collect();
             let value = Value::Computed(value, slots, Some(machine));
-            self.flows.push((first + m, value));
+            self.changes.push((first + m, value));
         }
         for input in &machine.plant {
             if let PlantSource::Property(value) = &input.source {
@@ -164,7 +164,7 @@ impl<'a> Flows<'a> {
         let mut needed = self.read.clone();
         loop {
             let before = needed.len();
-            for (target, value) in &self.flows {
+            for (target, value) in &self.changes {
                 if needed.contains(target) {
                     match value {
                         Value::Number(_) => {}
@@ -217,7 +217,7 @@ impl<'a> Flows<'a> {
     fn constants(&mut self) {
         let mut hulls: Vec<Option<Interval>> = vec![None; self.ranges.len()];
         let mut changing = vec![false; self.ranges.len()];
-        for (slot, value) in &self.flows {
+        for (slot, value) in &self.changes {
             match value {
                 Value::Number(number) if number.is_finite() => {
                     let one = Interval {
