@@ -2,12 +2,16 @@
 //!
 //! The host is in `station/host`, and knows nothing of machines: the tests here write its plan from the machine in this process
 //! ([`walk`], [`plan`]), build the library of every machine for this computer and for Windows, and run the host on it, natively and
-//! under Wine ([`passes`]). Libraries that are not what they should be must make it fail ([`controls`], [`mutants`], [`runtime`]); sanitizers
-//! watch it ([`sanitizers`]); and what a library is as a file is looked at without it ([`shape`], [`images`]). The small host for
-//! users is tried too ([`example`]).
+//! under Wine ([`passes`]). Libraries that are not what they should be must make it fail ([`controls`], [`mutants`], [`runtime`] with
+//! its [`corners`]); sanitizers watch it ([`sanitizers`]); and what a library is as a file is looked at without it ([`shape`],
+//! [`images`]). The small host for users is tried too ([`example`]).
 
+#[path = "station/controlled.rs"]
+mod controlled;
 #[path = "host/controls.rs"]
 mod controls;
+#[path = "host/corners.rs"]
+mod corners;
 #[path = "station/counting.rs"]
 mod counting;
 #[expect(dead_code, reason = "a plan needs its random numbers only")]

@@ -34,7 +34,7 @@ const LIBRARY: [&str; 7] = [
 const STRICT: &str = "-fno-sanitize-recover=all";
 
 /// A host with a sanitizer, whose libraries have it too; `None`, and said, where a program with it does not run.
-fn host(name: &str, word: &str, further: &[&str]) -> Option<Host> {
+pub fn host(name: &str, word: &str, further: &[&str]) -> Option<Host> {
     let found = SANITIZERS.into_iter().find(|(w, _)| *w == word);
     let (_, option) = found.expect("a sanitizer");
     if let Err(why) = works(option) {
@@ -83,7 +83,7 @@ fn works(option: &str) -> Result<(), String> {
 
 /// `ThreadSanitizer` wants its memory where a system that lays it out at random may have put something else, so that is switched off
 /// where it can be.
-fn start(program: &Path) -> Command {
+pub fn start(program: &Path) -> Command {
     let plain = |command: &mut Command| {
         command.env("TSAN_OPTIONS", "halt_on_error=1");
         command.env("UBSAN_OPTIONS", "print_stacktrace=1");

@@ -6,7 +6,7 @@
 //! those that meet another row are kept. Operations and random steps follow, refused ones among them.
 
 use crate::machines::Subject;
-use linewright::contract::machine::{Machine, PlantSource};
+use linewright::contract::machine::{ActionTime, Machine, PlantSource, RealExpr};
 use linewright::gr1::eval;
 use linewright::mealy;
 use linewright::station::interpret::Interpreter;
@@ -45,6 +45,19 @@ const TRIES: usize = 120_000;
 
 /// How many ways are gone at random, to find what an exploration that stops early does not.
 const WAYS: usize = 500;
+
+/// Values about as far from an integer as is allowed (1e-9), in cells of 90 degrees too; the least that are too small or too large.
+const UNUSUAL: [f64; 9] = [
+    1e-9,
+    1.0 + 5e-10,
+    1.0 + 5e-9,
+    -5e-10,
+    90.0 + 4.5e-8,
+    90.0 + 4.5e-7,
+    0.0,
+    -3.0,
+    1e300,
+];
 
 /// Steps beyond each row.
 const BEYOND: usize = 5;
@@ -428,6 +441,43 @@ impl Writer<'_> {
         }
     }
 
+    /// Operations with values that are almost integers, below 0, or large, for everything that inputs, times and powers are computed from.
+    fn unusual_values(&mut self) {
+        let machine = &*self.subject.machine;
+        let values: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
+        let mut read = BTreeSet::new();
+        let mut reads = |expr: &RealExpr| {
+            expr.for_each(&mut |part| {
+                if let RealExpr::Property(property) = part {
+                    read.insert(*property);
+                }
+            });
+        };
+        for input in &machine.plant {
+            if let PlantSource::Property(expr) = &input.source {
+                reads(expr);
+            }
+        }
+        for component in &machine.components {
+            reads(&component.watts);
+            if let Some(ActionTime::PerStep(expr) | ActionTime::PerExecution(expr)) =
+                &component.time
+            {
+                reads(expr);
+            }
+        }
+        for operation in 0..machine.operations.len().min(2) {
+            for property in &read {
+                for value in UNUSUAL {
+                    let mut given = values.clone();
+                    given[*property] = value;
+                    self.call(Call::Reset);
+                    self.call(Call::Operation(operation, given));
+                }
+            }
+        }
+    }
+
     /// Steps that are refused before step 0: what holds initially only is broken there.
     fn refused_at_first(&mut self, random: &mut Random) {
         let machine = &*self.subject.machine;
@@ -567,6 +617,7 @@ pub fn script(subject: &Subject) -> Script {
     writer.operations(600, &mut random);
     writer.call(Call::Reset);
     writer.steps(2_000, &mut random);
+    writer.unusual_values();
     let script = &mut writer.script;
     let missed: Vec<&Row> = explored
         .rows

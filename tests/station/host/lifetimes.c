@@ -8,6 +8,9 @@
 /* As station.h promises. */
 #define MOST_INSTANCES 1024
 
+/* How often each of their places can be used. */
+#define GENERATIONS 2047
+
 #define TEXT_ROOM 4096
 
 /* So few that two million handles hardly ever agree by chance. */
@@ -35,6 +38,73 @@ static void first_lines(const library *lib, lw_handle handle, int lines)
     }
 }
 
+/* An instance has no text, rule, verdict or result before its first call, and is before step 0 then. */
+static void nothing_yet(const library *lib, lw_handle handle)
+{
+    char rule[TEXT_ROOM];
+    UF_Value arg[2];
+    arg[0] = value_integer(handle);
+    arg[1] = value_string("verdict");
+    if (call_string(lib->last_error_value, arg, "last_error")[0] != '\0') {
+        fail("last_error: expected no text of an instance on which nothing was called");
+    }
+    same(0, lib->last_rule(handle, rule, sizeof rule), "the rule of an instance on which nothing was called");
+    same(LW_OK, call_integer(lib->get_integer_value, arg, "get_integer"), "the verdict of such an instance");
+    arg[1] = value_string("time");
+    same(LW_ERROR_ARGUMENT, call_integer(lib->get_real_value, arg, "get_real"), "the time of such an instance");
+    holds(call_string(lib->last_error_value, arg, "last_error"), "no operation has ended yet", "last_error");
+    /* The plan begins with a reset; what comes after it needs none here. */
+    if (the_plan.line_count > 1 && the_plan.lines[0].kind == LINE_RESET) {
+        replay(lib, handle, &the_plan.lines[1], WAY_PLAIN);
+    }
+}
+
+/* So it is whatever another instance was asked last, and whatever the instance before it in its place did. */
+static void check_new_instances(const library *lib)
+{
+    double properties[MOST_VALUES] = {0.0};
+    lw_handle refused = instance(lib);
+    lw_handle handle = instance(lib);
+    UF_Value arg = value_integer(refused);
+    same_code(LW_ERROR_OPERATION, lib->simulate(refused, -1, properties, (size_t)the_plan.properties, NULL), "lw_simulate");
+    holds(call_string(lib->last_error_value, &arg, "last_error"), "there is no operation", "last_error");
+    nothing_yet(lib, handle);
+    for (int i = 0; i < the_plan.line_count; i++) {
+        const line *line = &the_plan.lines[i];
+        replay(lib, handle, line, WAY_PLAIN);
+        if ((line->code != LW_OK && line->rule[0] != '\0') || (line->kind == LINE_OPERATION && line->code == LW_OK)) {
+            end(lib, handle);
+            handle = instance(lib);
+            nothing_yet(lib, handle);
+            /* What follows in the plan follows a reset. */
+            while (i + 1 < the_plan.line_count && the_plan.lines[i + 1].kind != LINE_RESET) {
+                i++;
+            }
+        }
+    }
+    end(lib, refused);
+    end(lib, handle);
+}
+
+/* The text of a call without an instance is that of the last one that was refused. */
+static void check_text_without_an_instance(const library *lib)
+{
+    char text[TEXT_ROOM];
+    UF_Value wrong = value_real(0.0);
+    lw_handle handle = instance(lib);
+    same(LW_ERROR_ARGUMENT, call_integer(lib->reset_value, &wrong, "reset"), "reset with a real number");
+    end(lib, handle);
+    lib->last_error(0, text, sizeof text);
+    holds(text, "the handle must be an integer", "lw_last_error after an instance was ended");
+    same_code(LW_ERROR_HANDLE, lib->destroy(handle), "lw_destroy of an instance that has ended");
+    lib->last_error(0, text, sizeof text);
+    holds(text, "the handle was never given", "lw_last_error after lw_destroy was refused");
+    same(LW_ERROR_ARGUMENT, call_integer(lib->reset_value, &wrong, "reset"), "reset with a real number");
+    same_code(LW_ERROR_HANDLE, lib->reset(handle), "lw_reset of an instance that has ended");
+    lib->last_error(0, text, sizeof text);
+    holds(text, "the handle was never given", "lw_last_error after lw_reset was refused");
+}
+
 /* Handles that are none: never given, of another library, of an instance that has ended. */
 void check_handles(const library *lib, const library *other)
 {
@@ -43,6 +113,8 @@ void check_handles(const library *lib, const library *other)
     lw_handle second = instance(lib);
     lw_handle foreign = instance(other);
     UF_Value arg;
+    check_new_instances(lib);
+    check_text_without_an_instance(lib);
     for (size_t i = 0; i < sizeof never / sizeof never[0]; i++) {
         refuse_handle(lib, never[i], "a handle that was never given");
     }
@@ -154,7 +226,7 @@ void check_generations(const library *lib)
     all_different(handles, (size_t)count);
 }
 
-/* Until every place has been used as often as it can be: no handle comes twice, and at the end there is an error. */
+/* A library that was just loaded, until every place has been used as often as it can be: no handle comes twice, and at the end there is an error. */
 void use_up_generations(const library *lib)
 {
     const size_t most = (size_t)1 << 24;
@@ -179,6 +251,7 @@ void use_up_generations(const library *lib)
     if (count == most) {
         fail("lw_create gives more handles than there are generations");
     }
+    same((int64_t)MOST_INSTANCES * GENERATIONS, (int64_t)count, "instances until all generations are used");
     lib->last_error(0, text, sizeof text);
     holds(text, "there is no free place", "lw_create with all generations used");
     for (size_t i = 0; i < count; i += count / 97 + 1) {

@@ -115,6 +115,8 @@ static void bad_operation(scene *s, int32_t operation, double *properties, int64
     int32_t seen = s->lib->simulate(s->handle, operation, properties, (size_t)count, &s->service);
     refused(s, code, seen, part, "lw_simulate");
     untouched(s, "lw_simulate");
+    s->arg[1] = value_string("verdict");
+    same_code(code, (int32_t)call_integer(s->lib->get_integer_value, s->arg, "get_integer"), "the verdict");
 }
 
 static void operation_with_wrong_counts(scene *s)
@@ -189,6 +191,10 @@ static void operation_of_a_name_about_as_long(scene *s)
             operation_of_a_name_to_cut(s, name);
         }
     }
+    /* No character begins in this one. */
+    memset(name, 0x80, 70);
+    name[70] = '\0';
+    operation_of_a_name_to_cut(s, name);
 }
 
 /* A name that is longer than any text has room for is cut, between two characters. */

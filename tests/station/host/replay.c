@@ -64,13 +64,18 @@ static void unexpected(const library *lib, lw_handle handle, const line *line, i
 static int replay_step(const library *lib, lw_handle handle, const line *line)
 {
     int64_t outputs[MOST_VALUES];
+    /* As large as it has to be and no larger: the address sanitizer sees it when more is read. */
+    int64_t plant[the_plan.plant > 0 ? the_plan.plant : 1];
     size_t count = (size_t)the_plan.outputs;
     const int64_t *expected = the_plan.integers + line->got;
     int32_t code;
+    for (int32_t i = 0; i < the_plan.plant; i++) {
+        plant[i] = the_plan.integers[line->given + (size_t)i];
+    }
     for (size_t i = 0; i < count + 1; i++) {
         outputs[i] = UNTOUCHED;
     }
-    code = lib->step(handle, the_plan.integers + line->given, (size_t)the_plan.plant, outputs, count);
+    code = lib->step(handle, plant, (size_t)the_plan.plant, outputs, count);
     if (line->code != LW_OK) {
         check_error(lib, handle, line, code);
         for (size_t i = 0; i < count; i++) {
@@ -97,7 +102,7 @@ static int replay_step(const library *lib, lw_handle handle, const line *line)
 
 static int replay_plain(const library *lib, lw_handle handle, const line *line)
 {
-    double properties[MOST_VALUES];
+    double properties[the_plan.properties > 0 ? the_plan.properties : 1];
     lw_service service = {-1.0, -2.0, -3};
     size_t count = (size_t)the_plan.properties;
     const double *given = the_plan.reals + line->given;
