@@ -270,6 +270,14 @@ fn blanks_semicolons_and_empty_lines_are_put_right() {
 }
 
 #[test]
+fn a_number_and_the_word_behind_it_are_set_apart() {
+    becomes(
+        "line L{part C from 1B\nlimit 50products}",
+        "line L {\n    part C from 1 B\n    limit 50 products\n}\n",
+    );
+}
+
+#[test]
 fn line_ends_and_the_byte_order_mark_stay() {
     becomes(
         "\u{feff}contract A {\r\n  /* b\r\n c */\r\n input a: bool\n}",

@@ -68,6 +68,18 @@ pub fn binary(op: BinaryOp, a: i64, b: i64) -> i64 {
     }
 }
 
+/// The same; `None` where the result would leave an `i64`, or the divisor is 0.
+pub fn checked(op: BinaryOp, a: i64, b: i64) -> Option<i64> {
+    match op {
+        BinaryOp::Add => a.checked_add(b),
+        BinaryOp::Sub => a.checked_sub(b),
+        BinaryOp::Mul => a.checked_mul(b),
+        BinaryOp::Div | BinaryOp::Mod if b == 0 || (a, b) == (i64::MIN, -1) => None,
+        BinaryOp::Mod => a.checked_sub(b.checked_mul(floor_div(a, b))?),
+        _ => Some(binary(op, a, b)),
+    }
+}
+
 /// Division rounded towards minus infinity.
 pub fn floor_div(a: i64, b: i64) -> i64 {
     let q = a / b;
@@ -90,6 +102,51 @@ mod tests {
                 assert_eq!(q * b + r, a);
                 assert!(r == 0 || (r < 0) == (b < 0), "{a} mod {b} = {r}");
                 assert!(r.abs() < b.abs());
+            }
+        }
+    }
+    #[test]
+    fn checked_arithmetic_is_exact_or_none() {
+        let numbers = [
+            i64::MIN,
+            i64::MIN + 1,
+            -(1 << 40),
+            -(1 << 31),
+            -7,
+            -1,
+            0,
+            1,
+            3,
+            (1 << 31) - 1,
+            1 << 31,
+            (1 << 31) + 1,
+            1 << 40,
+            i64::MAX,
+        ];
+        for a in numbers {
+            for b in numbers {
+                let (x, y) = (i128::from(a), i128::from(b));
+                for (op, exact) in [
+                    (BinaryOp::Add, x + y),
+                    (BinaryOp::Sub, x - y),
+                    (BinaryOp::Mul, x * y),
+                    (BinaryOp::Eq, i128::from(x == y)),
+                    (BinaryOp::Lt, i128::from(x < y)),
+                    (BinaryOp::Min, x.min(y)),
+                ] {
+                    assert_eq!(
+                        checked(op, a, b),
+                        i64::try_from(exact).ok(),
+                        "{a} {op:?} {b}"
+                    );
+                }
+                for op in [BinaryOp::Div, BinaryOp::Mod] {
+                    let known = checked(op, a, b);
+                    assert!(b != 0 || known.is_none());
+                    if let Some(known) = known {
+                        assert_eq!(known, binary(op, a, b), "{a} {op:?} {b}");
+                    }
+                }
             }
         }
     }

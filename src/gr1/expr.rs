@@ -225,12 +225,8 @@ impl Expr {
                     (B::And, _, Self::Const(1)) | (B::Or, _, Self::Const(0)) => a,
                     (B::Eq | B::Le | B::Ge, _, _) if a == b => Self::TRUE,
                     (B::Ne | B::Lt | B::Gt, _, _) if a == b => Self::FALSE,
-                    (B::Div | B::Mod, _, Self::Const(0)) => Self::binary(*op, a, b),
-                    (_, Self::Const(x), Self::Const(y))
-                        if x.unsigned_abs() < 1 << 31 && y.unsigned_abs() < 1 << 31 =>
-                    {
-                        Self::Const(super::eval::binary(*op, *x, *y))
-                    }
+                    (_, Self::Const(x), Self::Const(y)) => super::eval::checked(*op, *x, *y)
+                        .map_or_else(|| Self::binary(*op, a, b), Self::Const),
                     _ => Self::binary(*op, a, b),
                 }
             }

@@ -385,4 +385,16 @@ mod tests {
             assert_eq!(some.is_some(), !wanted.is_empty());
         }
     }
+    #[test]
+    fn numbers_far_outside_a_domain_are_no_values_of_it() {
+        for number in [4, 1 << 31, (1 << 31) + 1, 1 << 40] {
+            let mut specification = specification();
+            let [a, b] = [0, 1].map(VarId);
+            let never = Expr::now(a).equals(Expr::Const(number));
+            let rule = never.and(Expr::now(b).equals(Expr::Const(0)));
+            specification.assumptions.initial = vec![formula(rule)];
+            let moves = Moves::new(&specification, Owner::Environment, None, &[None; 3]);
+            assert_eq!(moves.find(&[]), Ok(None), "{number}");
+        }
+    }
 }

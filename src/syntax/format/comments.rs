@@ -152,14 +152,19 @@ pub(super) fn words<'t>(text: &'t str, cut: &Cut) -> Vec<&'t str> {
     cut.tokens
         .iter()
         .map(|t| &text[t.start..t.end])
-        .filter(|w| w.starts_with(|c| is_word(c) || c == '"') && !SPELLINGS.contains(w))
-        .map(|w| {
+        .filter(|w| w.starts_with(|c| is_word(c) || c == '"'))
+        .flat_map(|w| {
             if w.starts_with(|c: char| c.is_ascii_digit()) {
-                w.trim_start_matches('0')
+                // What follows a number need not stand apart from it: `1B`.
+                let end = w.find(|c: char| !c.is_ascii_digit()).unwrap_or(w.len());
+                let (number, rest) = w.split_at(end);
+                let rest = (!rest.is_empty()).then_some(rest);
+                std::iter::once(number.trim_start_matches('0')).chain(rest)
             } else {
-                w
+                std::iter::once(w).chain(None)
             }
         })
+        .filter(|w| !SPELLINGS.contains(w))
         .collect()
 }
 
