@@ -4,14 +4,14 @@ use super::Builder;
 use crate::contract::elaborate::nearest;
 use crate::contract::instantiate;
 use crate::contract::line::{Belt, Defect, NodeKind, Supply, Task};
-use crate::contract::machine::{Machine, PropertyKind};
+use crate::contract::machine::{Machine, PropertyKind, RealExpr};
 use crate::contract::machines::{
     PropertyType, assigned, failures, machine, positive, property_values, see_property,
 };
 use crate::contract::scope::{double, stands_twice};
 use crate::contract::value::{Dimension, Value};
 use crate::contract::{LONGEST_SECONDS, SHORTEST_SECONDS, is_duration};
-use crate::diagnostics::codes;
+use crate::diagnostics::{Diagnostic, codes};
 use crate::gr1::Domain;
 use crate::source::Span;
 use crate::syntax::ast::{self, LineItem, StationItem};
@@ -305,6 +305,7 @@ impl<'a> Builder<'a, '_> {
             output("ready"),
             places.is_empty() || !machine.operations.is_empty() || !moore,
         ) {
+            self.without_effect(span, &machine);
             Some(Belt {
                 machine,
                 load,
@@ -320,6 +321,32 @@ impl<'a> Builder<'a, '_> {
                 "a belt's machine has the signals `load` and `unload_ready`, a `moore` action with the outputs `s: array[n] of bool` and `ready`, and no operations",
             );
             None
+        }
+    }
+
+    /// What a belt's machine says of times, powers and failures counts for stations only.
+    fn without_effect(&mut self, span: Span, machine: &Machine) {
+        let components = &machine.components;
+        let is_zero = |watts: &RealExpr| *watts == RealExpr::Number(0.0);
+        let statements = [
+            ("failures", machine.failures.is_some()),
+            (
+                "power",
+                machine.base_watts != 0.0 || components.iter().any(|c| !is_zero(&c.watts)),
+            ),
+            ("time", components.iter().any(|c| c.time.is_some())),
+        ];
+        for (word, _) in statements.iter().filter(|(_, is_there)| *is_there) {
+            self.e.findings.push(
+                Diagnostic::warning(
+                    codes::UNUSED,
+                    span,
+                    format!("`{word}` of the machine `{}` has no effect on a conveyor", machine.name),
+                )
+                .with_help(
+                    "a conveyor moves by one place every pitch/speed, draws the `power` that stands with the conveyor, and does not fail",
+                ),
+            );
         }
     }
 
