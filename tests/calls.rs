@@ -574,3 +574,31 @@ fn no_work_gives_energy_back() {
     let open = checked_with(&machines, &line(4));
     assert_eq!(codes(&open, "error"), ["LW414"], "{open:#}");
 }
+
+#[test]
+fn a_store_that_is_always_empty_is_told() {
+    let line = |stock: u8| {
+        format!(
+            "line L {{
+    part P
+    part R
+    product P
+    source s: P on order
+    store b: {stock} R
+    sink k
+    sink l
+    station m: Any(t = 1) {{ perform take on P }}
+    station n: Any(t = 1) {{ perform take on R }}
+    route P: s -> m -> k
+    route R: b -> n -> l
+}}
+"
+        )
+    };
+    let row = checked(&line(0));
+    assert_eq!(codes(&row, "warning"), ["LW402"], "{row:#}");
+    assert!(row.to_string().contains("no R ever leaves b"), "{row:#}");
+    let row = checked(&line(3));
+    assert_eq!(codes(&row, "warning"), [""; 0], "{row:#}");
+    assert_eq!(premises(&row), ["stock_of_R_at_b"], "{row:#}");
+}

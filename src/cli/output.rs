@@ -1,13 +1,23 @@
 //! Writes results to files: under a temporary name first, then renamed, so that a killed run leaves no half file.
 
+use super::files;
 use crate::diagnostics::{Diagnostic, codes};
 use std::fs::Permissions;
 use std::io::{self, Write as _};
 use std::path::Path;
 
-/// Writes a file, and makes its folder where that is missing.
+/// Writes a file, and makes its folder where that is missing. A link stays, and where it leads is written; what is no regular file, such as a
+/// device or a named pipe, is left as it is and told.
 pub fn write(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
-    replace(path, text.as_bytes(), None).map_err(|e| {
+    let written = if path.exists() {
+        files::is_regular(path)
+            .map_err(io::Error::other)
+            .and_then(|()| std::fs::canonicalize(path))
+            .and_then(|target| replace(&target, text.as_bytes(), None))
+    } else {
+        replace(path, text.as_bytes(), None)
+    };
+    written.map_err(|e| {
         let help = "choose a folder that may be written with --out DIR";
         Box::new(unwritable(path, &e, help))
     })

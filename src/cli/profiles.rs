@@ -1,5 +1,6 @@
 //! Profiles of `UF_Value` as files: read for `build` and `doctor`, and what is said of one that is unverified.
 
+use super::files;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::source::SourceMap;
 use crate::station::profile::{Profile, read};
@@ -28,8 +29,9 @@ pub fn text(path: &Path, largest: u64) -> Result<String, Box<Diagnostic>> {
                 .with_help("check the path, and that the file may be read"),
         )
     };
+    files::is_regular(path).map_err(unreadable)?;
     let mut bytes = Vec::new();
-    // What is no plain file says nothing of its length before it is read.
+    // Its length may change while it is read.
     std::fs::File::open(path)
         .and_then(|file| file.take(largest + 1).read_to_end(&mut bytes))
         .map_err(|e| unreadable(e.to_string()))?;

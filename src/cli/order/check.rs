@@ -3,6 +3,7 @@
 use super::rules::{self, Chosen};
 use super::{Choice, program, words};
 use crate::cli::exit::ExitCode;
+use crate::cli::files;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, json, sarif};
@@ -13,6 +14,7 @@ use crate::source::SourceMap;
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// The arguments of `order check`.
 #[derive(Debug, Args)]
@@ -138,8 +140,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
 type Read = Result<String, Box<Diagnostic>>;
 
 fn read(name: &str) -> Read {
-    std::fs::read_to_string(name).map_err(|error| {
-        let message = format!("{name} cannot be read: {error}");
+    files::read(Path::new(name)).map_err(|why| {
+        let message = format!("{name} cannot be read: {why}");
         let finding = Diagnostic::error(codes::FILE_UNREADABLE, None, message);
         Box::new(finding.with_help("give a file of calls in UTF-8: a skill a line"))
     })

@@ -26,6 +26,7 @@ pub(super) fn add(walk: &Walk<'_>, calls: &mut Calls) {
     writer.stranded(&mut calls.findings);
     if walk.is_complete() {
         writer.dead_routes(calls);
+        writer.empty_stores(calls);
     }
 }
 
@@ -302,6 +303,37 @@ impl Writer<'_> {
                 Diagnostic::warning(codes::LINE_ROUTE, route.span, message)
                     .with_help("see which values the part can have there; or leave the route out"),
             );
+        }
+    }
+
+    /// Stores that have routes for parts of a type and never any to give.
+    fn empty_stores(&self, calls: &mut Calls) {
+        let line = self.line();
+        for (node, declared) in line.nodes.iter().enumerate() {
+            if !matches!(declared.kind, NodeKind::Store { .. }) {
+                continue;
+            }
+            let routes = line.routes.iter().filter(|r| r.from == node);
+            let parts: BTreeSet<usize> = routes.map(|r| r.part).collect();
+            for part in parts {
+                if self
+                    .walk
+                    .vertices
+                    .iter()
+                    .any(|v| (v.node, v.part) == (node, part))
+                {
+                    continue;
+                }
+                let kind = &line.parts[part].name;
+                let message = format!(
+                    "no {kind} ever leaves {}: it has none in stock, and none comes to it",
+                    declared.name
+                );
+                calls.remarks.push(
+                    Diagnostic::warning(codes::LINE_ROUTE, declared.span, message)
+                        .with_help("give it a stock, or leave the route out"),
+                );
+            }
         }
     }
 
