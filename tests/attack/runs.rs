@@ -19,8 +19,9 @@ use std::time::{Duration, Instant};
 pub const PARTS: u64 = 5;
 /// In so many seconds each line here can make them several times over.
 pub const SECONDS: f64 = 5_000.0;
-/// A run that has not made them goes on for so much longer before anything is said: times may be a million times a property.
-const LONGER: [f64; 2] = [10.0, 20_000.0];
+/// A run that has not made them goes on for so much longer before anything is said, if no more has happened in it than this: times may be a
+/// million times a property, but a line in which much happens and nothing is made has failed.
+const LONGER: [(f64, u64); 2] = [(10.0, u64::MAX), (20_000.0, 20_000)];
 
 /// Something that must not happen in a line that is proved.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -112,14 +113,15 @@ impl World {
     pub fn failures(&self, line: &Line, seeds: &[u64]) -> Option<BTreeSet<Failure>> {
         let mut failures = BTreeSet::new();
         for &seed in seeds {
-            let trace = self.run(line, seed, Some(PARTS), SECONDS)?;
+            let mut trace = self.run(line, seed, Some(PARTS), SECONDS)?;
             let mut found = failures_of(line, &trace);
-            for times in LONGER {
-                if !found.iter().any(|f| f.kind == "missing") {
+            for (times, most_events) in LONGER {
+                let is_late = found.iter().any(|f| f.kind == "missing");
+                if !is_late || trace.events > most_events {
                     break;
                 }
                 failures.extend(found.into_iter().filter(|f| f.kind != "missing"));
-                let trace = self.run(line, seed, Some(PARTS), SECONDS * times)?;
+                trace = self.run(line, seed, Some(PARTS), SECONDS * times)?;
                 found = failures_of(line, &trace);
             }
             failures.extend(found);
