@@ -16,6 +16,8 @@ use std::collections::BTreeMap;
 
 /// More slots for parts of different types than this are too many to be told apart.
 const MOST_SLOTS: usize = 64;
+/// Maximum places whose parts wait for the same one: their turns take a formula for every three of them.
+const MOST_WAITING: usize = 48;
 /// A queue of parts of one type may be this long.
 const MOST_COUNTED: u32 = 4_096;
 
@@ -237,6 +239,13 @@ impl Vocabulary {
         }
         if takers.len() > 1 {
             let turns = !matches!(declared.kind, PlaceKind::End { .. });
+            let waiting = takers.len() - 1;
+            if turns && waiting > MOST_WAITING {
+                return Err(Unfit(format!(
+                    "parts come to {} from {waiting} places, and the turns of at most {MOST_WAITING} are told apart",
+                    declared.name
+                )));
+            }
             let pairs = (1..takers.len()).flat_map(|a| (a + 1..takers.len()).map(move |b| (a, b)));
             let compete =
                 |(a, b): (usize, usize)| turns && compete(shape, place, &vars.joins, a, b);
