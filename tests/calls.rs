@@ -602,3 +602,58 @@ fn a_store_that_is_always_empty_is_told() {
     assert_eq!(codes(&row, "warning"), [""; 0], "{row:#}");
     assert_eq!(premises(&row), ["stock_of_R_at_b"], "{row:#}");
 }
+
+/// What could not all be looked at is not taken for all that there is: many defects of one part, and joins of many values.
+#[test]
+fn what_was_not_looked_at_is_not_taken_for_nothing() {
+    let defects = "        defect on P probability 50 %: one of h becomes 3 - it\n".repeat(6);
+    let row = checked(&format!(
+        "line L {{
+    part P {{
+        property x: 0..9 = 0
+        property h: array[40] of 0..3 = 0
+    }}
+    source s: P on order
+    sink k
+    station m: Any(t = 1) {{
+        perform take on P
+{defects}    }}
+    route P: s -> m
+    route P: m -> k when h[0] >= 0
+}}
+"
+    ));
+    assert_eq!(row["proof"], "safe", "{row:#}");
+
+    // Four types with thirty values each; the value of the first decides, and 29 of them are refused.
+    let mut line = String::from("line L {\n");
+    for part in ["P", "Q", "R", "S"] {
+        let _ = writeln!(line, "    part {part} {{ property a: 0..29 = 0 }}");
+        let _ = writeln!(line, "    source s{part}: {part} on order");
+        let _ = writeln!(
+            line,
+            "    station m{part}: Any(t = 1) {{ perform take on {part}"
+        );
+        for value in 1..30 {
+            let _ = writeln!(
+                line,
+                "        defect on {part} probability 5 %: a becomes {value}"
+            );
+        }
+        let _ = writeln!(line, "    }}\n    route {part}: s{part} -> m{part} -> j");
+    }
+    line += "    part A from 1 P, 1 Q, 1 R, 1 S {
+        property a: 0..29 = P.a
+        property b: 0..29 = Q.a
+        property c: 0..29 = R.a
+        property d: 0..29 = S.a
+    }
+    product A
+    sink k
+    station j: Any(t = 1) { perform take on A }
+    route A: j -> k when a + b + c + d < 100
+}
+";
+    let row = checked(&line);
+    assert_ne!(row["proof"], "proved", "{row:#}");
+}

@@ -137,16 +137,15 @@ impl<'a> Walk<'a> {
         loop {
             while let Some(vertex) = self.open.pop() {
                 self.follow(vertex);
+                if limits.check_time().is_err() {
+                    break;
+                }
             }
             if self.vertices.len() > self.bounds.values {
                 let last = self.vertices.iter().rev();
                 let at_station = |v: &&Vertex| self.desks[v.node].is_some();
                 let node = last.clone().find(at_station).or(last.clone().next());
-                let why = format!(
-                    "parts can carry more than {} combinations of values",
-                    self.bounds.values
-                );
-                self.undecided.push((node.map_or(0, |v| v.node), why));
+                self.give_up(node.map_or(0, |v| v.node), "parts can carry");
                 return self;
             }
             if !self.serve() {
@@ -165,6 +164,15 @@ impl<'a> Walk<'a> {
                 self.undecided.push((node, limit.to_string()));
                 return self;
             }
+        }
+    }
+
+    /// Records that there are too many combinations of values to follow them all.
+    fn give_up(&mut self, node: usize, what: &str) {
+        let most = self.bounds.values;
+        let why = format!("{what} more than {most} combinations of values");
+        if !self.undecided.contains(&(node, why.clone())) {
+            self.undecided.push((node, why));
         }
     }
 
@@ -349,6 +357,11 @@ impl<'a> Walk<'a> {
         }
         let mut combinations: Vec<Vec<usize>> = vec![Vec::new()];
         for (_, there) in &sites {
+            if combinations.len().saturating_mul(there.len()) > self.bounds.values {
+                let kind = &declared.name;
+                self.give_up(node, &format!("{kind} can be joined of"));
+                return;
+            }
             let longer = combinations.iter().flat_map(|chosen| {
                 there.iter().map(move |one| {
                     let mut chosen = chosen.clone();
@@ -356,7 +369,7 @@ impl<'a> Walk<'a> {
                     chosen
                 })
             });
-            combinations = longer.take(self.bounds.values + 1).collect();
+            combinations = longer.collect();
         }
         for chosen in combinations {
             let values = declared.properties.iter().map(|p| match p.initial {
@@ -468,10 +481,15 @@ impl<'a> Walk<'a> {
         }
         // Values between two defects may be anything; what the part leaves with may not.
         for defect in defects.iter().filter(|d| d.part == part) {
-            let then = outcomes
-                .iter()
-                .flat_map(|values| with_defect(defect, values));
-            outcomes = then.collect();
+            let mut then = BTreeSet::new();
+            for values in &outcomes {
+                then.extend(with_defect(defect, values));
+                if then.len() > self.bounds.values {
+                    self.give_up(node, "defects can lead to");
+                    return;
+                }
+            }
+            outcomes = then;
         }
         self.vertices[at].choice = Choice::Chance;
         for outcome in outcomes {
