@@ -657,3 +657,34 @@ fn what_was_not_looked_at_is_not_taken_for_nothing() {
     let row = checked(&line);
     assert_ne!(row["proof"], "proved", "{row:#}");
 }
+
+/// A part that chance has brought into a loop without a way out stays there, though each new part had a chance to leave.
+#[test]
+fn a_loop_without_a_way_out_is_no_matter_of_chance() {
+    let line = |defect: &str| {
+        format!(
+            "line L {{
+    part P {{ property x: 0..9 = 1 }}
+    source s: P on order, at most 1 in the line
+    sink k
+    buffer b capacity 1
+    station m: Any(t = 1) {{
+        perform take on P
+        {defect}
+    }}
+    route P: s -> m
+    route P: m -> b when x = 0
+    route P: b -> m
+    route P: m -> k otherwise
+}}
+"
+        )
+    };
+    // Once 0, always 0.
+    proved(
+        &line("defect on P probability 10 %: x becomes 0"),
+        &["m_sends_P_to_k"],
+    );
+    // From 0 there is a chance to get out again.
+    proved(&line("defect on P probability 10 %: x becomes 1 - it"), &[]);
+}

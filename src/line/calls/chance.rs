@@ -5,7 +5,8 @@
 //! route whatever else happens: the vertices from which that is so are the positive attractor of a game in which chance helps and all that is
 //! left open does not (Chatterjee and Henzinger, "A survey of stochastic omega-regular games", JCSS 78(2), 2012). The line holds finitely
 //! many values, so the chances are bounded from below; each part draws by itself; and only finitely many parts are on their way at a time, so
-//! that infinitely many of those that are made take the route. A store holds any number of parts, so no way through one counts.
+//! that infinitely many of those that are made take the route. That many are made is not said where a part can go round for ever: so a part
+//! that goes another way and may come again has to have a chance still. A store holds any number of parts, so no way through one counts.
 
 use super::Calls;
 use super::walk::{Choice, Stage, Walk};
@@ -33,6 +34,9 @@ struct Branch<'a> {
     sure: Vec<bool>,
     /// By vertex: it may come to where the route begins.
     comes: Vec<bool>,
+    /// Whether a part may come to where the route begins, go another way, come there again, and have no chance of this route any more: it
+    /// could go round for ever.
+    has_trap: bool,
 }
 
 impl<'a> Branch<'a> {
@@ -74,16 +78,19 @@ impl<'a> Branch<'a> {
                     Choice::Open => !v.next.is_empty() && next.all(|n| n),
                 }
         });
+        let comes_again = |v: usize| at_branch(v) && vertices[v].next.iter().any(|n| comes[*n]);
+        let has_trap = all.clone().any(|v| comes_again(v) && !sure[v]);
         Self {
             walk,
             part: route.part,
             sure,
             comes,
+            has_trap,
         }
     }
 
     fn is_sure(&self) -> bool {
-        self.made_surely(self.part, self.walk.line.parts.len())
+        !self.has_trap && self.made_surely(self.part, self.walk.line.parts.len())
     }
 
     /// Whether of infinitely many parts of a type infinitely many come to the route. What is joined may owe it to a component.
