@@ -290,9 +290,7 @@ impl CallError {
         (!sound).then(|| {
             Self::plain(
                 ErrorCode::Internal,
-                format!(
-                    "the operation took {seconds} s and {joules} J, which a run cannot measure"
-                ),
+                format!("the operation took {seconds} s and {joules} J: at most {LONGEST_SECONDS:e} s and no energy below 0 can be measured"),
             )
         })
     }

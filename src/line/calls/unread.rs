@@ -237,7 +237,7 @@ impl<'a> Flows<'a> {
     }
 }
 
-/// Finite numbers from `low` to `high`.
+/// Finite numbers from `low` to `high`, as doubles are added and multiplied. That of whole numbers is [`crate::gr1::interval`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Interval {
     low: f64,
