@@ -326,6 +326,17 @@ fn time_has_to_pass_between_stores_too() {
         &[],
     );
     proved(&line("    store b\n    route Q: q -> m -> b\n"), &[]);
+    // A store is never full, whatever leaves it; what it has at the start comes to an end.
+    let said = open(
+        &line("    store a\n    route Q: q -> a -> m -> l\n"),
+        &["LW416"],
+        &[],
+    );
+    assert!(said.contains("from q to a"), "{said}");
+    proved(
+        &line("    store a: 3 P\n    store b\n    route Q: q -> m -> b\n    route P: a -> l\n"),
+        &["stock_of_P_at_a"],
+    );
 }
 
 #[test]

@@ -135,7 +135,7 @@ fn calls_of<'a>(
 fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
     let shape = Shape::of(line).ok()?;
     let nodes: BTreeSet<usize> = calls.timeless.keys().copied().collect();
-    let (from, to) = shape.timeless(&nodes)?;
+    let (from, to) = shape.timeless(line, &nodes)?;
     let (from, to) = (&shape.places[from], &shape.places[to]);
     let message = format!(
         "parts go from {} to {} on and on, and no time passes",

@@ -84,7 +84,7 @@ impl Abstraction {
 
     fn with(line: &Line, at_once: bool) -> Result<Self, Unfit> {
         let shape = Shape::of(line)?;
-        shape.check_time()?;
+        shape.check_time(line)?;
         let vocabulary = Vocabulary::of(line, &shape)?;
         let model = Model {
             shape: &shape,

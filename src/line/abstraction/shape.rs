@@ -225,8 +225,8 @@ impl Shape {
     }
 
     /// Somewhere on the way of every part time has to pass, or else all others wait for ever for parts that move at once.
-    pub(super) fn check_time(&self) -> Result<(), Unfit> {
-        let Some((from, to)) = self.timeless(&BTreeSet::new()) else {
+    pub(super) fn check_time(&self, line: &Line) -> Result<(), Unfit> {
+        let Some((from, to)) = self.timeless(line, &BTreeSet::new()) else {
             return Ok(());
         };
         Err(Unfit(format!(
@@ -236,12 +236,13 @@ impl Shape {
     }
 
     /// Two places between which parts can go on and on, and no time passes; the work of these stations (nodes of the line) takes none either.
-    pub fn timeless(&self, stations: &BTreeSet<usize>) -> Option<(usize, usize)> {
+    /// What comes to a sink or a store without end makes such a pair with its source, since neither is ever full.
+    pub fn timeless(&self, line: &Line, stations: &BTreeSet<usize>) -> Option<(usize, usize)> {
         let is_station = |place: &Place| {
             matches!(place.kind, PlaceKind::Station { .. }) && stations.contains(&place.node)
         };
         for (start, declared) in self.places.iter().enumerate() {
-            let endless = matches!(declared.kind, PlaceKind::Supply { always: true, .. });
+            let endless = endless(line, declared);
             let instant = match declared.kind {
                 PlaceKind::Room { .. } | PlaceKind::Supply { .. } => true,
                 _ => is_station(declared),
@@ -253,9 +254,7 @@ impl Shape {
             let mut open: Vec<usize> = self.onward(start).into_iter().collect();
             while let Some(place) = open.pop() {
                 let timeless = match &self.places[place].kind {
-                    PlaceKind::End { leaves, .. } => {
-                        endless && self.comes(place).iter().any(|part| leaves.contains(part))
-                    }
+                    PlaceKind::End { .. } => endless,
                     PlaceKind::Room { .. } | PlaceKind::Supply { .. } => place == start,
                     PlaceKind::Station { .. } if is_station(&self.places[place]) => place == start,
                     _ => continue,
@@ -446,6 +445,12 @@ fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
         always: !comes,
         most: None,
     }
+}
+
+/// Whether a source has another part at once, however many it has given. The stock of a store has an end.
+fn endless(line: &Line, place: &Place) -> bool {
+    matches!(place.kind, PlaceKind::Supply { always: true, .. })
+        && matches!(line.nodes[place.node].kind, NodeKind::Source { .. })
 }
 
 fn kind(line: &Line, node: usize) -> PlaceKind {
