@@ -294,6 +294,81 @@ fn no_work_takes_longer_than_a_run_can_measure() {
     assert_eq!(codes(&open, "error"), ["LW414"], "{open:#}");
 }
 
+/// A part that goes round by its values, or by chance, comes out of it in the end.
+#[test]
+fn a_circle_without_time_is_one_that_parts_do_not_leave() {
+    let machines = format!(
+        "{MACHINES}\nmachine Counter {{
+    step 0 s
+    property v: 0..3 = 0
+    coordinator c: Single {{
+        job = operation = take
+        executed = a.finished
+    }}
+    action a: Plain when c.command {{
+        requested = c.command
+        time 0 s
+    }}
+    operation take: a
+    done c.done
+    write v = min(v + 1, 3)
+}}
+"
+    );
+    let line = |supply: &str, back: &str, defect: &str| {
+        format!(
+            "line L {{
+    part P {{
+        property v: 0..3 = 0
+    }}
+    source s: P {supply}
+    sink k
+    store b
+    station m: Counter {{
+        perform take on P
+        {defect}
+    }}
+    route P: s -> b -> m
+    route P: m -> b when {back}
+    route P: m -> k otherwise
+}}
+"
+        )
+    };
+    let said = |text: &str| {
+        let row = checked_with(&machines, text);
+        let errors: Vec<String> = codes(&row, "error")
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        let warnings: Vec<String> = codes(&row, "warning")
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        (
+            row["proof"].as_str().unwrap_or("none").to_owned(),
+            errors.join(" "),
+            warnings.join(" "),
+        )
+    };
+    let of = |proof: &str, errors: &str, warnings: &str| {
+        (proof.to_owned(), errors.to_owned(), warnings.to_owned())
+    };
+    assert_eq!(said(&line("every 5 s", "v < 3", "")), of("proved", "", ""));
+    // From a source that always has another part no time passes, round by round.
+    assert_eq!(
+        said(&line("on order", "v < 3", "")),
+        of("open", "LW416", "")
+    );
+    // Chance sees to it that they leave, and values that they do not.
+    let defect = "defect on P probability 50 %: v becomes 0";
+    assert_eq!(said(&line("every 5 s", "v = 1", "")), of("proved", "", ""));
+    assert_eq!(
+        said(&line("every 5 s", "v = 0", defect)),
+        of("open", "", "LW416")
+    );
+}
+
 /// Stores give out what they took in, and sinks take what always comes.
 #[test]
 fn time_has_to_pass_between_stores_too() {

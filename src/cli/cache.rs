@@ -18,6 +18,7 @@ use crate::game::{
 };
 use crate::gr1::{Expr, Formula, Specification, Variable};
 use crate::mealy::{self, Controller, functions::Functions};
+use crate::station::disk;
 use crate::symbolic::Bit;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -398,7 +399,7 @@ impl Cache {
 
     /// A file's content, if it is whole and its own: its first line is the checksum of its name and the rest.
     fn read<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
-        let bytes = std::fs::read(self.folder.join(name)).ok()?;
+        let bytes = disk::read(&self.folder.join(name)).ok()?;
         let end = bytes.iter().position(|b| *b == b'\n')?;
         let (sum, rest) = (&bytes[..end], &bytes[end + 1..]);
         if sum != checksum(name, rest).as_bytes() {

@@ -10,6 +10,7 @@ use crate::contract::{self, Contract, Library};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::interchange::{self, Format, Reading};
 use crate::source::{FileId, Span};
+use crate::station::disk;
 use include_dir::{Dir, include_dir};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -384,10 +385,9 @@ fn embedded(folder: &Dir<'_>, paths: &mut Vec<String>) {
     }
 }
 
-/// The text of a file, or why it cannot be read. Only a regular file is: whoever reads a named pipe or a terminal may wait for ever.
+/// The text of a regular file, or why it cannot be read.
 pub fn read(path: &Path) -> Result<String, String> {
-    is_regular(path)?;
-    let bytes = std::fs::read(path).map_err(|e| describe(&e))?;
+    let bytes = disk::read(path).map_err(|e| describe(&e))?;
     String::from_utf8(bytes).map_err(|_| "it is not a text in UTF-8".to_owned())
 }
 
@@ -396,34 +396,7 @@ pub fn read(path: &Path) -> Result<String, String> {
 /// # Errors
 /// What is there instead, in words.
 pub fn is_regular(path: &Path) -> Result<(), String> {
-    let kind = { std::fs::metadata(path) }
-        .map_err(|e| describe(&e))?
-        .file_type();
-    if kind.is_file() {
-        return Ok(());
-    }
-    if kind.is_dir() {
-        return Err("it is a folder".to_owned());
-    }
-    Err(format!("it is {}, and no regular file", special(kind)))
-}
-
-/// What is neither a file nor a folder.
-#[cfg(unix)]
-fn special(kind: std::fs::FileType) -> &'static str {
-    use std::os::unix::fs::FileTypeExt as _;
-    if kind.is_fifo() {
-        "a named pipe"
-    } else if kind.is_socket() {
-        "a socket"
-    } else {
-        "a device"
-    }
-}
-
-#[cfg(not(unix))]
-fn special(_: std::fs::FileType) -> &'static str {
-    "a device"
+    disk::is_regular(path).map_err(|e| describe(&e))
 }
 
 fn describe(error: &std::io::Error) -> String {

@@ -9,9 +9,8 @@ use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::game::{Budget, Limit, Limits, RuleKind};
-use crate::line::abstraction::{self, Abstraction, Shape, Verdict, findings};
+use crate::line::abstraction::{self, Abstraction, Verdict, findings};
 use crate::line::calls::{self, Bounds, Calls, Premise, premises};
-use std::collections::BTreeSet;
 
 /// Of lines with more variables it is not asked whether everything goes on.
 const MOST_VARIABLES: usize = 48;
@@ -52,7 +51,7 @@ pub fn examine<'a>(
     let mut found = std::mem::take(&mut calls.findings);
     let reduced = calls.simplified(line);
     let moving = if found.is_empty() { &reduced } else { line };
-    found.extend(timeless(moving, &calls));
+    found.extend(timeless(line, &calls));
     let is_sound = found.is_empty();
     // Where not all calls could be tried, contracts may still show that none breaks an order.
     let unknown = |node: usize| calls.undecided.iter().any(|(n, _)| *n == node);
@@ -110,9 +109,7 @@ pub fn findings_of_calls<'a>(
 ) -> Vec<Diagnostic> {
     let mut calls = calls_of(line, controlled, limits);
     let mut found = std::mem::take(&mut calls.findings);
-    let reduced = calls.simplified(line);
-    let moving = if found.is_empty() { &reduced } else { line };
-    found.extend(timeless(moving, &calls));
+    found.extend(timeless(line, &calls));
     found.append(&mut calls.remarks);
     found
 }
@@ -133,23 +130,20 @@ fn calls_of<'a>(
 
 /// A line in which parts move on and no time passes.
 fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
-    let shape = Shape::of(line).ok()?;
-    let nodes: BTreeSet<usize> = calls.timeless.keys().copied().collect();
-    let (from, to) = shape.timeless(line, &nodes)?;
-    let (from, to) = (&shape.places[from], &shape.places[to]);
+    let found = calls.timeless.as_ref()?;
+    let [from, to] = [found.from, found.to].map(|node| &line.nodes[node]);
     let message = format!(
         "parts go from {} to {} on and on, and no time passes",
         from.name, to.name
     );
-    let mut finding = Diagnostic::error(codes::LINE_TIMELESS, line.nodes[from.node].span, message)
-        .with_help(
-            "give the work of a station on the way a time that is greater than 0 for all values",
-        );
-    if !calls.timeless.values().all(|always| *always) {
+    let mut finding = Diagnostic::error(codes::LINE_TIMELESS, from.span, message).with_help(
+        "give the work of a station on the way a time that is greater than 0 for all values",
+    );
+    if !found.always {
         finding.severity = Severity::Warning;
     }
-    for node in nodes {
-        let node = &line.nodes[node];
+    for node in &found.stations {
+        let node = &line.nodes[*node];
         finding = finding.with_label(
             node.span,
             format!("the work of {} may take no time", node.name),

@@ -2,6 +2,7 @@
 
 use super::files;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::station::disk;
 use std::fs::Permissions;
 use std::io::{self, Write as _};
 use std::path::Path;
@@ -25,7 +26,7 @@ pub fn write(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
 
 /// Writes a file that is not there; one that is and says the same is left, and one that says something else is kept: LW546.
 pub fn keep(path: &Path, text: &str, help: &str) -> Result<(), Box<Diagnostic>> {
-    match std::fs::read(path) {
+    match disk::read(path) {
         Ok(old) if old == text.as_bytes() => Ok(()),
         Ok(_) => {
             let message = format!(

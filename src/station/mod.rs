@@ -9,6 +9,7 @@
 //! ```
 
 pub mod composition;
+pub mod disk;
 pub mod emit;
 pub mod fmi;
 pub mod interpret;

@@ -2,6 +2,12 @@
 
 use crate::session::Session;
 use crate::support::root;
+#[cfg(unix)]
+use std::path::Path;
+#[cfg(unix)]
+use std::process::{Command, Output, Stdio};
+#[cfg(unix)]
+use std::time::{Duration, Instant};
 
 #[test]
 fn a_folder_without_files_is_the_same_to_all() {
@@ -37,19 +43,76 @@ fn a_folder_with_the_name_of_a_file() {
     }
 }
 
-/// Nobody writes into this pipe, so whoever reads it waits for ever: the limit of the test's own patience is what `timeout` says.
+/// Makes a named pipe, where there is a program for it. Nobody writes into it, so whoever reads it waits for ever.
+#[cfg(unix)]
+fn pipe(at: &Path) -> bool {
+    let made = Command::new("mkfifo").arg(at).status();
+    let made = made.is_ok_and(|s| s.success());
+    if !made {
+        println!("skipped: mkfifo");
+    }
+    made
+}
+
+/// What a command gives back, which has to come to an end.
+#[cfg(unix)]
+fn ended(mut command: Command) -> Output {
+    let mut child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .stdin(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let begin = Instant::now();
+    while child.try_wait().expect("it is ours").is_none() {
+        if begin.elapsed() > Duration::from_mins(2) {
+            child.kill().expect("it is ours");
+            panic!("{command:?} hangs");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child.wait_with_output().expect("it ended")
+}
+
+/// What lies in place of a library, a manifest or an entry of the cache is replaced, and never waited for.
+#[cfg(unix)]
+#[test]
+fn pipes_in_place_of_what_was_made_are_replaced() {
+    let session = Session::new();
+    let run = |line: &str| {
+        let mut command = session.command(line);
+        command.env("LINEWRIGHT_CACHE", session.path("cache"));
+        let output = ended(command);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{line}: {said}");
+    };
+    run("run lamp.lw --out made");
+    for ending in ["json", "so"] {
+        for folder in ["made", "cache"] {
+            let entries = std::fs::read_dir(session.path(folder)).expect("a folder");
+            for path in entries.map(|e| e.expect("an entry").path()) {
+                let chosen = folder == "cache" || path.extension().is_some_and(|e| e == ending);
+                if !chosen || !path.is_file() {
+                    continue;
+                }
+                std::fs::remove_file(&path).expect("it is there");
+                if !pipe(&path) {
+                    return;
+                }
+            }
+        }
+        run("check lamp.lw");
+        run("run lamp.lw --out made");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_named_pipe_is_named_and_hangs_nothing() {
-    use std::process::Command;
     let session = Session::new();
     std::fs::create_dir(session.path("plant")).expect("a folder");
     std::fs::copy(session.path("lamp.lw"), session.path("plant/lamp.lw")).expect("a copy");
-    let made = Command::new("mkfifo")
-        .arg(session.path("plant/pipe.lw"))
-        .status();
-    if !made.is_ok_and(|s| s.success()) {
-        println!("skipped: mkfifo");
+    if !pipe(&session.path("plant/pipe.lw")) {
         return;
     }
     std::os::unix::fs::symlink("/dev/zero", session.path("plant/zero.lw")).expect("a link");
@@ -74,22 +137,7 @@ fn a_named_pipe_is_named_and_hangs_nothing() {
         ("step plant/pipe.lw", &["pipe.lw"]),
         ("check plant/reads.lw", &["pipe.lw"]),
     ] {
-        let mut command = session.command(line);
-        let mut child = command
-            .stdout(std::process::Stdio::piped())
-            .stderr(std::process::Stdio::piped())
-            .stdin(std::process::Stdio::null())
-            .spawn()
-            .expect("the program starts");
-        let begin = std::time::Instant::now();
-        while child.try_wait().expect("it is ours").is_none() {
-            if begin.elapsed() > std::time::Duration::from_mins(2) {
-                child.kill().expect("it is ours");
-                panic!("{line} hangs");
-            }
-            std::thread::sleep(std::time::Duration::from_millis(10));
-        }
-        let output = child.wait_with_output().expect("it ended");
+        let output = ended(session.command(line));
         assert!(matches!(output.status.code(), Some(1 | 2)), "{line}");
         let all = [output.stdout, output.stderr].concat();
         let all = String::from_utf8_lossy(&all);

@@ -224,9 +224,10 @@ impl Shape {
         self.check_limits(line)
     }
 
-    /// Somewhere on the way of every part time has to pass, or else all others wait for ever for parts that move at once.
+    /// Somewhere on the way of every part time has to pass, or else all others wait for ever for parts that move at once. Work always takes
+    /// time here; where it takes none is found with the values of parts ([`crate::line::calls`]).
     pub(super) fn check_time(&self, line: &Line) -> Result<(), Unfit> {
-        let Some((from, to)) = self.timeless(line, &BTreeSet::new()) else {
+        let Some((from, to)) = self.timeless(line) else {
             return Ok(());
         };
         Err(Unfit(format!(
@@ -235,28 +236,20 @@ impl Shape {
         )))
     }
 
-    /// Two places between which parts can go on and on, and no time passes; the work of these stations (nodes of the line) takes none either.
-    /// What comes to a sink or a store without end makes such a pair with its source, since neither is ever full.
-    pub fn timeless(&self, line: &Line, stations: &BTreeSet<usize>) -> Option<(usize, usize)> {
-        let is_station = |place: &Place| {
-            matches!(place.kind, PlaceKind::Station { .. }) && stations.contains(&place.node)
-        };
+    /// Two places between which parts can go on and on, and no time passes: on a circle, or from a source without an end to what is never
+    /// full, a sink or a store.
+    fn timeless(&self, line: &Line) -> Option<(usize, usize)> {
         for (start, declared) in self.places.iter().enumerate() {
             let endless = endless(line, declared);
-            let instant = match declared.kind {
-                PlaceKind::Room { .. } | PlaceKind::Supply { .. } => true,
-                _ => is_station(declared),
-            };
-            if !instant {
+            let (PlaceKind::Room { .. } | PlaceKind::Supply { .. }) = declared.kind else {
                 continue;
-            }
+            };
             let mut seen = BTreeSet::new();
             let mut open: Vec<usize> = self.onward(start).into_iter().collect();
             while let Some(place) = open.pop() {
                 let timeless = match &self.places[place].kind {
                     PlaceKind::End { .. } => endless,
                     PlaceKind::Room { .. } | PlaceKind::Supply { .. } => place == start,
-                    PlaceKind::Station { .. } if is_station(&self.places[place]) => place == start,
                     _ => continue,
                 };
                 if timeless {

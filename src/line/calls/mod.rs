@@ -27,11 +27,13 @@ mod chance;
 mod desk;
 mod findings;
 mod premises;
+mod time;
 mod unread;
 mod walk;
 
 pub use findings::in_turn;
 pub use premises::{Premise, premises};
+pub use time::Timeless;
 
 use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::Machine;
@@ -39,7 +41,6 @@ use crate::diagnostics::Diagnostic;
 use crate::game::Limits;
 use crate::station::interpret::Interpreter;
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
 
 /// How much is explored.
 #[derive(Debug, Clone, Copy)]
@@ -65,8 +66,8 @@ pub struct Calls {
     pub always: Vec<bool>,
     /// By route: whether chance sees to it that it is taken again and again as long as parts come.
     pub by_chance: Vec<bool>,
-    /// Stations that may work on a part without any time passing, and whether they always do.
-    pub timeless: BTreeMap<usize, bool>,
+    /// A way on which parts move on and on while no time passes.
+    pub timeless: Option<Timeless>,
 }
 
 impl Calls {
@@ -104,7 +105,7 @@ pub fn examine(
         taken: vec![true; line.routes.len()],
         always: vec![false; line.routes.len()],
         by_chance: (0..line.routes.len()).map(|r| is_alone(line, r)).collect(),
-        timeless: walk.timeless(),
+        timeless: time::timeless(&walk),
     };
     if walk.is_complete() {
         walk.routes(&mut calls);

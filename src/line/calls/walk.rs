@@ -7,7 +7,6 @@
 use super::desk::{Answer, Desk, Refusal};
 use super::unread::unread;
 use super::{Bounds, Calls, Real, machine_of, ordered, plain};
-use crate::contract::SHORTEST_SECONDS;
 use crate::contract::line::{Defect, InitialValue, Line, NodeKind, Task};
 use crate::contract::machine::Machine;
 use crate::game::Limits;
@@ -510,21 +509,6 @@ impl<'a> Walk<'a> {
             defect,
         });
         self.misfits.extend(wrong);
-    }
-
-    /// Stations that can be done with a part in no time, and whether they always are.
-    pub fn timeless(&self) -> BTreeMap<usize, bool> {
-        let mut found = BTreeMap::new();
-        for (node, desk) in self.desks.iter().enumerate() {
-            let calls = desk.iter().flat_map(|d| &d.calls);
-            let answers = calls.flat_map(|c| c.answers.values());
-            let seconds: Vec<f64> = answers.flatten().map(|a| a.seconds.0).collect();
-            let timeless = |s: &f64| *s < SHORTEST_SECONDS;
-            if seconds.iter().any(timeless) {
-                found.insert(node, seconds.iter().all(timeless));
-            }
-        }
-        found
     }
 
     /// Which routes are taken, and which of them always.

@@ -76,7 +76,9 @@ impl Run<'_> {
             },
             parts,
             lead_time: self.lead_times.summary(),
-            joules: stations.iter().map(|s| s.joules).sum::<f64>()
+            // The sum of no numbers is -0.
+            joules: 0.0
+                + stations.iter().map(|s| s.joules).sum::<f64>()
                 + conveyors.iter().map(|c| c.joules).sum::<f64>(),
             machines: machines(&stations, &conveyors),
             bottleneck: bottleneck(&stations),

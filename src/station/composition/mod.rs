@@ -2,7 +2,7 @@
 //!
 //! Each contract was checked alone; here their composition is. The coordinator's machine is small and explicit, so its reachable
 //! states are walked, with everything else (action outputs, properties, signals) left free as far as the machine's file
-//! leaves it free. What holds under that freedom holds in the composition; what does not is a finding.
+//! leaves it free. What holds under that freedom holds in the composition. What does not may hold all the same, so it is a warning.
 //!
 //! - **Safety assumptions.** In every reachable step of the coordinator, every assumption of every component must follow from the
 //!   coordinator's outputs, from the guarantees of the actions, and from what stays constant during an operation. Circles of
@@ -202,17 +202,17 @@ fn open(
     formula: &Formula,
     values: &query::Values,
 ) -> Diagnostic {
-    Diagnostic::error(
+    Diagnostic::warning(
         codes::ASSUMPTION_OPEN,
         component.span,
         format!(
-            "the assumption `{}` of `{}` is not discharged: {}",
+            "the assumption `{}` of `{}` may not be discharged: {}",
             formula.name, component.name, formula.text
         ),
     )
     .with_label(formula.span, "this is assumed")
     .with_help(format!(
-        "it fails where {}; let the coordinator guarantee it, bind the input to something else, or fix the signal",
+        "the coordinator alone allows that {}; let it guarantee the assumption, bind the input to something else, or fix the signal",
         values.show(walk.machine)
     ))
 }

@@ -33,7 +33,7 @@ fn examine(walk: &Walk<'_>, operation: &Operation) -> Option<Diagnostic> {
             Diagnostic::warning(
                 codes::OPERATION,
                 operation.span,
-                format!("the operation `{}` can never begin: an assumption of the coordinator forbids it everywhere", operation.name),
+                format!("the operation `{}` may never begin: an assumption of the coordinator forbids it everywhere", operation.name),
             )
             .with_help("weaken that assumption, or add an operation that leads to where it holds"),
         );
@@ -155,14 +155,14 @@ fn wrong(
         .sequence
         .get(position)
         .map_or("to be done".to_owned(), |i| name(*i));
-    let does = found.map_or("says that it is done".to_owned(), |i| {
-        format!("asks for {}", name(i))
+    let does = found.map_or("say that it is done".to_owned(), |i| {
+        format!("ask for {}", name(i))
     });
-    Diagnostic::error(
+    Diagnostic::warning(
         codes::OPERATION,
         operation.span,
         format!(
-            "after {position} action(s) of `{}` the coordinator {does}, but the operation names {expected}",
+            "after {position} action(s) of `{}` the coordinator may {does}, but the operation names {expected}",
             operation.name
         ),
     )
@@ -216,7 +216,7 @@ fn endless(
                     format!("`{}`", walk.machine.components[*i].name)
                 });
             return Some(
-                Diagnostic::error(
+                Diagnostic::warning(
                     codes::REQUEST_INCOMPLETE,
                     operation.span,
                     format!(

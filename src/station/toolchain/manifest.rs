@@ -1,6 +1,6 @@
 //! What is written down beside a library: whose it is, and what its bytes are.
 
-use crate::station::{Error, Package, emit};
+use crate::station::{Error, Package, disk, emit};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ impl Manifest {
             reason,
         };
         let path = Self::path(library);
-        let text = std::fs::read(&path).map_err(|e| {
+        let text = disk::read(&path).map_err(|e| {
             damaged(format!(
                 "its manifest {} cannot be read: {e}",
                 path.display()
@@ -49,8 +49,7 @@ impl Manifest {
         })?;
         let manifest: Self = serde_json::from_slice(&text)
             .map_err(|e| damaged(format!("its manifest {} is damaged: {e}", path.display())))?;
-        let bytes =
-            std::fs::read(library).map_err(|e| damaged(format!("it cannot be read: {e}")))?;
+        let bytes = disk::read(library).map_err(|e| damaged(format!("it cannot be read: {e}")))?;
         if bytes.len() as u64 != manifest.length {
             return Err(damaged(format!(
                 "it has {} bytes instead of {}",

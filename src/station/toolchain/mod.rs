@@ -22,7 +22,7 @@ mod trial;
 mod work;
 
 use super::package::{Package, create_folder, write};
-use super::{Error, emit};
+use super::{Error, disk, emit};
 pub use compiler::{Compiler, CrossCompiler, Platform};
 pub(super) use manifest::Manifest;
 use rayon::prelude::*;
@@ -227,7 +227,7 @@ impl Toolchain {
     /// taken as it is; loading it checks that it is whole, and so does [`Built::verify`].
     pub fn build(&self, package: &Package, folder: &Path, rebuild: bool) -> Result<Built, Error> {
         let path = self.path(package, folder);
-        let compiled = rebuild || !path.exists() || !Manifest::path(&path).exists();
+        let compiled = rebuild || !path.is_file() || !Manifest::path(&path).is_file();
         if compiled {
             self.compile(package, folder, &path)?;
         }
@@ -289,7 +289,7 @@ impl Toolchain {
         // A library without a manifest is made again, so that of other bytes goes first and the new one comes last. One of
         // the same bytes stays: another process may just have built the same, and be about to load it.
         let manifest_path = Manifest::path(path);
-        if std::fs::read(&manifest_path).is_ok_and(|old| old != manifest) {
+        if disk::read(&manifest_path).is_ok_and(|old| old != manifest) {
             std::fs::remove_file(&manifest_path).map_err(unwritable)?;
         }
         std::fs::rename(&made, path).map_err(unwritable)?;
