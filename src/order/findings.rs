@@ -39,15 +39,16 @@ pub fn examine(skills: &Skills, until: Until) -> Vec<Diagnostic> {
 }
 
 fn too_large(skills: &Skills, error: &TooLarge) -> Diagnostic {
-    Diagnostic::warning(
-        codes::TOO_LARGE,
-        skills.span,
-        format!(
-            "the rules of `{}` are too large to be examined: {error}",
-            skills.name
-        ),
-    )
-    .with_help("fewer rules, or fewer repetitions in a sequence, let them be examined")
+    let message = format!(
+        "what the rules of `{}` come to was not decided: {error}",
+        skills.name
+    );
+    Diagnostic::warning(codes::TOO_LARGE, skills.span, message).with_help(match error {
+        TooLarge::Late => "allow more time with --timeout",
+        TooLarge::Count { .. } => {
+            "fewer rules, or fewer repetitions in a sequence, let it be decided"
+        }
+    })
 }
 
 /// Pushes what is found, up to where it gets too large.

@@ -237,3 +237,58 @@ line L {
             || printed.out.contains("the time limit was reached")
     );
 }
+
+/// What a limit left undecided is no error: that the parts of this machine fit together takes more work than is allowed, and what its
+/// coordinator alone allows need not happen.
+#[test]
+fn what_was_not_decided_is_no_error() {
+    let session = Session::new();
+    let text = "import std.coordination.single
+
+contract Work {
+    input requested: bool
+    output finished: bool
+
+    guarantee fast: always (requested <-> finished)
+}
+
+skills Arm {
+    component x: {left, right} = left {
+        Left -> left
+        Right -> right
+    }
+    order alternate: never Left then Left
+}
+
+machine Two {
+    coordinator c: Single {
+        job = operation != none
+        executed = a.finished
+    }
+    action a: Work when c.command {
+        requested = c.command
+    }
+    operation left: a
+    operation right: a
+    done c.done
+    skills Arm {
+        Left = operation = left
+        Right = operation = right
+    }
+}
+";
+    std::fs::write(session.path("two.lw"), text).expect("a file");
+    let decided = session.run("check two.lw --format short");
+    assert!(!decided.out.contains("LW"), "{}", decided.out);
+    let printed = session.run("check two.lw --format short --effort 1e-6");
+    assert_eq!(printed.code, 0, "{}{}", printed.out, printed.err);
+    let all = format!("{}{}", printed.out, printed.err);
+    for wanted in [
+        "warning[LW204]: whether the parts of `Two` fit together was not decided",
+        "warning[LW303]: the assumption `order alternate` of `Arm` may not be discharged",
+        "two.lw: machine Two: realizable",
+    ] {
+        assert!(all.contains(wanted), "{wanted}: {all}");
+    }
+    assert!(!all.contains("error["), "{all}");
+}

@@ -24,6 +24,7 @@ use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
 use crate::order::{self, Skills, bound::Until};
 use crate::source::Span;
+use indicatif::ProgressBar;
 use std::path::Path;
 
 /// All that the document is made from.
@@ -37,6 +38,8 @@ pub(super) struct Assembly<'a> {
     pub(super) jobs: &'a Jobs,
     pub(super) checked: &'a [CheckedContract],
     pub(super) limits: Limits,
+    /// Machines and lines: what is proved of them takes longest.
+    pub(super) progress: &'a ProgressBar,
     pub(super) cache: Option<&'a Cache>,
     /// Whether tables are made that take longer than the verdict.
     pub(super) verbose: bool,
@@ -93,10 +96,12 @@ impl Assembly<'_> {
                         document.contracts.push(entry);
                     }
                     Kind::Machine => {
+                        self.begin(&declaration.name);
                         let entry = self.machine(file, declaration, &mut findings);
                         document.machines.push(entry);
                     }
                     Kind::Line => {
+                        self.begin(&declaration.name);
                         let entry = self.line(file, declaration, &mut findings);
                         document.lines.push(entry);
                     }
@@ -111,6 +116,7 @@ impl Assembly<'_> {
                 document.contracts.push(nameless(file.name));
             }
         }
+        self.progress.finish_and_clear();
         self.lines_of_invalid_machines(&mut document);
         for path in &self.loaded.unreadable {
             document.contracts.push(nameless(path));
@@ -129,6 +135,12 @@ impl Assembly<'_> {
         }
         document.summary.findings = all.len();
         (document, all)
+    }
+
+    /// Shows what is being proved.
+    fn begin(&self, name: &str) {
+        self.progress.set_message(name.to_owned());
+        self.progress.inc(1);
     }
 
     /// Whether a declaration is a contract that was imported to be refined, and for nothing else.

@@ -148,6 +148,7 @@ fn check(
         jobs: &jobs,
         checked: &checked,
         limits: options.limits(),
+        progress: &console.progress(machines.len() + library.lines.len(), "proving"),
         cache: settings.cache.as_ref(),
         verbose: options.verbose,
         timing: !options.no_timing,
