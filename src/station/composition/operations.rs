@@ -33,7 +33,7 @@ fn examine(walk: &Walk<'_>, operation: &Operation) -> Option<Diagnostic> {
             Diagnostic::warning(
                 codes::OPERATION,
                 operation.span,
-                format!("the operation `{}` may never begin: an assumption of the coordinator forbids it everywhere", operation.name),
+                format!("the operation `{}` can never begin: an assumption of the coordinator forbids it everywhere", operation.name),
             )
             .with_help("weaken that assumption, or add an operation that leads to where it holds"),
         );
