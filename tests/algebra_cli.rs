@@ -58,7 +58,10 @@ fn what_is_open_comes_with_a_run_and_a_circle_with_its_members() {
         document["proof"]["circles"][0].as_array().map(Vec::len),
         Some(2)
     );
-    let codes: Vec<&str> = { document["findings"].as_array().into_iter().flatten() }
+    let codes: Vec<&str> = document["findings"]
+        .as_array()
+        .into_iter()
+        .flatten()
         .filter_map(|f| f["code"].as_str())
         .collect();
     assert!(

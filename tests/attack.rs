@@ -135,7 +135,9 @@ fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
             table.without_reason.push(format!("{seed} {name}"));
             continue;
         };
-        let failures = { world.line(&name) }.and_then(|line| world.failures(line, &SEEDS));
+        let failures = world
+            .line(&name)
+            .and_then(|line| world.failures(line, &SEEDS));
         table.line(&format!("{seed} {name}"), judged, failures.as_ref());
         let whole = batch.text() + text;
         if table.lines % SAMPLED == 1
@@ -250,7 +252,9 @@ fn reduced(text: &str, failure: &Failure, folder: &Path) -> String {
             return false;
         }
         let world = World::new(&file.to_string_lossy(), text);
-        let failures = { world.line(name) }.and_then(|line| world.failures(line, &SEEDS));
+        let failures = world
+            .line(name)
+            .and_then(|line| world.failures(line, &SEEDS));
         let failures = failures.unwrap_or_default();
         let same = |f: &&Failure| f.kind == failure.kind;
         unnamed(judged, &failures).iter().any(same)

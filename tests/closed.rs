@@ -72,7 +72,8 @@ fn told(closed: &Closed<'_>, verdict: &Verdict) -> Found {
 #[track_caller]
 fn compared(machine: &Machine, controllers: &[mealy::Controller], what: &str) -> Found {
     let controllers: Vec<&mealy::Controller> = controllers.iter().collect();
-    let tables: Vec<&mealy::Machine> = { controllers.iter() }
+    let tables: Vec<&mealy::Machine> = controllers
+        .iter()
         .map(|c| c.machine().expect("a table"))
         .collect();
     let closed = Closed::of_machine(machine, &controllers);
@@ -174,7 +175,8 @@ fn table(random: &mut Random, machine: &Machine, component: usize, gaps: u64) ->
     let mut letters: Vec<Vec<i64>> = vec![Vec::new()];
     for port in &inputs {
         let values = port.domain.low()..=port.domain.high();
-        letters = { letters.into_iter() }
+        letters = letters
+            .into_iter()
             .flat_map(|l| values.clone().map(move |v| [l.clone(), vec![v]].concat()))
             .collect();
     }
@@ -332,10 +334,12 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
             proof::decide(&system, &claim, &Limits::default()).expect("no limit"),
         ] {
             assert!(!proof.holds(), "{text}");
-            let met = { proof.discharges.iter() }.find(|d| is_it(&d.what));
+            let met = proof.discharges.iter().find(|d| is_it(&d.what));
             assert_eq!(met, None, "{text}");
             assert!(proof.open.iter().any(|o| is_it(&o.what)), "{text}");
-            let handed_on = { proof.discharges.iter() }
+            let handed_on = proof
+                .discharges
+                .iter()
                 .filter(|d| d.rule == Discharged::Exported && d.what.kind == RuleKind::Justice);
             assert_eq!(handed_on.count(), 0, "{text}");
         }
@@ -514,7 +518,7 @@ fn a_changed_controller_of_the_assembly_cell_is_refuted() {
     let mut controllers = synthesized(&machine);
     // The left arm's gripper never says that it holds something.
     let mut table = controllers[1].machine().expect("a table").clone();
-    let said = { table.outputs.iter() }.position(|p| p.name == "pick_executed");
+    let said = table.outputs.iter().position(|p| p.name == "pick_executed");
     let said = said.expect("an output");
     for row in table.states.iter_mut().flatten() {
         row.output[said] = 0;

@@ -18,7 +18,9 @@ use support::root;
 
 fn load(path: &Path) -> Vec<Machine> {
     let loaded = files::load(&[path.display().to_string()], &StandardLibrary::default());
-    let found: Vec<_> = { loaded.findings.iter() }
+    let found: Vec<_> = loaded
+        .findings
+        .iter()
         .map(|f| (f.code.id, &f.message))
         .collect();
     assert_eq!(found, []);
@@ -201,7 +203,9 @@ fn without_a_promise_that_a_table_names_the_proof_fails() {
                 .iter()
                 .any(|i| i.name == system.parts[part].name)
         };
-        let mut named: Vec<_> = { proof.discharges.iter() }
+        let mut named: Vec<_> = proof
+            .discharges
+            .iter()
             .flat_map(|d| d.by.iter().copied())
             .filter(|at| at.half == Half::Guarantees && at.part.is_some_and(inner))
             .collect();
@@ -387,7 +391,8 @@ fn found(from: &str, to: &str) -> Vec<String> {
     assert!(SMALL.contains(from), "the text has no {from}");
     let files = [("small.lw".to_owned(), SMALL.replace(from, to))];
     let (_, findings) = contract::load(&files, &|_, _| Err("no imports".to_owned()));
-    { findings.iter() }
+    findings
+        .iter()
         .map(|f| format!("{}: {}", f.code.id, f.message))
         .collect()
 }

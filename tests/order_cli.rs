@@ -555,7 +555,10 @@ fn the_strongest_level_still_takes_the_intended_program() {
     ]);
     assert_eq!(output.status.code(), Some(0));
     let found = document(&output);
-    let kept: Vec<String> = { found["candidates"].as_array().expect("a list").iter() }
+    let kept: Vec<String> = found["candidates"]
+        .as_array()
+        .expect("a list")
+        .iter()
         .filter(|c| c["verdict"] == "kept")
         .map(|c| format!("    {}\n", c["text"].as_str().expect("a text")))
         .collect();
@@ -593,7 +596,7 @@ fn many(components: usize, orders: &[String]) -> tempfile::TempDir {
     };
     let components: String = (0..components).map(component).collect();
     let orders = orders.iter().enumerate();
-    let orders: Vec<String> = { orders }
+    let orders: Vec<String> = orders
         .map(|(i, order)| format!("    order r{i}: {order}\n"))
         .collect();
     let text = format!("skills Many {{\n{components}{}}}\n", orders.concat());

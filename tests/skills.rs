@@ -39,7 +39,8 @@ fn read(text: &str) -> (Library, Vec<Diagnostic>) {
 #[track_caller]
 fn sound(text: &str) -> Library {
     let (library, findings) = read(text);
-    let errors: Vec<_> = { findings.iter() }
+    let errors: Vec<_> = findings
+        .iter()
         .filter(|f| has_errors(std::slice::from_ref(*f)))
         .collect();
     assert!(errors.is_empty(), "{text}\n{errors:#?}");
@@ -77,7 +78,9 @@ fn one(skill: usize) -> Vec<Event> {
 fn components_have_their_situations_and_skills() {
     let set = with("");
     assert_eq!((set.name.as_str(), set.doc.as_str()), ("Unit", "A unit."));
-    let components: Vec<_> = { set.components.iter() }
+    let components: Vec<_> = set
+        .components
+        .iter()
         .map(|c| (c.name.as_str(), c.situations.join(" "), c.initial))
         .collect();
     let wanted = [
@@ -88,7 +91,9 @@ fn components_have_their_situations_and_skills() {
     ];
     assert_eq!(components, wanted.map(|(n, s, i)| (n, s.to_owned(), i)));
     assert_eq!(set.components[0].doc, "Moves along the trays.");
-    let skills: Vec<_> = { set.skills.iter() }
+    let skills: Vec<_> = set
+        .skills
+        .iter()
         .map(|s| (s.name.as_str(), s.component, s.effect))
         .collect();
     let wanted = [
@@ -238,7 +243,9 @@ fn an_order_has_a_name_a_requirement_a_level_and_a_text() {
     /// The order itself.
     order: never Left",
     );
-    let heads: Vec<_> = { set.rules.iter() }
+    let heads: Vec<_> = set
+        .rules
+        .iter()
         .map(|r| (r.name.as_str(), r.requirement.as_deref(), r.level))
         .collect();
     let (valid, reasonable) = (Level::Valid, Level::Reasonable);

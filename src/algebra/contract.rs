@@ -61,7 +61,8 @@ impl Contract {
     pub fn part(index: usize) -> Self {
         let assumption = Words::Side(index, Half::Assumptions);
         Self {
-            guarantee: { assumption.clone() }
+            guarantee: assumption
+                .clone()
                 .not()
                 .or(Words::Side(index, Half::Guarantees)),
             assumption,
@@ -73,7 +74,10 @@ impl Contract {
     pub fn compose(&self, other: &Self) -> Self {
         let both = self.both(other);
         Self {
-            assumption: { self.assumption.clone().and(other.assumption.clone()) }
+            assumption: self
+                .assumption
+                .clone()
+                .and(other.assumption.clone())
                 .or(both.clone().not()),
             guarantee: both,
         }
@@ -93,7 +97,10 @@ impl Contract {
     pub fn quotient(&self, existing: &Self) -> Self {
         let assumption = self.assumption.clone().and(existing.guarantee.clone());
         Self {
-            guarantee: { self.guarantee.clone().and(existing.assumption.clone()) }
+            guarantee: self
+                .guarantee
+                .clone()
+                .and(existing.assumption.clone())
                 .or(assumption.clone().not()),
             assumption,
         }

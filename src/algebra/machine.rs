@@ -65,7 +65,10 @@ pub fn of_promise(machine: &Machine, promised: &Promised) -> (System, Claim) {
     let mut system = components(machine);
     let specification = &promised.specification;
     let mut monitors = Vec::new();
-    let places: Vec<Expr> = { promised.bindings.iter().zip(&specification.variables) }
+    let places: Vec<Expr> = promised
+        .bindings
+        .iter()
+        .zip(&specification.variables)
         .map(|(binding, variable)| {
             if let Some(expr) = binding {
                 return expr.clone();

@@ -75,9 +75,7 @@ pub fn formula<'a>(system: &'a System, claim: &'a Claim, at: FormulaRef) -> &'a 
 
 fn within_domains(system: &System, step: &[i64]) -> bool {
     let values = system.variables.iter().zip(step);
-    step.len() >= system.variables.len() && { values }
-        .into_iter()
-        .all(|(v, x)| v.domain.contains(*x))
+    step.len() >= system.variables.len() && values.into_iter().all(|(v, x)| v.domain.contains(*x))
 }
 
 /// All formulas that a run has to keep, by name: what is given, assumptions, guarantees and definitions of parts.
@@ -89,7 +87,8 @@ fn everything<'a>(
         .parts
         .iter()
         .flat_map(|p| [&p.definitions, &p.guarantees, &p.assumptions]);
-    { sides.chain([&claim.given]) }
+    sides
+        .chain([&claim.given])
         .flat_map(|side| formulas(side).map(|(kind, _, formula)| (kind, formula)))
 }
 
@@ -128,7 +127,7 @@ fn trace(
             return Err(format!("step {broken} breaks {}", formula.name));
         }
     }
-    let binding = { formulas(&claim.given).map(|(k, _, f)| (k, f)) }.chain(
+    let binding = formulas(&claim.given).map(|(k, _, f)| (k, f)).chain(
         system
             .parts
             .iter()
@@ -185,7 +184,9 @@ fn lasso(
     if !is_run(system, run) {
         return Err("it is no run".to_owned());
     }
-    let waiting: BTreeSet<usize> = { proof.open.iter() }
+    let waiting: BTreeSet<usize> = proof
+        .open
+        .iter()
         .filter(|o| o.what.kind == RuleKind::Justice)
         .filter_map(|o| o.what.part)
         .collect();

@@ -92,7 +92,7 @@ fn open(
         if let Ok(verdict) = closed.decide(&closed::bounded(limits))
             // Where a component is stuck, what is asked of it afterwards is not looked at.
             && verdict.stuck.is_empty()
-            && { called.asked.iter() }.all(|at| !verdict.undecided.contains(at))
+            && called.asked.iter().all(|at| !verdict.undecided.contains(at))
         {
             return Ok(about_calls(verdict.open));
         }
@@ -111,7 +111,9 @@ fn finding(station: &Node, machine: &Machine, called: &Called, open: &Open) -> D
         Broken::Trace(run) => run,
         Broken::Lasso(lasso) => &lasso.prefix,
     };
-    let asked: Vec<&str> = { called.asked_for(machine, run).into_iter() }
+    let asked: Vec<&str> = called
+        .asked_for(machine, run)
+        .into_iter()
         .map(|operation| machine.operations[operation].name.as_str())
         .collect();
     Diagnostic::warning(

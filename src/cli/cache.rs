@@ -315,7 +315,9 @@ impl Version {
             .map(|(place, name)| (name.as_str(), place))
             .collect();
         let variables = &specification.variables;
-        let known = { variables.iter() }.filter(|v| places.contains_key(v.name.as_str()));
+        let known = variables
+            .iter()
+            .filter(|v| places.contains_key(v.name.as_str()));
         if known.count() * 2 < variables.len() {
             return None;
         }

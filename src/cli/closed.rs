@@ -107,7 +107,7 @@ pub fn is_completion(closed: &Closed<'_>, open: &Open) -> bool {
 /// What is wrong with operations.
 pub fn operations(closed: &Closed<'_>, verdict: &Verdict) -> Vec<Diagnostic> {
     let misruns = verdict.misruns.iter().map(|m| misrun(closed, m));
-    let unclear = { verdict.unclear.iter() }.map(|o| unclear(closed.machine, *o));
+    let unclear = verdict.unclear.iter().map(|o| unclear(closed.machine, *o));
     misruns.chain(unclear).collect()
 }
 

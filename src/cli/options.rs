@@ -183,7 +183,8 @@ fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 fn effort(text: &str) -> Result<Effort, String> {
-    { text.parse().ok() }
+    text.parse()
+        .ok()
         .and_then(Effort::new)
         .ok_or_else(|| "expected a number above 0, such as 10 or 0.5".to_owned())
 }

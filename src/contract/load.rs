@@ -50,7 +50,8 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
         ..
     } = reader;
     let mut library = Library::default();
-    let sets: Vec<Vec<Option<Arc<Skills>>>> = { files.iter() }
+    let sets: Vec<Vec<Option<Arc<Skills>>>> = files
+        .iter()
         .map(|file| sets(&file.tree, &sources, &mut findings))
         .collect();
     for index in 0..files.len() {
@@ -216,7 +217,8 @@ fn unused(
     let end = sources.file(file.id).text.len();
     let starts: Vec<usize> = file.tree.items.iter().map(start).collect();
     let everything = files.iter().flat_map(|f| &f.tree.items);
-    let machines: Vec<&ast::Machine> = { everything.clone() }
+    let machines: Vec<&ast::Machine> = everything
+        .clone()
         .filter_map(|i| match i {
             ast::Item::Machine(m) => Some(m),
             _ => None,

@@ -150,11 +150,14 @@ impl<K: Kernel> Formulas<K> {
             }
             let conjuncts = |formula: &Formula| -> Result<Vec<K::Function>, Limit> {
                 let parts = formula.expr.conjuncts().into_iter();
-                { parts.map(|p| answers(owner, p, Time::Next, part(p)?)) }.collect()
+                parts
+                    .map(|p| answers(owner, p, Time::Next, part(p)?))
+                    .collect()
             };
             let of_states = |formulas: &[Formula]| -> Result<Vec<K::Function>, Limit> {
                 let encoded = formulas.iter().zip(list(formulas)?);
-                { encoded.map(|(f, function)| answers(owner, &f.expr, Time::Now, function)) }
+                encoded
+                    .map(|(f, function)| answers(owner, &f.expr, Time::Now, function))
                     .collect()
             };
             Ok(Encoded {

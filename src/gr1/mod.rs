@@ -259,8 +259,8 @@ impl Specification {
     /// Whether a variable was made up for a monitor: it stands where a formula does, not in a declaration of its own.
     pub fn is_made_up(&self, id: VarId) -> bool {
         let variable = self.variable(id);
-        let formulas = self.assumptions.all().chain(self.guarantees.all());
-        variable.internal && { formulas }.any(|f| f.span.holds(variable.span))
+        let mut formulas = self.assumptions.all().chain(self.guarantees.all());
+        variable.internal && formulas.any(|f| f.span.holds(variable.span))
     }
 
     fn owned_by(&self, owner: Owner) -> impl Iterator<Item = VarId> {

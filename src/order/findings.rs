@@ -67,7 +67,7 @@ fn at_level(
             ..Options::default()
         },
     };
-    let all: Vec<usize> = { 0..skills.rules.len() }
+    let all: Vec<usize> = (0..skills.rules.len())
         .filter(|r| skills.rules[*r].level <= level)
         .collect();
     if all.is_empty() || skills.skills.is_empty() {
@@ -203,7 +203,7 @@ impl Examined<'_> {
             let columns = fsm.calls.iter().enumerate();
             let mut columns = columns.filter(|(_, call)| call.0 >> skill & 1 == 1);
             let states = 0..fsm.states.len() as u32;
-            columns.any(|(c, _)| { states.clone() }.any(|s| fsm.dfa.next(s, c) != REFUSED))
+            columns.any(|(c, _)| states.clone().any(|s| fsm.dfa.next(s, c) != REFUSED))
         };
         for skill in 0..self.skills.skills.len() {
             if is_called(fsm, skill) {
@@ -269,8 +269,7 @@ impl Examined<'_> {
                 let mut columns = columns.peekable();
                 let states = 0..fsm.states.len() as u32;
                 if columns.peek().is_none()
-                    || columns
-                        .any(|(c, _)| { states.clone() }.any(|s| fsm.dfa.next(s, c) != REFUSED))
+                    || columns.any(|(c, _)| states.clone().any(|s| fsm.dfa.next(s, c) != REFUSED))
                 {
                     continue;
                 }
@@ -401,7 +400,8 @@ impl Examined<'_> {
 
     /// `the rules a and b`, and the verb that follows.
     fn named(&self, rules: &[usize]) -> (String, &'static str) {
-        let names: Vec<String> = { rules.iter() }
+        let names: Vec<String> = rules
+            .iter()
             .map(|r| format!("`{}`", self.skills.rules[*r].name))
             .collect();
         match names.as_slice() {

@@ -77,7 +77,9 @@ pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
                 Rule {
                     span: skills.skills[skill].span,
                     // As it is cited, without its head.
-                    text: { rule.text.split_once(": ") }
+                    text: rule
+                        .text
+                        .split_once(": ")
                         .map_or_else(String::new, |(_, body)| body.to_owned()),
                     ..rule
                 }

@@ -128,7 +128,9 @@ fn of_rule(skills: &Skills, alphabet: &Alphabet, automaton: &rule::Automaton) ->
     let dfa = &automaton.dfa;
     let letter = |letter: usize| alphabet.text(letter, skills);
     let mut states = Vec::new();
-    let mut edges: Vec<Edge> = { automaton.starts.iter() }
+    let mut edges: Vec<Edge> = automaton
+        .starts
+        .iter()
         .map(|start| Edge {
             from: None,
             to: *start as usize,

@@ -246,9 +246,8 @@ pub fn automaton(
             } else {
                 window.starts()
             };
-            let starts: Vec<Option<u32>> = { starts.into_iter() }
-                .map(|open| open.then_some(0))
-                .collect();
+            let starts: Vec<Option<u32>> =
+                starts.into_iter().map(|open| open.then_some(0)).collect();
             let (of, from, until) = (set(of), set(from), set(until));
             let automaton = one(letters, &starts, |counted, l| {
                 let counted = match *counted {

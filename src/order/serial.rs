@@ -78,9 +78,7 @@ impl Serial {
     /// # Errors
     /// When there are more than [`MOST_AT_ONCE`] that matter.
     pub fn call(&mut self, known: Known, letters: &[usize]) -> Result<Option<Known>, TooLarge> {
-        let letters: Vec<usize> = { letters.iter().copied() }
-            .filter(|l| !self.idle[*l])
-            .collect();
+        let letters: Vec<usize> = letters.iter().copied().filter(|l| !self.idle[*l]).collect();
         let key = (known, letters);
         if let Some(after) = self.calls.get(&key) {
             return Ok(*after);
@@ -180,9 +178,7 @@ impl Serial {
         known: Known,
         letters: &[usize],
     ) -> Result<Option<Vec<usize>>, TooLarge> {
-        let letters: Vec<usize> = { letters.iter().copied() }
-            .filter(|l| !self.idle[*l])
-            .collect();
+        let letters: Vec<usize> = letters.iter().copied().filter(|l| !self.idle[*l]).collect();
         let Err(refused) = self.reached(known, &letters)? else {
             return Ok(None);
         };
@@ -193,12 +189,12 @@ impl Serial {
         let mut order = vec![letters[refused.letter]];
         let (mut called, mut state) = (refused.called, refused.state);
         while called != 0 {
-            let inside: Vec<usize> = { 0..letters.len() }
+            let inside: Vec<usize> = (0..letters.len())
                 .filter(|i| called >> i & 1 == 1)
                 .collect();
             let before = inside.into_iter().find_map(|i| {
                 let rest = called & !(1 << i);
-                let others: Vec<usize> = { 0..letters.len() }
+                let others: Vec<usize> = (0..letters.len())
                     .filter(|j| rest >> j & 1 == 1)
                     .map(|j| letters[j])
                     .collect();

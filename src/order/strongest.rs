@@ -161,7 +161,7 @@ fn derived(name: String, body: &str, kind: Kind) -> Rule {
 /// The words of so many skills that are allowed somewhere, and wherever they are, lead where a shorter word leads.
 fn detours(base: &Fsm, length: usize) -> Vec<Vec<usize>> {
     let skills = base.dfa.letters();
-    let near: Vec<BTreeSet<u32>> = { 0..base.states.len() as u32 }
+    let near: Vec<BTreeSet<u32>> = (0..base.states.len() as u32)
         .map(|from| within(base, from, length - 1))
         .collect();
     let mut found = Vec::new();
@@ -251,7 +251,9 @@ impl Wanted {
 /// For each state, which of these situations can be reached by one call or more, and whether a program can be completed.
 fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Bits> {
     let states = fsm.states.len();
-    let place: Vec<Option<usize>> = { fsm.states.iter() }
+    let place: Vec<Option<usize>> = fsm
+        .states
+        .iter()
         .map(|s| situations.binary_search(&s.situation).ok())
         .collect();
     let mut reached = vec![Bits::new(situations.len() + 1); states];

@@ -353,7 +353,7 @@ impl<'a> Supervisor<'a> {
                     states.map(move |s| !parts[rule].is_complete(s))
                 };
                 let whatever: Vec<usize> =
-                    { 0..rules.len() }.filter(|r| open(*r).all(|o| o)).collect();
+                    (0..rules.len()).filter(|r| open(*r).all(|o| o)).collect();
                 // Else each can end after some order, but not all after the same one.
                 let open: Vec<usize> = if whatever.is_empty() {
                     (0..rules.len()).filter(|r| open(*r).any(|o| o)).collect()

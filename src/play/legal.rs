@@ -368,9 +368,10 @@ mod tests {
                 let within = |f: &Formula| eval::holds(&f.expr, &now, &[]);
                 let between = match &before {
                     None => side.initial.iter().all(within),
-                    Some(before) => {
-                        { side.safety.iter() }.all(|f| eval::holds(&f.expr, before, &now))
-                    }
+                    Some(before) => side
+                        .safety
+                        .iter()
+                        .all(|f| eval::holds(&f.expr, before, &now)),
                 };
                 let legal = between && side.invariants.iter().all(within);
                 if legal {

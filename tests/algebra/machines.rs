@@ -14,7 +14,9 @@ use std::fmt::Write as _;
 fn machine(file: &str) -> Machine {
     let path = format!("{}/examples/ice-lab/{file}.lw", env!("CARGO_MANIFEST_DIR"));
     let loaded = files::load(&[path], &StandardLibrary::default());
-    let found: Vec<_> = { loaded.findings.iter() }
+    let found: Vec<_> = loaded
+        .findings
+        .iter()
         .map(|f| (f.code.id, &f.message))
         .collect();
     assert_eq!(found, []);
@@ -75,7 +77,10 @@ fn the_cell_refines_the_holistic_contract_at_its_own_size() {
     let path = folder.path().join("cell.lw").display().to_string();
     let loaded = files::load(&[path], &StandardLibrary::default());
     let promised = &loaded.library.machines[0].refines[0];
-    let whole = { loaded.library.contracts.iter() }
+    let whole = loaded
+        .library
+        .contracts
+        .iter()
         .find(|c| c.name == "HolisticCell")
         .expect("the contract");
     // The contract as its file has it, and not another size of it.
@@ -83,7 +88,7 @@ fn the_cell_refines_the_holistic_contract_at_its_own_size() {
     let (system, claim) = of_promise(&loaded.library.machines[0], promised);
     let proof = proved(&system, &claim);
     assert!(proof.holds(), "{}", table(&system, &claim, &proof));
-    let kept = { proof.discharges.iter() }.filter(|d| d.what.part.is_none());
+    let kept = proof.discharges.iter().filter(|d| d.what.part.is_none());
     assert_eq!(kept.count(), claim.goal.all().count());
     assert!(claim.goal.all().count() > 80);
 }

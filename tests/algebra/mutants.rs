@@ -40,7 +40,10 @@ fn alone(
     discharge: &Discharge,
     without: Option<FormulaRef>,
 ) -> (System, Claim) {
-    let names: Vec<FormulaRef> = { discharge.by.iter().copied() }
+    let names: Vec<FormulaRef> = discharge
+        .by
+        .iter()
+        .copied()
         .filter(|at| Some(*at) != without)
         .collect();
     let pick = |side: &Side, keep: &dyn Fn(RuleKind, usize) -> bool| {

@@ -9,11 +9,15 @@ use linewright::game::Limits;
 
 /// The composition of the contracts in some texts, in order.
 fn composed(texts: &[&str]) -> (System, Claim, Proof) {
-    let files: Vec<(String, String)> = { texts.iter().enumerate() }
+    let files: Vec<(String, String)> = texts
+        .iter()
+        .enumerate()
         .map(|(i, text)| (format!("{i}.lw"), (*text).to_owned()))
         .collect();
     let (library, _) = contract::load(&files, &|_, _| Err("no imports".to_owned()));
-    let members: Vec<Member<'_>> = { library.contracts.iter() }
+    let members: Vec<Member<'_>> = library
+        .contracts
+        .iter()
         .map(|c| Member {
             specification: &c.specification,
             name: c.name.clone(),

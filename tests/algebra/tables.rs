@@ -42,13 +42,17 @@ pub fn table(system: &System, claim: &Claim, proof: &Proof) -> String {
         let _ = writeln!(text, "{} | OPEN | {how}", name(system, claim, o.what));
     }
     for circle in &proof.circles {
-        let names: Vec<String> = { circle.assumptions.iter() }
+        let names: Vec<String> = circle
+            .assumptions
+            .iter()
             .map(|a| name(system, claim, *a))
             .collect();
         let _ = writeln!(text, "circle: {}", names.join(" -> "));
     }
     for found in &proof.loops {
-        let names: Vec<&str> = { found.variables.iter() }
+        let names: Vec<&str> = found
+            .variables
+            .iter()
             .map(|v| system.variables[v.index()].name.as_str())
             .collect();
         let _ = writeln!(text, "loop: {}", names.join(" -> "));

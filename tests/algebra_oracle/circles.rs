@@ -82,7 +82,7 @@ impl Machine {
         match self.timing {
             Timing::Mealy => (everything & !assumed) | good,
             Timing::Moore => {
-                let legal = { self.from_others.iter() }.filter(|x| *x & assumed != 0);
+                let legal = self.from_others.iter().filter(|x| *x & assumed != 0);
                 let legal: Vec<Set> = legal.copied().collect();
                 let answers = self.own.iter();
                 answers
@@ -106,7 +106,7 @@ impl Composed {
     fn new(system: &System, claim: &Claim, proof: &Proof) -> Option<Self> {
         let board = Board::new(&system.variables);
         let parts = 0..system.parts.len();
-        let machines: Vec<Machine> = { parts }
+        let machines: Vec<Machine> = parts
             .map(|i| Machine::new(system, &board, i))
             .collect::<Option<_>>()?;
         let mut handed_on = Side::default();
@@ -192,7 +192,7 @@ impl Composed {
         let reached = kept.reach(kept.start);
         let mut choices: Vec<Vec<Option<usize>>> = vec![Vec::new()];
         for m in &self.machines {
-            let ways: Vec<Option<usize>> = { (0..m.owed.len()).map(Some) }.chain([None]).collect();
+            let ways: Vec<Option<usize>> = ((0..m.owed.len()).map(Some)).chain([None]).collect();
             let longer = |c: &Vec<Option<usize>>| {
                 let with = |w: &Option<usize>| [&c[..], &[*w]].concat();
                 ways.iter().map(with).collect::<Vec<_>>()
@@ -258,7 +258,7 @@ fn depends(board: &Board, guarantees: &Side, on: VarId) -> bool {
             .all(|(i, (x, y))| i == on.index() || x == y)
     };
     let count = board.valuations.len();
-    { rows }.into_iter().any(|row| {
+    rows.into_iter().any(|row| {
         (0..count).any(|a| (0..a).any(|b| alike(a, b) && (row >> a ^ row >> b) & 1 == 1))
     })
 }
@@ -267,7 +267,9 @@ fn depends(board: &Board, guarantees: &Side, on: VarId) -> bool {
 /// says of others.
 fn mentions(side: &Side, variable: VarId) -> bool {
     let mut found = false;
-    for formula in { side.initial.iter() }
+    for formula in side
+        .initial
+        .iter()
         .chain(&side.invariants)
         .chain(&side.safety)
     {
@@ -312,7 +314,7 @@ fn claim(r: &mut Random, system: &System) -> Claim {
     let variables = &system.variables;
     let all = Scope::all(variables, true).now;
     let (outside, driven): (Vec<VarId>, Vec<VarId>) =
-        { all.iter() }.partition(|v| system.driver(**v).is_none());
+        all.iter().partition(|v| system.driver(**v).is_none());
     let mut given = Side::default();
     let from_outside = |next: &[VarId], now: &[VarId]| Scope {
         variables,
@@ -379,7 +381,7 @@ fn check_open(system: &System, claim: &Claim, proof: &Proof, open: &Open) {
         .parts
         .iter()
         .flat_map(|p| [&p.assumptions, &p.guarantees]);
-    let all: Vec<&Side> = { parts }.chain([&claim.given]).collect();
+    let all: Vec<&Side> = parts.chain([&claim.given]).collect();
     let what = replay::formula(system, claim, open.what);
     match &open.why {
         Broken::Trace(steps) => {
@@ -484,7 +486,7 @@ fn mend(r: &mut Random, system: &mut System) {
                 &mut side.justice,
             ];
             let mut all: Vec<&mut Vec<Formula>> =
-                { lists }.into_iter().filter(|l| !l.is_empty()).collect();
+                lists.into_iter().filter(|l| !l.is_empty()).collect();
             let n = r.below(all.len() as u64) as usize;
             all[n].pop();
         }

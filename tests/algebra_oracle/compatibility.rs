@@ -186,7 +186,7 @@ fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
             assert!((legal & kept) >> state & 1 == 1, "step {i} of {steps:?}");
         } else if game.sees {
             // What the parts set is given; nothing from outside fits.
-            let same = { game.of_parts.iter() }.find(|y| *y >> state & 1 == 1);
+            let same = game.of_parts.iter().find(|y| *y >> state & 1 == 1);
             let same = same.expect("a group");
             assert!(same & legal != 0 && same & legal & kept == 0, "{steps:?}");
         } else {
@@ -248,7 +248,7 @@ fn environments_exist_where_the_swapped_game_is_won() {
             }
             Broken::Lasso(run) => {
                 cycles += 1;
-                let promised = { system.parts.iter() }.all(|p| keeps(&p.guarantees, &run));
+                let promised = system.parts.iter().all(|p| keeps(&p.guarantees, &run));
                 assert!(promised, "seed {seed}: {run:?}");
                 let safe = Side {
                     justice: Vec::new(),

@@ -144,7 +144,10 @@ impl Steps {
     pub fn has_cycle(&self, among: Set, justice: &[Relation]) -> bool {
         let inside = Self {
             start: 0,
-            step: { self.step.iter().enumerate() }
+            step: self
+                .step
+                .iter()
+                .enumerate()
                 .map(|(s, row)| if among >> s & 1 == 1 { row & among } else { 0 })
                 .collect(),
         };

@@ -61,7 +61,10 @@ pub fn all(variables: &[Variable], bound: usize) -> Vec<Lasso> {
 /// Whether a lasso keeps a side. It is looked at as the infinite word that it stands for: step `i + 1` of the last step is the first of
 /// the cycle.
 pub fn keeps(side: &Side, run: &Lasso) -> bool {
-    let word: Vec<&[i64]> = { run.prefix.iter().chain(&run.cycle) }
+    let word: Vec<&[i64]> = run
+        .prefix
+        .iter()
+        .chain(&run.cycle)
         .map(Vec::as_slice)
         .collect();
     let back = run.prefix.len();
@@ -69,10 +72,16 @@ pub fn keeps(side: &Side, run: &Lasso) -> bool {
         let next = if i + 1 == word.len() { back } else { i + 1 };
         value(&f.expr, word[i], word[next]) == 1
     };
-    { side.initial.iter() }.all(|f| step(f, 0))
-        && { side.invariants.iter().chain(&side.safety) }
+    side.initial.iter().all(|f| step(f, 0))
+        && side
+            .invariants
+            .iter()
+            .chain(&side.safety)
             .all(|f| (0..word.len()).all(|i| step(f, i)))
-        && { side.justice.iter() }.all(|f| (back..word.len()).any(|i| step(f, i)))
+        && side
+            .justice
+            .iter()
+            .all(|f| (back..word.len()).any(|i| step(f, i)))
 }
 
 pub fn not(a: &Set) -> Set {

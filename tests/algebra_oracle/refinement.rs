@@ -64,9 +64,9 @@ fn a_step_breaks(board: &Board, kept: &Side, broken: &Side) -> bool {
     let runs = board.steps([kept]);
     let right = board.steps([broken]);
     let reached = runs.reach(runs.start);
-    let everything = 0..board.valuations.len();
-    runs.start & !right.start != 0 || { everything }
-        .any(|s| reached >> s & 1 == 1 && runs.step[s] & !right.step[s] != 0)
+    let mut everything = 0..board.valuations.len();
+    runs.start & !right.start != 0
+        || everything.any(|s| reached >> s & 1 == 1 && runs.step[s] & !right.step[s] != 0)
 }
 
 /// The reasons of a discharge are enough, and none can be left out.
@@ -119,7 +119,8 @@ fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
     } = question;
     assert_eq!(replay::accepts(system, claim, proof, open), Ok(()));
     let what = only(question, &[open.what]);
-    let known: Vec<&Side> = { [&claim.given].into_iter() }
+    let known: Vec<&Side> = [&claim.given]
+        .into_iter()
         .chain(system.parts.iter().map(|p| &p.guarantees))
         .collect();
     match &open.why {
@@ -133,14 +134,14 @@ fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
             counts.traces += 1;
             assert!(open.what.kind != RuleKind::Justice);
             let board = Board::new(&system.variables);
-            let states: Vec<usize> = { steps.iter() }
+            let states: Vec<usize> = steps
+                .iter()
                 .map(|s| board.number(&s[..system.variables.len()]))
                 .collect();
             let follows = |steps: &crate::graph::Steps, states: &[usize]| {
                 let pairs = states.windows(2);
-                states.first().is_none_or(|s| steps.start >> s & 1 == 1) && { pairs }
-                    .into_iter()
-                    .all(|p| steps.step[p[0]] >> p[1] & 1 == 1)
+                states.first().is_none_or(|s| steps.start >> s & 1 == 1)
+                    && pairs.into_iter().all(|p| steps.step[p[0]] >> p[1] & 1 == 1)
             };
             let kept = board.steps(known.iter().copied());
             assert!(follows(&kept, &states), "{steps:?}");
@@ -168,7 +169,11 @@ fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
             index,
         }));
     }
-    let told = { proof.discharges.iter().map(|d| d.what) }.chain(proof.open.iter().map(|o| o.what));
+    let told = proof
+        .discharges
+        .iter()
+        .map(|d| d.what)
+        .chain(proof.open.iter().map(|o| o.what));
     let mut told: Vec<FormulaRef> = told.collect();
     told.sort();
     goals.sort();

@@ -127,7 +127,10 @@ fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Sid
         .map(VarId)
         .filter(|v| *v != own)
         .collect();
-    let promised: Vec<(RuleKind, &Formula)> = { system.parts.iter().enumerate() }
+    let promised: Vec<(RuleKind, &Formula)> = system
+        .parts
+        .iter()
+        .enumerate()
         .filter(|(j, _)| *j != part)
         .flat_map(|(_, p)| {
             KINDS

@@ -364,7 +364,7 @@ impl Draft {
 
     /// Whether something is joined there, which other types do not pass.
     fn is_join(&self, at: usize, part: &str) -> bool {
-        let inside = self.places[at].inside.iter().flatten();
-        { inside }.any(|s| part != "J" && s.ends_with("on J") || part == "J" && s.ends_with("on J"))
+        let mut inside = self.places[at].inside.iter().flatten();
+        inside.any(|s| part != "J" && s.ends_with("on J") || part == "J" && s.ends_with("on J"))
     }
 }

@@ -100,7 +100,8 @@ impl World {
                 } => &belt.machine,
                 _ => continue,
             };
-            let own = { &self.controllers }
+            let own = self
+                .controllers
                 .iter()
                 .find(|(m, _)| Arc::ptr_eq(m, machine))?;
             let interpreter = Interpreter::new(Arc::clone(machine), Arc::clone(&own.1));

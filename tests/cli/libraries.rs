@@ -207,7 +207,10 @@ fn a_file_with_machines_and_a_line_builds_what_the_line_needs() {
     let built = session.run("build mixed.lw --target source --out c --format json");
     assert_eq!(built.code, 0, "{}{}", built.out, built.err);
     let document: serde_json::Value = serde_json::from_str(&built.out).expect("a document");
-    let names: Vec<&str> = { document["libraries"].as_array().expect("a list").iter() }
+    let names: Vec<&str> = document["libraries"]
+        .as_array()
+        .expect("a list")
+        .iter()
         .map(|l| l["machine"].as_str().expect("a name"))
         .collect();
     assert_eq!(names, ["Lamp", "Lamp_2", "Idle"]);

@@ -44,7 +44,9 @@ const GUARANTEES: &[&str] = &[
 ];
 
 fn some(random: &mut Random, of: &[&str], percent: u64) -> String {
-    let kept: Vec<&str> = { of.iter().copied() }
+    let kept: Vec<&str> = of
+        .iter()
+        .copied()
         .filter(|_| random.chance(percent))
         .collect();
     kept.join("\n")

@@ -48,7 +48,7 @@ impl Choices<'_> {
         SkillComponent {
             doc: self.doc(),
             name: self.word(),
-            initial: { !situations.is_empty() }
+            initial: (!situations.is_empty())
                 .then(|| self.option(Self::word))
                 .flatten(),
             situations,

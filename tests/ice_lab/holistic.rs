@@ -181,9 +181,9 @@ fn coordinated(whole: &Specification, now: &[i64], next: &[i64]) -> bool {
         now[place.expect("a variable")]
     };
     let own = |f: &&Formula| f.name.starts_with("cell_");
-    let safety = whole.guarantees.safety.iter().filter(own);
-    (value("phase") != 0 || value("command") == 0) && { safety }
-        .all(|f| eval::holds(&f.expr, now, next))
+    let mut safety = whole.guarantees.safety.iter().filter(own);
+    (value("phase") != 0 || value("command") == 0)
+        && safety.all(|f| eval::holds(&f.expr, now, next))
 }
 
 #[test]
@@ -286,7 +286,7 @@ fn the_cell_in_parts_implements_the_holistic_contract() {
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     for step in 0..STEPS {
         // A plant that keeps its word: the first of some random changes that breaks no part's assumption.
-        let candidates = (0..2_000).map(|_| {
+        let mut candidates = (0..2_000).map(|_| {
             let inputs = machine.plant.iter().zip(&plant);
             let mut change = |p: &Domain, old: i64| {
                 if random.below(3) == 0 {
@@ -297,7 +297,7 @@ fn the_cell_in_parts_implements_the_holistic_contract() {
             };
             inputs.map(|(p, &old)| change(&p.domain, old)).collect()
         });
-        plant = { candidates }
+        plant = candidates
             .find(|c: &Vec<i64>| cell.peek(c).is_ok())
             .expect("the plant always has a step");
         cell.step(&plant, &mut outputs).expect("as just looked at");
@@ -308,8 +308,14 @@ fn the_cell_in_parts_implements_the_holistic_contract() {
         let sides = [&whole.assumptions, &whole.guarantees];
         for side in sides {
             let broken = match &before {
-                None => { side.initial.iter() }.find(|f| !eval::holds(&f.expr, &values, &[])),
-                Some(last) => { side.safety.iter() }.find(|f| !eval::holds(&f.expr, last, &values)),
+                None => side
+                    .initial
+                    .iter()
+                    .find(|f| !eval::holds(&f.expr, &values, &[])),
+                Some(last) => side
+                    .safety
+                    .iter()
+                    .find(|f| !eval::holds(&f.expr, last, &values)),
             };
             let invariants = &side.invariants;
             let broken = broken.or_else(|| {

@@ -231,7 +231,7 @@ fn check_written(machine: &str, operation: &str, before: &[f64], after: &[f64]) 
 #[test]
 fn a_part_that_is_lower_than_its_target_is_not_milled() {
     let folder = tempfile::tempdir().unwrap();
-    let milling = { machines().iter() }.find(|m| m.machine.name == "Milling");
+    let milling = machines().iter().find(|m| m.machine.name == "Milling");
     let milling = milling.expect("it is there");
     let package = Package::emit(&milling.machine, &milling.controllers);
     let built = Toolchain::host().build(&package, folder.path(), false);

@@ -279,7 +279,7 @@ fn nothing_begins_off_shift() {
         .route("J", &["cell", "sink"])
         .shift(6.0 * HOUR, 14.0 * HOUR);
     let trace = builder.run_until(240.0 * HOUR);
-    let started = { trace.log.iter() }.filter(|e| e.what == What::Started);
+    let started = trace.log.iter().filter(|e| e.what == What::Started);
     let hours: Vec<f64> = started.map(|e| e.time / HOUR % 24.0).collect();
     assert!(hours.len() > 40, "{hours:?}");
     // What comes at the last second is taken.

@@ -31,7 +31,9 @@ fn a_belt_is_served_beside_a_source_that_always_has_a_part() {
     // The station is free once in 55 s. Every other time the components of the next A0 were there before the P1.
     assert!(trace.products > 85, "{} products", trace.products);
     let joined = builder.part("A0");
-    let finished = { trace.log.iter() }
+    let finished = trace
+        .log
+        .iter()
         .filter(|e| e.what == What::Finished && e.part.is_some_and(|(_, kind)| kind == joined))
         .count();
     assert!(finished > 150, "{finished} joined");
@@ -117,7 +119,10 @@ fn a_belt_that_does_not_hand_over_loses_its_turn() {
         let belt = builder.node("belt");
         builder.controllers.insert(belt, controller);
         let trace = builder.run_until(600.0);
-        let on = { trace.log.iter() }.filter(|e| e.node == belt && e.what == What::Arrived);
+        let on = trace
+            .log
+            .iter()
+            .filter(|e| e.node == belt && e.what == What::Arrived);
         let on = on.count() as u64;
         (trace, on)
     };

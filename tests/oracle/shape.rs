@@ -19,7 +19,10 @@ impl Board<'_> {
             if self.specification.timing == Timing::Mealy {
                 return good;
             }
-            let inputs: Vec<Set> = { groups.inputs.iter().copied() }
+            let inputs: Vec<Set> = groups
+                .inputs
+                .iter()
+                .copied()
                 .filter(|x| x & legal != 0)
                 .collect();
             let right = |y: &&Set| inputs.iter().all(|x| x & **y & good != 0);
@@ -205,7 +208,10 @@ impl Board<'_> {
         let rules = self.rules(&Subset::All);
         let groups = self.groups();
         let domain = spec.variables[v].domain.clone();
-        let setting: Vec<&Formula> = { spec.guarantees.safety.iter() }
+        let setting: Vec<&Formula> = spec
+            .guarantees
+            .safety
+            .iter()
             .filter(|f| {
                 let mut sets = false;
                 f.expr
@@ -232,7 +238,10 @@ impl Board<'_> {
             if spec.timing == Timing::Moore {
                 // A safety guarantee binds the answer for whatever is given.
                 let safe = safety_only(self, s);
-                let x: Vec<Set> = { groups.inputs.iter().copied() }
+                let x: Vec<Set> = groups
+                    .inputs
+                    .iter()
+                    .copied()
                     .filter(|x| x & legal != 0)
                     .collect();
                 let right = |y: &&Set| x.iter().all(|x| x & **y & safe == x & **y);

@@ -98,7 +98,8 @@ impl<'a> Naive<'a> {
             .map(|(place, _)| 1_u64 << place);
         let standing: Vec<u64> = standing.collect();
         let beginnings = permutations(&standing);
-        let beginnings = { beginnings.iter() }
+        let beginnings = beginnings
+            .iter()
             .map(|called| rules.iter().map(|r| begins(&r.kind, called)).collect())
             .collect();
         let mut at_once = BTreeSet::new();
@@ -292,7 +293,9 @@ impl<'a> Naive<'a> {
                 (!begun || few(0)) && (0..n).filter(|p| from.has(*p)).all(|p| few(p + 1))
             }
             Kind::InARow(words) => {
-                let single: Vec<Letter> = { word.iter().copied() }
+                let single: Vec<Letter> = word
+                    .iter()
+                    .copied()
                     .filter(|l| l.mask.is_power_of_two())
                     .collect();
                 let stands = |p: usize| words.iter().any(|w| stands_in_front(w, &single[p..]));

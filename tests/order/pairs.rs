@@ -93,7 +93,9 @@ impl Compared {
             };
             let orders: Vec<usize> = match together.as_slice() {
                 [one] => before.orders.iter().map(|o| o * SKILLS + one).collect(),
-                [a, b] => { before.orders.iter() }
+                [a, b] => before
+                    .orders
+                    .iter()
                     .flat_map(|o| [(a, b), (b, a)].map(|(a, b)| (o * SKILLS + a) * SKILLS + b))
                     .collect(),
                 _ => panic!("two at most"),

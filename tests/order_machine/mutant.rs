@@ -123,8 +123,10 @@ fn line() -> Arc<Line> {
 fn a_run_reports_the_violation() {
     for (controlled, sound) in [(unit(), true), (mutant(), false)] {
         let line = line();
-        let station =
-            { line.nodes.iter() }.position(|n| matches!(n.kind, NodeKind::Station { .. }));
+        let station = line
+            .nodes
+            .iter()
+            .position(|n| matches!(n.kind, NodeKind::Station { .. }));
         let station = station.expect("a station");
         let controller: Box<dyn Controller> = Box::new(library(&controlled));
         let options = Options {
@@ -148,7 +150,10 @@ fn a_run_reports_the_violation() {
             first.part.is_some_and(|(number, _)| number == 1),
             "{first:?}"
         );
-        let finding = { trace.findings.iter() }.find(|f| f.code == codes::LINE_VIOLATION);
+        let finding = trace
+            .findings
+            .iter()
+            .find(|f| f.code == codes::LINE_VIOLATION);
         let message = &finding.expect("a finding").message;
         for said in ["unit: ", RULE, "Workpiece 1", "0:00:"] {
             assert!(message.contains(said), "{said}: {message}");

@@ -120,7 +120,7 @@ fn the_caller_answers_for_them() {
     let document = checked(MOVER);
     let table = document["machines"][0]["discharges"].as_array();
     let order = |line: &&Value| line.to_string().contains("order tidy\"");
-    let line = { table.expect("a table").iter() }.find(order);
+    let line = table.expect("a table").iter().find(order);
     let line = line.expect("the order is in it").to_string();
     assert!(line.contains("\"exported\""), "{line}");
 }

@@ -16,7 +16,8 @@ fn odd_functions_agree_with_the_interpreter() {
         ..Wish::default()
     };
     let (machine, controllers) = controlled("tests/station/odd.lw", "Oddity", wish);
-    let forms: Vec<bool> = { controllers.iter() }
+    let forms: Vec<bool> = controllers
+        .iter()
         .map(|c| c.functions().is_some())
         .collect();
     assert_eq!(forms, [false, true, true]);

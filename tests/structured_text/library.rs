@@ -78,7 +78,9 @@ fn specifications(folder: &Path, found: &mut Vec<Arc<Specification>>) {
             let library = &loaded.library;
             // What is imported to be refined is not solved here, either.
             let large = |file: &str| LARGE_FILES.iter().any(|large| file.ends_with(large));
-            let contracts = { library.contracts.iter() }
+            let contracts = library
+                .contracts
+                .iter()
                 .filter(|c| !large(&library.sources.file(c.span.file).name))
                 .map(|c| &c.specification);
             let lines = library.lines.iter();

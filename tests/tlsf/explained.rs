@@ -58,7 +58,8 @@ fn explained(text: &str) -> (Specification, Vec<GuaranteeRef>) {
 /// The names of a core's formulas, and the texts that they point at.
 fn told(text: &str) -> Vec<(String, String)> {
     let (specification, core) = explained(text);
-    let mut found: Vec<(String, String)> = { core.iter() }
+    let mut found: Vec<(String, String)> = core
+        .iter()
         .map(|part| {
             let formula = part.formula(&specification.guarantees);
             let at = &text[formula.span.start as usize..formula.span.end as usize];

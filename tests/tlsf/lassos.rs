@@ -66,7 +66,9 @@ impl L {
     fn on(&self, run: &Lasso) -> Vec<bool> {
         let n = run.steps.len();
         let two = |x: &L, y: &L, op: &dyn Fn(bool, bool) -> bool| -> Vec<bool> {
-            { x.on(run).into_iter().zip(y.on(run)) }
+            x.on(run)
+                .into_iter()
+                .zip(y.on(run))
                 .map(|(a, b)| op(a, b))
                 .collect()
         };
@@ -314,7 +316,8 @@ impl Judge {
                 && every(&side.safety)
         };
         let fair = |side: &linewright::gr1::Side| {
-            { side.justice.iter() }
+            side.justice
+                .iter()
                 .all(|f| (start..rows.len()).any(|t| holds(&f.expr, &rows[t], after(t))))
         };
         let (assumed, promised) = (&s.assumptions, &s.guarantees);

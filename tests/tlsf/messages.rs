@@ -15,7 +15,10 @@ fn places(text: &str) -> Vec<String> {
         "{}",
         shown(&reading, text)
     );
-    { reading.findings.iter().filter_map(|f| f.span) }
+    reading
+        .findings
+        .iter()
+        .filter_map(|f| f.span)
         .map(|s| text[s.start as usize..s.end as usize].to_owned())
         .collect()
 }
@@ -135,7 +138,9 @@ fn definitions_and_parameters_are_expanded() {
         .specification
         .clone()
         .unwrap_or_else(|| panic!("{}", shown(&reading, &text)));
-    let names: Vec<&str> = { specification.variables.iter() }
+    let names: Vec<&str> = specification
+        .variables
+        .iter()
         .filter(|v| !v.internal)
         .map(|v| v.name.as_str())
         .collect();

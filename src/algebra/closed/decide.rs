@@ -26,7 +26,11 @@ fn bits(values: u64) -> u32 {
 pub(super) fn decide(closed: &Closed<'_>, limits: &Limits) -> Result<Verdict, Limit> {
     let mut book = Book::new(closed);
     let all_owed = book.all_owed();
-    let bits = { closed.system.variables.iter() }.map(|v| bits(v.domain.size()));
+    let bits = closed
+        .system
+        .variables
+        .iter()
+        .map(|v| bits(v.domain.size()));
     if bits.sum::<u32>() > MOST_BITS {
         return Err(Limit::Size);
     }
@@ -192,7 +196,8 @@ impl Asked<'_> {
             let waits = |c: &usize| waiting.iter().any(|(at, ..)| at.part == Some(*c));
             let components = 0..self.book.justice.len();
             let reliable: BTreeSet<usize> = components.filter(|c| !waits(c)).collect();
-            let helps = { reliable.difference(&self.reliable) }
+            let helps = reliable
+                .difference(&self.reliable)
                 .any(|c| !self.book.justice[*c].guaranteed.is_empty());
             self.reliable = reliable;
             if waiting.is_empty() || waiting.len() == before || !helps {

@@ -290,7 +290,7 @@ impl<'a> Closed<'a> {
                 spoken_of.insert(v);
             });
         }
-        may && { spoken_of }
+        may && spoken_of
             .into_iter()
             .any(|v| self.system.driver(v).is_none())
     }

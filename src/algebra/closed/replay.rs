@@ -133,10 +133,7 @@ impl Closed<'_> {
     /// Whether the environment keeps its part in a step, and what monitors and watches remember is right there.
     fn surroundings(&self, steps: &[Vec<i64>], at: usize) -> Result<(), String> {
         let values = self.system.variables.iter().zip(&steps[at]);
-        if let Some((v, value)) = { values }
-            .into_iter()
-            .find(|(v, x)| !v.domain.contains(**x))
-        {
+        if let Some((v, value)) = values.into_iter().find(|(v, x)| !v.domain.contains(**x)) {
             return Err(format!("{value} is no value of {}", v.name));
         }
         let beside = &self.system.parts[self.taking.len()..];

@@ -17,7 +17,10 @@ impl Closed<'_> {
     /// When a limit was reached.
     pub fn contradiction(&self, stuck: &Stuck, limits: &Limits) -> Result<Vec<&Formula>, Limit> {
         let specification = &*self.machine.components[stuck.component].specification;
-        let before = { stuck.trace.len().checked_sub(2) }
+        let before = stuck
+            .trace
+            .len()
+            .checked_sub(2)
             .map(|at| self.own(stuck.component, &stuck.trace[at]));
         let mut asked: Vec<&Formula> = Vec::new();
         let mut rules = Vec::new();

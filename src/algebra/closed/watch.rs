@@ -25,7 +25,9 @@ impl Watch {
         if machine.operations.is_empty() || machine.done.is_none() {
             return None;
         }
-        let operation = { machine.plant.iter() }
+        let operation = machine
+            .plant
+            .iter()
             .position(|p| matches!(p.source, PlantSource::Operation))
             .map(|place| VarId(place as u32));
         let begun = Domain::Range {
@@ -104,7 +106,7 @@ impl Watch {
         let right = idle.or(active.equals(next));
         let all = Expr::now(self.begun).equals(Expr::Const(sequence.len() as i64));
         let done = machine.done.clone().unwrap_or(Expr::FALSE);
-        { self.runs(machine, operation) }
+        self.runs(machine, operation)
             .implies(right.and(done.implies(all)))
             .simplify()
     }

@@ -15,7 +15,10 @@ impl<'a> Prover<'a> {
     /// all runs, and so a proof may go place by place, where everything at once would be too much.
     pub(super) fn goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
         // After everybody's assumptions.
-        let turns = { self.proof.discharges.iter() }
+        let turns = self
+            .proof
+            .discharges
+            .iter()
             .map(|d| match d.rule {
                 Discharged::Justice { turn } => turn + 1,
                 _ => 0,
@@ -187,7 +190,10 @@ impl<'a> Prover<'a> {
     fn show(&mut self, rule: usize, by: &[usize], first: usize) {
         let after = by.iter().filter(|i| self.shown.contains(i));
         let after: Vec<FormulaRef> = after.map(|i| self.at(*i)).collect();
-        let turns = { self.proof.discharges.iter() }
+        let turns = self
+            .proof
+            .discharges
+            .iter()
             .filter(|d| after.contains(&d.what))
             .filter_map(|d| match d.rule {
                 Discharged::Justice { turn } => Some(turn + 1),

@@ -54,7 +54,8 @@ impl Prover<'_> {
 
     /// Tries what is known of the environment; gives the justice assumptions that were not met.
     fn by_the_environment(&mut self, left: &[usize]) -> Result<Vec<usize>, Limit> {
-        let environments: Vec<usize> = { self.reasons(&BTreeSet::new()) }
+        let environments: Vec<usize> = self
+            .reasons(&BTreeSet::new())
             .into_iter()
             .filter(|i| self.is_environments(*i))
             .collect();

@@ -157,7 +157,7 @@ impl<'a> Prover<'a> {
         let mut found = self.book.numbers(|at| is_given(*at));
         found.extend(&self.exported);
         found.extend(self.book.numbers(|at| is_guarantee(*at)));
-        found.extend({ self.shown.iter() }.filter(|i| self.is_common_lemma(**i)));
+        found.extend(self.shown.iter().filter(|i| self.is_common_lemma(**i)));
         found.retain(|i| !self.book.is_justice(*i));
         found
     }
@@ -384,7 +384,10 @@ impl<'a> Prover<'a> {
         if holds(self, &[])? {
             return Ok(Some(Vec::new()));
         }
-        let environment: Vec<usize> = { rings.iter().flatten().copied() }
+        let environment: Vec<usize> = rings
+            .iter()
+            .flatten()
+            .copied()
             .filter(|i| self.is_environments(*i))
             .collect();
         if !environment.is_empty() && holds(self, &environment)? {
@@ -500,7 +503,10 @@ impl<'a> Prover<'a> {
         let slips = |p: &mut Self, kept: &[usize]| {
             // Of the last step it is what is to be shown.
             let definitions = p.book.definitions(kept.iter().copied().chain([weaker]));
-            let last = { kept.iter().copied() }.filter(|i| *i != rule && p.is_usable(*i, part));
+            let last = kept
+                .iter()
+                .copied()
+                .filter(|i| *i != rule && p.is_usable(*i, part));
             let slip = Slip {
                 last: last.chain(definitions.iter().copied()).collect(),
                 before: [kept, &definitions].concat(),

@@ -147,10 +147,14 @@ pub fn proof(told: Told<'_>, proof: &Proof) -> ProofEntry {
             .map(|d| discharge(told, d))
             .collect(),
         open: proof.open.iter().map(|o| open(told, o)).collect(),
-        circles: { proof.circles.iter() }
+        circles: proof
+            .circles
+            .iter()
             .map(|c| c.assumptions.iter().map(|at| named(told, *at)).collect())
             .collect(),
-        loops: { proof.loops.iter() }
+        loops: proof
+            .loops
+            .iter()
             .map(|l| {
                 let names = l.variables.iter();
                 names

@@ -228,7 +228,10 @@ pub fn paths(operands: &[Operand]) -> Vec<String> {
 
 /// The one contract that is meant.
 fn one<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<&'a Contract> {
-    let of_file: Vec<&Contract> = { loaded.library.contracts.iter() }
+    let of_file: Vec<&Contract> = loaded
+        .library
+        .contracts
+        .iter()
         .filter(|c| {
             let file = &loaded.library.sources.file(c.span.file).name;
             same_file(file, &selection.path)

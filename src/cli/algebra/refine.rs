@@ -175,7 +175,10 @@ fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> 
         system.parts.push(Part {
             assumptions: Side::default(),
             guarantees: Side::default(),
-            drives: { whole.drives.iter().copied() }
+            drives: whole
+                .drives
+                .iter()
+                .copied()
                 .filter(|v| !parts.iter().any(|p| p.drives.contains(v)))
                 .collect(),
             timing: crate::gr1::Timing::Moore,

@@ -96,7 +96,10 @@ fn claims(operation: Operation, joined: &Joined, result: &Sets) -> Vec<(String, 
             joined.sets[1].compose(result),
             joined.sets[0].clone(),
         )],
-        Operation::Conjoin => { joined.sets.iter().enumerate() }
+        Operation::Conjoin => joined
+            .sets
+            .iter()
+            .enumerate()
             .map(|(i, set)| {
                 (
                     format!("it refines {}", name(i)),

@@ -77,7 +77,9 @@ impl<'a> Told<'a> {
 
     /// The same of a refinement, whose environment is that of the contract `given`.
     pub fn rests(&self, discharges: &[Discharge], given: &str) -> String {
-        let names = { discharges.iter() }.map(|d| self.formula(d.what).name.as_str());
+        let names = discharges
+            .iter()
+            .map(|d| self.formula(d.what).name.as_str());
         let names: Vec<&str> = names.collect();
         let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
         let mut text = String::new();
@@ -227,10 +229,14 @@ impl<'a> Told<'a> {
 
     /// A circle of justice, and the change of pattern that breaks it.
     pub fn circle(&self, circle: &Circle) -> (String, String) {
-        let members: Vec<String> = { circle.assumptions.iter() }
+        let members: Vec<String> = circle
+            .assumptions
+            .iter()
             .map(|at| format!("`{}`", self.name(*at)))
             .collect();
-        let texts: Vec<&str> = { circle.assumptions.iter() }
+        let texts: Vec<&str> = circle
+            .assumptions
+            .iter()
             .map(|at| self.formula(*at).text.as_str())
             .collect();
         let message = format!(
@@ -248,7 +254,9 @@ impl<'a> Told<'a> {
 
     /// A loop within a step.
     pub fn same_step(&self, found: &SameStepLoop) -> (String, String) {
-        let names: Vec<String> = { found.variables.iter() }
+        let names: Vec<String> = found
+            .variables
+            .iter()
             .map(|v| {
                 let variable = &self.system.variables[v.index()].name;
                 match self.system.driver(*v) {

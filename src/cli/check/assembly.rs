@@ -190,8 +190,8 @@ impl Assembly<'_> {
         findings: &mut Vec<Diagnostic>,
     ) -> ContractEntry {
         let sources = &self.loaded.library.sources;
-        let known = self.loaded.library.contracts.iter();
-        let contract = { known }.find(|c| declaration.holds(c.span));
+        let mut known = self.loaded.library.contracts.iter();
+        let contract = known.find(|c| declaration.holds(c.span));
         let result = self
             .contracts
             .iter()
@@ -259,8 +259,8 @@ impl Assembly<'_> {
         findings: &mut Vec<Diagnostic>,
     ) -> SkillsEntry {
         let sound = !file.broken && !has_errors(findings);
-        let known = self.loaded.library.skills.iter();
-        let skills = { known }.find(|s| sound && declaration.holds(s.span));
+        let mut known = self.loaded.library.skills.iter();
+        let skills = known.find(|s| sound && declaration.holds(s.span));
         let until = Until::new(self.limits.deadline);
         let examine = |s: &Skills| {
             let doing = || format!("checking the skills `{}`", s.name);
@@ -292,8 +292,8 @@ impl Assembly<'_> {
         findings: &mut Vec<Diagnostic>,
     ) -> LineEntry {
         let sound = !file.broken && !has_errors(findings);
-        let known = self.loaded.library.lines.iter();
-        let line = { known }.find(|l| sound && declaration.holds(l.span));
+        let mut known = self.loaded.library.lines.iter();
+        let line = known.find(|l| sound && declaration.holds(l.span));
         let controlled = |machine: &Machine| {
             let alike = |p: &&Planned<'_>| machines::is_alike(p.machine, machine);
             let sized = self.sized.iter().map(|(_, planned)| planned);
@@ -315,7 +315,7 @@ impl Assembly<'_> {
                 lines::examine(line, controlled, &self.limits, self.verbose)
             })
         });
-        let verdict = { proof.as_ref() }.and_then(|p| Some(p.as_ref().ok()?.verdict));
+        let verdict = proof.as_ref().and_then(|p| Some(p.as_ref().ok()?.verdict));
         let proof = proof.unwrap_or_else(|| Ok(lines::Proof::default()));
         let proof = proof.unwrap_or_else(|fault| lines::Proof {
             findings: vec![fault.finding(line.map(|l| l.span))],

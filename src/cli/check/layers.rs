@@ -105,7 +105,11 @@ fn broken(
 pub(super) fn beyond(machine: &Machine) -> Option<String> {
     let mut told = Vec::new();
     for component in &machine.abstracted().components {
-        let inner = { machine.layers.inner.iter() }.find(|i| i.name == component.name);
+        let inner = machine
+            .layers
+            .inner
+            .iter()
+            .find(|i| i.name == component.name);
         let Some(promised) = inner.and_then(|i| i.machine.refines.first()) else {
             continue;
         };

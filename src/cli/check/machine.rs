@@ -71,7 +71,7 @@ pub(super) fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
             // What the controllers show is then all that there is.
             let limited = undecided(machine.span, &machine.name, limit);
             if let Some(verdict) = both.verdict {
-                let met = { verdict.met.iter() }.map(|(at, met)| both.shown(*at, *met));
+                let met = verdict.met.iter().map(|(at, met)| both.shown(*at, *met));
                 result.discharges = met.collect();
                 both.told_open(verdict, &[], &mut result.findings);
                 if !verdict.undecided.is_empty() {
@@ -150,7 +150,9 @@ impl Both<'_> {
                 }
             }
             let is_met = |at: &FormulaRef| verdict.is_met(*at).is_some();
-            let (resolved, circles) = { proof.circles.into_iter() }
+            let (resolved, circles) = proof
+                .circles
+                .into_iter()
                 .partition(|c: &Circle| c.assumptions.iter().any(is_met));
             proof.circles = circles;
             self.told_resolved(resolved, findings);
@@ -173,7 +175,11 @@ impl Both<'_> {
     /// What the contracts do not show, and the coordinator's states do. They show an assumption as far as all others are kept, and that
     /// requests complete where nothing is wrong with an operation.
     fn by_the_walk(&self, proof: &Proof) -> Vec<(FormulaRef, DischargeEntry)> {
-        let sound = { self.walked.findings.iter() }.all(|f| f.code != codes::ASSUMPTION_OPEN);
+        let sound = self
+            .walked
+            .findings
+            .iter()
+            .all(|f| f.code != codes::ASSUMPTION_OPEN);
         let complete = self.walked.findings.is_empty() && !self.walked.discharges.is_empty();
         let shows = |at: FormulaRef| {
             let name = &self.told.formula(at).name;

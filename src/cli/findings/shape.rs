@@ -190,8 +190,8 @@ fn frame(s: &Specification, v: VarId) -> String {
             .for_each_var(&mut |w, _| found |= s.is_made_up(w));
         found
     };
-    let setting = { s.guarantees.safety.iter() }.filter(|f| sets(&f.expr, v));
-    if conditions.is_empty() || { setting }.any(made_up) {
+    let mut setting = s.guarantees.safety.iter().filter(|f| sets(&f.expr, v));
+    if conditions.is_empty() || setting.any(made_up) {
         return format!("say in a guarantee when it stays: `next {name} = {name}`");
     }
     let moves = conditions.join(" or ");

@@ -81,7 +81,9 @@ struct ViolationEntry {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     // Each is read once: it may be a pipe.
-    let programs: Vec<(&str, Read)> = { arguments.programs.iter() }
+    let programs: Vec<(&str, Read)> = arguments
+        .programs
+        .iter()
         .map(|name| (name.as_str(), read(name)))
         .collect();
     let selection = match &arguments.rules {
@@ -153,7 +155,8 @@ fn beside(
     programs: &[(&str, Read)],
     options: &GlobalOptions,
 ) -> anyhow::Result<Result<Selection, ExitCode>> {
-    let unreadable: Vec<Diagnostic> = { programs.iter() }
+    let unreadable: Vec<Diagnostic> = programs
+        .iter()
         .filter_map(|(_, read)| read.as_ref().err())
         .map(|finding| (**finding).clone())
         .collect();
@@ -276,7 +279,10 @@ fn violation_entry(v: &Violation, chosen: &Chosen) -> ViolationEntry {
         call: names(skills, &[v.call]).remove(0),
         rule: words::rule(&v.refusal).map(|r| skills.rules[r].name.clone()),
         why: words::why(v.call, &v.refusal, skills, options.serialisation),
-        detour: { v.detour.as_ref().ok() }
+        detour: v
+            .detour
+            .as_ref()
+            .ok()
             .and_then(Option::as_ref)
             .map(|d| names(skills, d)),
         instead: names(skills, &v.instead),

@@ -104,7 +104,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             let complete = supervisor.is_complete(&state);
             let document = Document {
                 head: rules::Head::of("order-complete", skills, arguments.choice.level.level()),
-                situation: { skills.components.iter().zip(&state.situation) }
+                situation: skills
+                    .components
+                    .iter()
+                    .zip(&state.situation)
                     .filter_map(|(c, s)| Some((c.name.clone(), c.situations.get(*s)?.clone())))
                     .collect(),
                 complete,

@@ -219,8 +219,10 @@ fn in_the_order_of(first: &Skills, second: &Skills) -> anyhow::Result<Skills> {
             missing.join(", ")
         );
     }
-    let place = |name: &str| { first.skills.iter() }.position(|s| s.name == name);
-    let places: Vec<usize> = { second.skills.iter() }
+    let place = |name: &str| first.skills.iter().position(|s| s.name == name);
+    let places: Vec<usize> = second
+        .skills
+        .iter()
         .filter_map(|s| place(&s.name))
         .collect();
     Ok(second.renumbered(&places))

@@ -302,7 +302,11 @@ fn region_table(regions: &[Region]) -> String {
     for region in regions {
         let _ = writeln!(text, "{}", region.title);
         for (number, label) in region.graph.states.iter().enumerate() {
-            let begins = { region.graph.edges.iter() }.any(|e| e.from.is_none() && e.to == number);
+            let begins = region
+                .graph
+                .edges
+                .iter()
+                .any(|e| e.from.is_none() && e.to == number);
             let mark = if begins { "*" } else { " " };
             let _ = writeln!(text, "  {mark} {}", label.join(", "));
             for edge in region.graph.edges.iter().filter(|e| e.from == Some(number)) {

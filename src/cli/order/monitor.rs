@@ -77,7 +77,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
     // A monitor names the rules that it keeps, and no others.
     let kept = chosen.skills.rules.iter().enumerate();
-    let kept: Vec<usize> = { kept.filter(|(_, r)| r.level <= chosen.options.level) }
+    let kept: Vec<usize> = kept
+        .filter(|(_, r)| r.level <= chosen.options.level)
         .map(|(place, _)| place)
         .collect();
     let skills = chosen.skills.with_rules(&kept);
@@ -184,7 +185,10 @@ fn watch(
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     let cited: Vec<Cited> = skills.rules.iter().map(Cited::of).collect();
-    let names: HashMap<&[u8], u8> = { skills.skills.iter().zip(0_u8..) }
+    let names: HashMap<&[u8], u8> = skills
+        .skills
+        .iter()
+        .zip(0_u8..)
         .map(|(s, number)| (s.name.as_bytes(), number))
         .collect();
     let json = options.format == Format::Json;

@@ -112,7 +112,11 @@ fn example(skills: &Skills) -> String {
         return "declare a skill first".to_owned();
     };
     let name = &first.name;
-    match { skills.skills.iter() }.find(|s| s.component != first.component) {
+    match skills
+        .skills
+        .iter()
+        .find(|s| s.component != first.component)
+    {
         Some(other) => format!(
             "write `{name}`, or `{name} & {}` for skills that are called at once",
             other.name

@@ -67,7 +67,10 @@ pub fn choose(
             path = selection.path
         );
     };
-    let skills = { loaded.library.skills.iter() }
+    let skills = loaded
+        .library
+        .skills
+        .iter()
         .find(|s| s.name == *name && s.span == *span)
         .expect("it was picked from these");
     let skills = with_rules(skills, choice)?;

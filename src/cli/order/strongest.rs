@@ -130,7 +130,7 @@ fn pattern(text: &str, skills: &Skills) -> anyhow::Result<Pattern> {
             .collect();
         match places.as_slice() {
             [place] => {
-                let other = { pattern.iter() }.find(|(c, s)| *c == place.0 && *s != place.1);
+                let other = pattern.iter().find(|(c, s)| *c == place.0 && *s != place.1);
                 anyhow::ensure!(
                     other.is_none(),
                     "`{}` is in one situation at a time: write --useful twice where either will do",
@@ -139,7 +139,9 @@ fn pattern(text: &str, skills: &Skills) -> anyhow::Result<Pattern> {
                 pattern.push(*place);
             }
             [] => {
-                let all = { skills.components.iter() }
+                let all = skills
+                    .components
+                    .iter()
                     .flat_map(|c| c.situations.iter().map(|s| format!("{}.{s}", c.name)));
                 anyhow::bail!(
                     "there is no situation `{written}`: they are {}",

@@ -341,7 +341,9 @@ fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>
         RealExpr::of_wires(value.expect("a wire that was asked for; please report this"))
     };
     let writes = match how {
-        How::Flat => { old.writes.iter() }
+        How::Flat => old
+            .writes
+            .iter()
             .map(|(p, x)| (*p, x.substitute(&RealExpr::Property, &wire)))
             .collect(),
         // Proofs know nothing of a part's numbers.
@@ -351,7 +353,10 @@ fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>
     Machine {
         components: components.into_iter().flatten().collect(),
         writes,
-        operations: { old.operations.iter().zip(&level.performed) }
+        operations: old
+            .operations
+            .iter()
+            .zip(&level.performed)
             .map(
                 |(operation, performed)| crate::contract::machine::Operation {
                     sequence: performed
@@ -365,9 +370,13 @@ fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>
         done: old.done.as_ref().map(|done| places.over(done)),
         base_watts: old.base_watts + nested().map(|n| n.flat.base_watts).sum::<f64>(),
         idle_watts: old.idle_watts + nested().map(|n| n.flat.idle_watts).sum::<f64>(),
-        refines: { old.refines.iter() }
+        refines: old
+            .refines
+            .iter()
             .map(|promised| Promised {
-                bindings: { promised.bindings.iter() }
+                bindings: promised
+                    .bindings
+                    .iter()
                     .map(|b| b.as_ref().map(|b| places.over(b)))
                     .collect(),
                 ..promised.clone()
@@ -392,7 +401,9 @@ fn orders(own: &[Orders], places: &Places<'_>) -> Vec<Orders> {
         };
         all.extend(expanded.machine.orders.iter().map(|orders| {
             Orders {
-                when: { orders.when.iter() }
+                when: orders
+                    .when
+                    .iter()
                     .map(|e| places.inside(index, e))
                     .collect(),
                 of: match orders.of.as_str() {

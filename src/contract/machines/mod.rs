@@ -225,7 +225,7 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
             MachineItem::Component(c) => &c.name,
             MachineItem::Guarantee { name, .. } => {
                 // Formulas have names of their own, too.
-                let first = { name.as_ref() }.and_then(|n| rules.insert(&n.text, n.span));
+                let first = name.as_ref().and_then(|n| rules.insert(&n.text, n.span));
                 if let (Some(name), Some(first)) = (name, first) {
                     e.findings.push(double(name, first));
                 }

@@ -77,7 +77,7 @@ pub(super) fn nested<'a>(
     };
     let name = machine.header.name.text.as_str();
     if let Some(first) = parts.path.iter().position(|p| *p == name) {
-        let circle: Vec<&str> = { parts.path[first..].iter().copied() }
+        let circle: Vec<&str> = (parts.path[first..].iter().copied())
             .chain([name])
             .collect();
         e.error_with(
@@ -178,7 +178,8 @@ fn seen(machine: &Machine) -> Vec<Seen> {
 impl Nested {
     /// Which outputs of the view stand on their wires from the beginning of a step.
     pub fn early(&self) -> Vec<bool> {
-        { self.values.iter() }
+        self.values
+            .iter()
             .map(|value| answers_first(&self.flat, value))
             .collect()
     }
@@ -192,7 +193,10 @@ impl Nested {
             found
         };
         let mealy = |timing| timing == Timing::Mealy;
-        let components = { self.flat.components.iter() }
+        let components = self
+            .flat
+            .components
+            .iter()
             .filter(|c| mealy(c.specification.timing))
             .flat_map(|c| &c.bindings);
         components.chain(&self.values).any(reads)

@@ -128,7 +128,9 @@ fn conditions(
     mut called: Called<'_>,
 ) -> Option<Vec<Expr>> {
     let name = &decl.set.text;
-    let bound: Vec<_> = { skills.skills.iter() }
+    let bound: Vec<_> = skills
+        .skills
+        .iter()
         .map(|skill| called.remove(skill.name.as_str()))
         .collect();
     let missing = skills.skills.iter().zip(&bound);
@@ -231,7 +233,8 @@ fn add_rules(
     party: Party,
 ) -> Result<(), TooLarge> {
     let never = || Condition::rising(Expr::FALSE);
-    let conditions: Vec<Condition> = { when.iter() }
+    let conditions: Vec<Condition> = when
+        .iter()
         .map(|w| w.clone().unwrap_or_else(never))
         .collect();
     for rule in rules_of(&orders.skills, orders.level) {
@@ -354,7 +357,7 @@ fn by_operation(model: &Machine, orders: &Orders) -> Option<(Expr, Vec<usize>)> 
         expr.for_each_var(&mut |v, _| asks |= v.index() == operation);
         asks
     };
-    let skills: Vec<usize> = { 0..orders.when.len() }
+    let skills: Vec<usize> = (0..orders.when.len())
         .filter(|s| asks(&orders.when[*s]))
         .collect();
     let done = model.done.clone().filter(|_| !skills.is_empty())?;

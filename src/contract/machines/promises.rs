@@ -205,7 +205,8 @@ pub(super) fn guarantees<'a>(
     sources: &SourceMap,
 ) -> Rules {
     let machine = parts.machine;
-    let variables: Vec<Variable> = { wire_names(parts).into_iter() }
+    let variables: Vec<Variable> = wire_names(parts)
+        .into_iter()
         .map(|(of, name, domain)| Variable {
             name: of.map_or_else(|| name.to_owned(), |of| format!("{of}.{name}")),
             owner: match of {
@@ -234,7 +235,8 @@ pub(super) fn guarantees<'a>(
         };
         count += 1;
         let label = Label {
-            name: { name.as_ref() }
+            name: name
+                .as_ref()
                 .map_or_else(|| format!("guarantee {count}"), |n| n.text.clone()),
             requirement: requirement.clone(),
             guarantee: true,

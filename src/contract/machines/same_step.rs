@@ -73,7 +73,8 @@ fn is_there(parts: &Parts<'_>, index: usize, firsts: &[usize], wire: usize) -> b
     let Some(owner) = firsts.iter().rposition(|f| *f <= wire) else {
         return false;
     };
-    let early =
-        { parts.nested[owner].as_ref() }.is_some_and(|nested| nested.early()[wire - firsts[owner]]);
+    let early = parts.nested[owner]
+        .as_ref()
+        .is_some_and(|nested| nested.early()[wire - firsts[owner]]);
     early || owner < index || parts.components[owner].1.timing == Timing::Moore
 }

@@ -100,11 +100,14 @@ impl<'a> Resolver<'a> {
         if decl.initial.is_none() {
             self.no_initial(decl);
         }
-        let initial = { decl.initial.as_ref() }.and_then(|i| self.situation_of(decl, i));
+        let initial = decl
+            .initial
+            .as_ref()
+            .and_then(|i| self.situation_of(decl, i));
         self.components.push(Component {
             name: decl.name.text.clone(),
             doc: decl.doc.clone(),
-            situations: { decl.situations.iter() }.map(|s| s.text.clone()).collect(),
+            situations: decl.situations.iter().map(|s| s.text.clone()).collect(),
             initial: initial.unwrap_or(0),
             span: decl.name.span,
         });

@@ -29,7 +29,9 @@ impl Resolver<'_> {
             }
             let level = self.level(order);
             let kind = self.kind(&order.rule);
-            let deletions: Vec<Deletion> = { order.deletions.iter() }
+            let deletions: Vec<Deletion> = order
+                .deletions
+                .iter()
                 .filter_map(|d| self.deletion(d))
                 .collect();
             let (Some(kind), Some(level)) = (kind, level) else {
@@ -238,9 +240,7 @@ impl Resolver<'_> {
             if let Some(place) = component.situations.iter().position(is) {
                 return Some((index, place));
             }
-            let known: Vec<&str> = { component.situations.iter() }
-                .map(String::as_str)
-                .collect();
+            let known: Vec<&str> = component.situations.iter().map(String::as_str).collect();
             let help = if known.is_empty() {
                 format!("`{}` is always in the same one: leave it out", name.text)
             } else {
@@ -264,7 +264,8 @@ impl Resolver<'_> {
                 None
             }
             several => {
-                let full: Vec<String> = { several.iter() }
+                let full: Vec<String> = several
+                    .iter()
                     .map(|(c, _)| format!("`{}.{}`", self.components[*c].name, label.text))
                     .collect();
                 self.error(

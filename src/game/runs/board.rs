@@ -314,7 +314,9 @@ impl<K: Kernel> Board<K> {
 
     /// What a question about runs without an end is about.
     fn question(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Question<K>, Limit> {
-        let all = { wanted.keep.iter() }
+        let all = wanted
+            .keep
+            .iter()
             .chain(&wanted.again)
             .chain(&wanted.never_again);
         let variables = Self::mentioned(rules, all.copied());

@@ -71,10 +71,13 @@ impl Meaning<'_, '_, '_> {
         let ordinary = |w: &Wish, formulas: &Formulas| {
             formulas.ahead(w.formula).is_some() && formulas.all_atoms(w.formula, &owned)
         };
-        let moved =
-            { wishes.iter() }.any(|w| w.section == Section::Initially && !ordinary(w, formulas));
+        let moved = wishes
+            .iter()
+            .any(|w| w.section == Section::Initially && !ordinary(w, formulas));
         if moved && !(self.strict && has(&wishes, Section::Assert)) {
-            let given: Vec<F> = { wishes.iter().filter(|w| w.section == Section::Initially) }
+            let given: Vec<F> = wishes
+                .iter()
+                .filter(|w| w.section == Section::Initially)
                 .map(|w| w.formula)
                 .collect();
             for wish in &mut wishes {

@@ -45,7 +45,9 @@ pub(super) fn declared<'f>(file: &'f File, report: &mut Report) -> Globals<'f> {
             }
             for code in &label.codes {
                 let clash = others.iter().find(|(_, other)| {
-                    { code.iter().zip(*other) }.all(|(a, b)| a.is_none() || b.is_none() || a == b)
+                    code.iter()
+                        .zip(*other)
+                        .all(|(a, b)| a.is_none() || b.is_none() || a == b)
                 });
                 if let Some((other, _)) = clash {
                     report.error(
@@ -179,7 +181,9 @@ pub(super) fn domains<'f>(file: &'f File, expander: &mut Expander<'f, '_>) -> Ve
         let (Some(enumeration), Some(Value::Bus(bits))) = (known, bus) else {
             continue;
         };
-        let codes: Vec<Vec<Option<bool>>> = { enumeration.labels.iter() }
+        let codes: Vec<Vec<Option<bool>>> = enumeration
+            .labels
+            .iter()
             .flat_map(|l| l.codes.clone())
             .collect();
         // Codes do not overlap, so they cover everything exactly if their numbers add up.

@@ -112,7 +112,9 @@ impl Meaning<'_, '_, '_> {
 
     pub(super) fn is_output(&self, v: VarId) -> bool {
         // Monitors are outputs.
-        { self.variables.get(v.index()) }.is_none_or(|v| v.owner == Owner::System)
+        self.variables
+            .get(v.index())
+            .is_none_or(|v| v.owner == Owner::System)
     }
 
     pub(super) fn mentions(&self, e: &Expr, wanted: &dyn Fn(&Self, VarId, Time) -> bool) -> bool {
@@ -340,7 +342,8 @@ impl Meaning<'_, '_, '_> {
             }
         }
         let heading = headings.first().cloned().unwrap_or(0..0);
-        let mut words: Vec<&str> = { headings.into_iter() }
+        let mut words: Vec<&str> = headings
+            .into_iter()
             .filter_map(|place| self.text.get(place))
             .collect();
         words.dedup();

@@ -129,7 +129,8 @@ impl Formulas {
                 if let [part] = parts.as_slice() {
                     return vec![self.globally(*part, place)];
                 }
-                { parts.into_iter() }
+                parts
+                    .into_iter()
                     .map(|a| {
                         let own = self.place(a);
                         self.globally(a, own)
@@ -149,13 +150,12 @@ impl Formulas {
             }
             Op::Weak(a, b) => {
                 let parts = self.parts(a);
-                { parts.into_iter() }
-                    .map(|a| self.weak(a, b, place))
-                    .collect()
+                parts.into_iter().map(|a| self.weak(a, b, place)).collect()
             }
             Op::Release(a, b) => {
                 let parts = self.parts(b);
-                { parts.into_iter() }
+                parts
+                    .into_iter()
                     .map(|b| self.release(a, b, place))
                     .collect()
             }
@@ -179,7 +179,8 @@ impl Formulas {
                         })
                         .collect();
                 }
-                { product.into_iter() }
+                product
+                    .into_iter()
                     .map(|list| self.or(list, place))
                     .collect()
             }

@@ -31,8 +31,10 @@ impl Meaning<'_, '_, '_> {
             }
         }
         if let Some((found, _)) = first {
-            let other =
-                { assert.iter().chain(guarantee) }.any(|f| matches!(f.piece, Piece::Recurrent(_)));
+            let other = assert
+                .iter()
+                .chain(guarantee)
+                .any(|f| matches!(f.piece, Piece::Recurrent(_)));
             if other {
                 refusals.push(pair(
                     found,
@@ -91,7 +93,9 @@ fn pair(found: &Found, why: &str) -> Refusal {
 
 /// "If again and again c, then" says nothing where c is assumed to happen again and again.
 pub(super) fn under_assumptions(require: &[Found], assume: &[Found], promises: &mut [Found]) {
-    let known: Vec<&Expr> = { require.iter().chain(assume) }
+    let known: Vec<&Expr> = require
+        .iter()
+        .chain(assume)
         .filter_map(|f| match &f.piece {
             Piece::Recurrent(e) => Some(e),
             _ => None,

@@ -31,8 +31,10 @@ impl Meaning<'_, '_, '_> {
             let (Some((k, (a, b))), None) = (found.next(), found.next()) else {
                 return wishes;
             };
-            let alone =
-                !{ wishes.iter().enumerate() }.any(|(other, w)| other != k && is_promise(w));
+            let alone = !wishes
+                .iter()
+                .enumerate()
+                .any(|(other, w)| other != k && is_promise(w));
             if !alone && !self.kept_anyway(&mut wishes, k) {
                 return wishes;
             }

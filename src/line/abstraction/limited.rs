@@ -59,7 +59,7 @@ impl<'a> Limited<'a> {
             return None;
         };
         let mut before: BTreeMap<Spot, BTreeSet<Spot>> = BTreeMap::new();
-        let mut open: Vec<(Option<Spot>, Spot)> = { spots_after(model, supply, part) }
+        let mut open: Vec<(Option<Spot>, Spot)> = spots_after(model, supply, part)
             .map(|to| (None, to))
             .collect();
         while let Some((from, to)) = open.pop() {
@@ -70,7 +70,8 @@ impl<'a> Limited<'a> {
             }
         }
         let mut order: Vec<Spot> = Vec::new();
-        while let Some((next, _)) = { before.iter() }
+        while let Some((next, _)) = before
+            .iter()
             .find(|(spot, from)| !order.contains(spot) && from.iter().all(|f| order.contains(f)))
         {
             order.push(*next);
@@ -99,7 +100,11 @@ impl<'a> Limited<'a> {
     /// Whether a component that a station joins is looked after here.
     pub fn brings(&self, place: usize, task: usize, line: usize) -> bool {
         let wanted = (place, Some((task, line)));
-        !self.is_round && { self.stages.iter() }.any(|s| (s.at.place, s.at.bill) == wanted)
+        !self.is_round
+            && self
+                .stages
+                .iter()
+                .any(|s| (s.at.place, s.at.bill) == wanted)
     }
 
     /// Its lemmas. `others` are lemmas about components, by place, that come from elsewhere.
@@ -153,7 +158,7 @@ impl<'a> Limited<'a> {
         for (end, declared) in model.shape.places.iter().enumerate() {
             if let PlaceKind::End { leaves, .. } = &declared.kind {
                 let content = |kind: &&usize| model.shape.contents[**kind][self.part];
-                left.extend({ leaves.iter() }.filter(|k| content(k) > 0).map(|kind| {
+                left.extend(leaves.iter().filter(|k| content(k) > 0).map(|kind| {
                     let one = count([model.arrives(end, *kind)]);
                     self.weighed(*kind, one)
                 }));
@@ -213,7 +218,8 @@ impl<'a> Limited<'a> {
     ) -> FormulaRef {
         let held = self.total(|place| circle.contains(&place));
         let few = Expr::binary(BinaryOp::Le, held, Expr::Const(i64::from(self.most)));
-        let names: Vec<&str> = { circle.iter() }
+        let names: Vec<&str> = circle
+            .iter()
             .map(|p| self.model.shape.places[*p].name.as_str())
             .collect();
         let text = format!(

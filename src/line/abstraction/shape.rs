@@ -268,7 +268,7 @@ impl Shape {
         let mut next = self.after(place);
         if let PlaceKind::End { .. } = self.places[place].kind {
             let (node, comes) = (self.places[place].node, self.comes(place));
-            let given_out = { self.places.iter().enumerate() }.filter(|(_, other)| {
+            let given_out = self.places.iter().enumerate().filter(|(_, other)| {
                 other.node == node
                     && matches!(other.kind, PlaceKind::Supply { part, .. } if comes.contains(&part))
             });
@@ -491,8 +491,10 @@ fn kind(line: &Line, node: usize) -> PlaceKind {
 fn work(line: &Line, node: usize, part: usize, all: &[Task]) -> Work {
     let comes = |kind: usize| line.routes.iter().any(|r| r.to == node && r.part == kind);
     let bill = &line.parts[part].bill;
-    let joins = !comes(part) || { bill.iter() }
-        .all(|(c, _)| comes(*c) && !all.iter().any(|t| t.part == *c));
+    let joins = !comes(part)
+        || bill
+            .iter()
+            .all(|(c, _)| comes(*c) && !all.iter().any(|t| t.part == *c));
     Work {
         part,
         plain: bill.is_empty() || comes(part),

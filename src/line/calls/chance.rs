@@ -18,9 +18,14 @@ pub(super) fn branches(walk: &Walk<'_>, calls: &mut Calls) {
         if !calls.taken[index] {
             continue;
         }
-        let rivals = { walk.line.routes.iter().zip(&calls.taken) }.filter(|(other, taken)| {
-            **taken && (other.from, other.part) == (route.from, route.part)
-        });
+        let rivals = walk
+            .line
+            .routes
+            .iter()
+            .zip(&calls.taken)
+            .filter(|(other, taken)| {
+                **taken && (other.from, other.part) == (route.from, route.part)
+            });
         calls.by_chance[index] = rivals.count() == 1 || Branch::of(walk, index).is_sure();
     }
 }
@@ -49,9 +54,7 @@ impl<'a> Branch<'a> {
         };
         let all = 0..vertices.len();
         let mut comes: Vec<bool> = all.clone().map(at_branch).collect();
-        let mut sure: Vec<bool> = { vertices.iter() }
-            .map(|v| v.route == Some(index))
-            .collect();
+        let mut sure: Vec<bool> = vertices.iter().map(|v| v.route == Some(index)).collect();
         let grow = |marked: &mut Vec<bool>, step: &dyn Fn(&[bool], usize) -> bool| loop {
             let more: Vec<usize> = all
                 .clone()
@@ -102,7 +105,10 @@ impl<'a> Branch<'a> {
         let mut joined = joined.filter(counts);
         let of_component = || {
             let bill = &self.walk.line.parts[part].bill;
-            depth > 0 && { bill.iter() }.any(|(kind, _)| self.made_surely(*kind, depth - 1))
+            depth > 0
+                && bill
+                    .iter()
+                    .any(|(kind, _)| self.made_surely(*kind, depth - 1))
         };
         sources.all(|v| self.sure[v]) && (joined.all(|v| self.sure[v]) || of_component())
     }

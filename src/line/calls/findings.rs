@@ -78,7 +78,10 @@ impl Writer<'_> {
             for at in self.walk.askers(node, call) {
                 let way = self.way(*at).len();
                 let rank = (!(always && self.certain[*at]), before, way, *at);
-                let what = { refusal.error.rule.clone() }
+                let what = refusal
+                    .error
+                    .rule
+                    .clone()
                     .unwrap_or_else(|| without_numbers(&refusal.error.message));
                 let refused = Refused {
                     at: *at,
@@ -101,7 +104,10 @@ impl Writer<'_> {
     fn refused(&self, machine: &Machine, refused: &Refused<'_>) -> Diagnostic {
         let vertex = &self.walk.vertices[refused.at];
         let (node, error) = (&self.line().nodes[vertex.node], &refused.refusal.error);
-        let rule = { error.rule.as_ref() }.and_then(|rule| formula_of(machine, rule));
+        let rule = error
+            .rule
+            .as_ref()
+            .and_then(|rule| formula_of(machine, rule));
         let kind = &self.line().parts[vertex.part].name;
         let way = self.walk.desks[vertex.node].as_ref();
         let earlier = way.map_or(Vec::new(), |desk| desk.way_to(refused.state));
@@ -192,7 +198,8 @@ impl Writer<'_> {
         };
         let of_call = |call: usize| tasks[desk.calls[call].task].operations.iter();
         let name = |operation: usize| machine.operations[operation].name.as_str();
-        let mut asked: Vec<&str> = { earlier.iter() }
+        let mut asked: Vec<&str> = earlier
+            .iter()
             .flat_map(|call| of_call(*call))
             .map(|(operation, _)| name(*operation))
             .collect();

@@ -195,10 +195,13 @@ impl<'a> Walk<'a> {
                 _ => continue,
             };
             for part in made {
-                let values = { self.line.parts[part].properties.iter() }.map(|p| match p.initial {
-                    InitialValue::Number(value) => Real(value),
-                    InitialValue::Component(..) => Real(0.0),
-                });
+                let values = self.line.parts[part]
+                    .properties
+                    .iter()
+                    .map(|p| match p.initial {
+                        InitialValue::Number(value) => Real(value),
+                        InitialValue::Component(..) => Real(0.0),
+                    });
                 let values = values.collect();
                 let born = self.reach(Stage::Leaves, node, part, values, None);
                 self.births.push(born);
@@ -220,7 +223,9 @@ impl<'a> Walk<'a> {
         values: Vec<Real>,
         before: Option<usize>,
     ) -> usize {
-        let values = { values.into_iter().zip(&self.unread[part]) }
+        let values = values
+            .into_iter()
+            .zip(&self.unread[part])
             .map(|(value, left_out)| if *left_out { Real(0.0) } else { value });
         let key = (stage, node, part, values.collect());
         if let Some(known) = self.known.get(&key) {
@@ -314,13 +319,17 @@ impl<'a> Walk<'a> {
         let bill = |task: &Task| &self.line.parts[task.part].bill;
         let all = self.tasks(node);
         let joins = |task: &Task| {
-            !comes(task.part) || { bill(task).iter() }
-                .all(|(kind, _)| comes(*kind) && all.iter().all(|other| other.part != *kind))
+            !comes(task.part)
+                || bill(task)
+                    .iter()
+                    .all(|(kind, _)| comes(*kind) && all.iter().all(|other| other.part != *kind))
         };
         let plain = self.task(node, |task| {
             task.part == part && (bill(task).is_empty() || comes(part))
         });
-        let joining: Vec<usize> = { all.iter().enumerate() }
+        let joining: Vec<usize> = all
+            .iter()
+            .enumerate()
             .filter(|(_, task)| joins(task) && bill(task).iter().any(|(kind, _)| *kind == part))
             .map(|(index, _)| index)
             .collect();
@@ -414,7 +423,9 @@ impl<'a> Walk<'a> {
         let (call, _) = desk.ask(task, given);
         self.vertices[at].call = Some(call);
         self.askers.entry((node, call)).or_default().push(at);
-        let known: Vec<Answer> = { desk.calls[call].answers.values() }
+        let known: Vec<Answer> = desk.calls[call]
+            .answers
+            .values()
             .filter_map(|a| a.as_ref().ok().cloned())
             .collect();
         for answer in known {
@@ -496,7 +507,8 @@ impl<'a> Walk<'a> {
             match declared.misfit(&numbers) {
                 None => self.connect(at, Stage::Leaves, node, part, outcome),
                 Some(property) => {
-                    let by = { defects.iter() }
+                    let by = defects
+                        .iter()
                         .position(|d| d.part == part && d.properties.contains(&property));
                     wrong.push((property, numbers[property], by));
                 }

@@ -105,7 +105,8 @@ impl Builder {
         let mut c = Children::of(pair);
         let doc = Self::doc(&mut c);
         let name = c.take(Rule::order_name).map(|n| self.only_word(n));
-        let requirement = { c.take(Rule::requirement_id) }
+        let requirement = c
+            .take(Rule::requirement_id)
             .map(|r| Children::of(r).next().as_str().trim().to_owned());
         let level = c.take(Rule::level).map(|l| self.only_word(l));
         let rule = c.next();
@@ -215,7 +216,8 @@ impl Builder {
         let span = self.span(&pair);
         let rule = pair.as_rule();
         let parts: Vec<_> = Children::of(pair).rest().collect();
-        let mut parts: Vec<Regex> = { parts.into_iter() }
+        let mut parts: Vec<Regex> = parts
+            .into_iter()
             .map(|part| match rule {
                 Rule::regex => self.regex(part),
                 _ => self.element(part),

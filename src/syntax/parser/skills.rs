@@ -27,7 +27,7 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
     }
     let code = after_comments(text);
     // `Left -> then`: the skill itself was read.
-    let target = { code.strip_prefix("->") }.map(after_comments);
+    let target = code.strip_prefix("->").map(after_comments);
     let code = target
         .filter(|t| is_reserved_among_skills(&word_at(t)))
         .unwrap_or(code);
@@ -139,7 +139,8 @@ pub(super) fn phrase(rule: Rule) -> Option<&'static str> {
 
 /// A word, or signs that belong together.
 fn sign_at(text: &str) -> String {
-    let sign: String = { text.chars() }
+    let sign: String = text
+        .chars()
         .take_while(|c| "-=<>&|*+?.:".contains(*c))
         .collect();
     if sign.is_empty() { word_at(text) } else { sign }

@@ -58,7 +58,8 @@ impl Program {
         let mut lines = text.trim_start_matches('\u{feff}').lines();
         let known = [';', '\t', ','];
         let first = lines.find(|l| l.contains(known)).unwrap_or_default();
-        let delimiter = { known.into_iter() }
+        let delimiter = known
+            .into_iter()
             .find(|d| first.contains(*d))
             .unwrap_or(',');
         let mut rows = csv::ReaderBuilder::new()

@@ -72,7 +72,10 @@ impl<'f> Expander<'f, '_> {
             );
         }
         let globals = &self.globals;
-        let all = { globals.definitions.keys().map(|d| d.0) }
+        let all = globals
+            .definitions
+            .keys()
+            .map(|d| d.0)
             .chain(globals.signals.keys().copied())
             .chain(globals.labels.keys().copied());
         let help = match nearest(&quoted(name), all) {

@@ -68,7 +68,9 @@ impl<'f> Expander<'f, '_> {
                     self.formulas.or(head.to_vec(), place)
                 };
                 let parts = std::iter::once(head).chain(rest.iter().copied());
-                { parts.zip(patterns) }.all(|(part, p)| self.matches(part, p, bound))
+                parts
+                    .zip(patterns)
+                    .all(|(part, p)| self.matches(part, p, bound))
             }
             (Kind::Binary(Binary::Implies, p, q), Op::Implies(a, b))
             | (Kind::Binary(Binary::Equivalent, p, q), Op::Iff(a, b))
