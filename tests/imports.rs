@@ -408,3 +408,27 @@ fn what_is_allowed_is_not_found() {
         );
     }
 }
+
+/// Whatever lies at the root is named in the README, so that no scratch file stays there.
+#[test]
+fn the_readme_names_what_lies_at_the_root() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = std::fs::read_to_string(root.join("README.md")).expect("a text");
+    let entries = std::fs::read_dir(root).expect("a folder");
+    let mut unnamed = Vec::new();
+    for entry in entries.map(|e| e.expect("an entry")) {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let is_folder = entry.path().is_dir();
+        let named = [
+            format!("`{name}`"),
+            format!("({name})"),
+            format!("`{name}/`"),
+        ];
+        // Folders that are not in the repository come and go: `target`, an editor's, a user's.
+        let is_ours = !name.starts_with('.') && !is_folder && name != "README.md";
+        if is_ours && !named.iter().any(|n| readme.contains(n)) {
+            unnamed.push(name);
+        }
+    }
+    assert!(unnamed.is_empty(), "README.md does not name {unnamed:?}");
+}
