@@ -128,6 +128,9 @@ pub struct GlobalOptions {
     /// Say more: `check` also names the file of each contract and the kernel that solved it, and how every assumption is met
     #[arg(long, short, global = true)]
     pub verbose: bool,
+    /// When the command began: its time limit counts from here, whatever it is doing.
+    #[arg(skip = Instant::now())]
+    pub began: Instant,
 }
 
 impl GlobalOptions {
@@ -136,18 +139,23 @@ impl GlobalOptions {
         Console::new(self.format, self.color)
     }
 
-    /// The limits, counted from now.
+    /// The limits of the whole command.
     pub fn limits(&self) -> Limits {
+        self.limits_from(self.began)
+    }
+
+    /// The limits of something that began at this time.
+    pub fn limits_from(&self, began: Instant) -> Limits {
         Limits {
             effort: self.effort,
             // A time too far away for the clock is no limit.
-            deadline: self.timeout.and_then(|t| Instant::now().checked_add(t)),
+            deadline: self.timeout.and_then(|t| began.checked_add(t)),
             memory_mib: Some(self.memory),
             ..Limits::default()
         }
     }
 
-    /// How to solve; a time limit counts from now.
+    /// How to solve.
     pub fn settings(&self) -> Settings {
         let on = self
             .without
@@ -200,4 +208,23 @@ fn without_help() -> String {
         "Solve without these heuristics (a list with commas); none changes a verdict, for measuring. One of {}",
         names.join(", ")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::{Args as _, FromArgMatches as _};
+
+    /// Whatever is done first, what comes after it has only the time that is left.
+    #[test]
+    fn a_time_limit_is_one_for_the_whole_command() {
+        let command = GlobalOptions::augment_args(clap::Command::new("linewright"));
+        let given = command.get_matches_from(["linewright", "--timeout", "5"]);
+        let options = GlobalOptions::from_arg_matches(&given).expect("they are right");
+        let first = options.limits().deadline.expect("there is a limit");
+        std::thread::sleep(Duration::from_millis(2));
+        assert_eq!(options.settings().limits.deadline, Some(first));
+        let later = options.limits_from(Instant::now()).deadline;
+        assert!(later.expect("there is a limit") > first);
+    }
 }

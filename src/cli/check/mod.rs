@@ -147,7 +147,7 @@ fn check(
         sized: &sized,
         jobs: &jobs,
         checked: &checked,
-        limits: options.limits(),
+        limits: settings.limits,
         progress: &console.progress(machines.len() + library.lines.len(), "proving"),
         cache: settings.cache.as_ref(),
         verbose: options.verbose,

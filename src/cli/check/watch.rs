@@ -18,7 +18,7 @@ use anyhow::Context as _;
 use lookout::{Change, Lookout};
 use serde::Serialize;
 use std::path::PathBuf;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Why there was another check: a part of its JSON document.
 #[derive(Debug, Serialize)]
@@ -73,7 +73,9 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
     changes.clear();
     loop {
         let occasion = Occasion::now(changes, !options.no_timing);
+        // Each check has the whole time.
         let mut settings = options.settings();
+        settings.limits = options.limits_from(Instant::now());
         settings
             .cache
             .get_or_insert_with(|| Cache::in_folder(own.path()));
