@@ -18,6 +18,7 @@ pub mod cli;
 pub mod contract;
 pub mod diagnostics;
 pub mod drawing;
+pub mod engine;
 pub mod game;
 pub mod gr1;
 pub mod interchange;

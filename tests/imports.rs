@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A module may use those before it.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 19] = [
     "source",
     "diagnostics",
     "drawing",
@@ -23,6 +23,7 @@ const ORDER: [&str; 18] = [
     "station",
     "line",
     "report",
+    "engine",
     "cli",
 ];
 

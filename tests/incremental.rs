@@ -4,7 +4,7 @@
 #[allow(dead_code, reason = "only its specifications are used")]
 mod random;
 
-use linewright::cli::cache::Version;
+use linewright::engine::cache::Version;
 use linewright::game::{Diagram, KernelChoice, Options, Outcome, Solved, solve_with};
 use linewright::gr1::{Formula, Owner, Side, Specification};
 use random::Random;
@@ -169,6 +169,6 @@ fn other_variables_keep_the_order() {
     }
     assert_eq!(
         version.hints(&new),
-        linewright::cli::cache::Hints::default()
+        linewright::engine::cache::Hints::default()
     );
 }

@@ -1,17 +1,17 @@
 //! `linewright build`: the station library of a machine.
 
 use super::console::schema;
-use super::controller::Wish;
 use super::exit::ExitCode;
-use super::internal;
-use super::judgement;
 use super::libraries::{self, Target, Written};
-use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
-use super::pipeline::Jobs;
-use super::profiles;
 use super::select::Selection;
+use super::{picked, profiles};
 use crate::diagnostics::{Diagnostic, has_errors, json};
+use crate::engine::controller::Wish;
+use crate::engine::internal;
+use crate::engine::judgement;
+use crate::engine::machines::{self, Planned};
+use crate::engine::pipeline::Jobs;
 use crate::source::SourceMap;
 use crate::station::profile::Profile;
 use crate::station::{Toolchain, fmi};
@@ -85,8 +85,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Err(code) => return Ok(code),
     };
     let library = &loaded.library;
-    let chosen = machines::picked(selection, &loaded)?;
-    let picked = machines::told_apart(&chosen.machines);
+    let chosen = picked::picked(selection, &loaded)?;
+    let picked = picked::told_apart(&chosen.machines);
     let mut jobs = Jobs::default().wishing(Wish {
         functions: true,
         ..Wish::default()

@@ -5,12 +5,12 @@
 
 mod probe;
 
-use super::cache::Cache;
 use super::console::schema;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::profiles;
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
+use crate::engine::cache::Cache;
 use crate::source::SourceMap;
 use crate::station::profile::Profile;
 use crate::station::toolchain::survey::{self, Found, Survey};

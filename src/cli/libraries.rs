@@ -1,37 +1,12 @@
 //! Machines with their controllers: whether they fit together, and their station libraries.
 
 use super::output;
-use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, Severity, codes};
-use crate::mealy;
-use crate::station::composition::{self, Composition};
-use crate::station::interpret::Interpreter;
+use crate::engine::controlled::Controlled;
 use crate::station::profile::Profile;
 use crate::station::simtalk::Beside;
 use crate::station::{self, Package, Toolchain, fmi, probe, simtalk};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
-/// A machine with the verified controllers of its components, in their order.
-#[derive(Debug)]
-pub struct Controlled<'a> {
-    /// The machine.
-    pub machine: &'a Machine,
-    /// One controller a component.
-    pub controllers: Vec<&'a mealy::Controller>,
-}
-
-impl Controlled<'_> {
-    /// These controllers in a machine that differs from theirs in numbers only.
-    pub fn interpreter(&self, machine: &Machine) -> Interpreter {
-        Interpreter::new(Arc::new(machine.clone()), Arc::new(controllers(self)))
-    }
-}
-
-/// Whether a machine's coordinator and actions fit together.
-pub fn compose(controlled: &Controlled<'_>) -> Composition {
-    composition::check(controlled.machine, &controlled.controllers)
-}
 
 /// What `build` makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -190,7 +165,7 @@ pub fn build_units(
     toolchains: &[Toolchain],
     folder: &Path,
 ) -> Result<Written, Box<Diagnostic>> {
-    let controllers = controllers(controlled);
+    let controllers = controlled.owned();
     let (files, findings) = fmi::build(controlled.machine, &controllers, toolchains, folder)
         .map_err(|e| Box::new(e.to_diagnostic()))?;
     Ok(Written { files, findings })
@@ -198,10 +173,5 @@ pub fn build_units(
 
 /// The C of a machine.
 pub fn package(controlled: &Controlled<'_>, profile: &Profile) -> Package {
-    Package::emit_with(controlled.machine, &controllers(controlled), profile)
-}
-
-fn controllers(controlled: &Controlled<'_>) -> Vec<mealy::Controller> {
-    let controllers = controlled.controllers.iter();
-    controllers.map(|c| (*c).clone()).collect()
+    Package::emit_with(controlled.machine, &controlled.owned(), profile)
 }

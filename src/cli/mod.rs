@@ -5,46 +5,35 @@
 //! keeps it from running at all.
 
 pub mod algebra;
-mod asked;
 pub mod build;
-pub mod cache;
 pub mod check;
-pub mod closed;
 pub mod completions;
 pub mod console;
-pub mod controller;
 pub mod din;
 pub mod doctor;
 pub mod exit;
 pub mod explain;
 pub mod files;
-pub mod findings;
 pub mod fmt;
 pub mod import;
-pub mod internal;
-pub mod interrupt;
-pub mod judgement;
 pub mod libraries;
-pub mod lines;
-pub mod machines;
 pub mod options;
 pub mod order;
 pub mod outline;
 pub mod output;
-pub mod pipeline;
+pub mod picked;
 pub mod profiles;
 pub mod proof;
 pub mod run;
 pub mod select;
-pub mod statistics;
 pub mod step;
 pub mod synth;
 pub mod time;
-pub mod worker;
 
+use crate::engine::internal::{self, Fault};
+use crate::engine::{interrupt, pipeline};
 use clap::{CommandFactory as _, Parser, Subcommand};
 use exit::ExitCode;
-use internal::Fault;
 use options::GlobalOptions;
 use std::ffi::OsString;
 

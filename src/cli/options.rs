@@ -1,10 +1,10 @@
 //! The options that every command takes.
 
-use super::cache::Cache;
 use super::console::Console;
 use super::exit::ExitCode;
-use super::pipeline::Settings;
 use crate::diagnostics::Diagnostic;
+use crate::engine::cache::Cache;
+use crate::engine::pipeline::Settings;
 use crate::game::{Effort, Heuristic, Heuristics, KernelChoice, Limits};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
@@ -213,7 +213,7 @@ fn without_help() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::{Args as _, FromArgMatches as _};
+    use clap::FromArgMatches as _;
 
     /// Whatever is done first, what comes after it has only the time that is left.
     #[test]

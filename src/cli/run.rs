@@ -1,20 +1,21 @@
 //! `linewright run`: a line in the bundled runner, from its contracts to its figures.
 
 use super::build::default_folder;
-use super::controller::Wish;
 use super::exit::ExitCode;
-use super::internal;
-use super::judgement;
-use super::libraries::{self, Controlled};
-use super::lines;
-use super::machines::{self, Planned};
+use super::libraries;
 use super::options::{Format, GlobalOptions};
-use super::pipeline::Jobs;
 use super::select::Selection;
 use super::time;
 use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::engine::controlled::Controlled;
+use crate::engine::controller::Wish;
+use crate::engine::internal;
+use crate::engine::judgement;
+use crate::engine::lines;
+use crate::engine::machines::{self, Planned};
+use crate::engine::pipeline::Jobs;
 use crate::line::{Options, Plant};
 use crate::report;
 use crate::station::load::Library;

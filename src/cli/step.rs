@@ -1,15 +1,15 @@
 //! `linewright step`: a contract played in the terminal, one step at a time.
 
 use super::console::Console;
-use super::controller::Wish;
 use super::exit::ExitCode;
 use super::files;
 use super::options::{Format, GlobalOptions};
 use super::output;
-use super::pipeline::{CheckedContract, Goal, InternalError, Jobs, Verdict};
 use super::select::Selection;
 use crate::contract::Contract;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::controller::Wish;
+use crate::engine::pipeline::{CheckedContract, Goal, InternalError, Jobs, Verdict};
 use crate::game::{self, GuaranteeKind, GuaranteeRef, Limits};
 use crate::gr1::Specification;
 use crate::mealy::{counter, verify::verify_counterstrategy};

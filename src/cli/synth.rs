@@ -1,12 +1,12 @@
 //! `linewright synth`: a verified controller, written down.
 
-use super::controller::Wish;
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::output;
-use super::pipeline::{CheckedContract, Goal, Jobs, Verdict};
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::engine::controller::Wish;
+use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Verdict};
 use crate::game::{Limit, Preference};
 use crate::gr1::Specification;
 use crate::interchange::{self, Target};

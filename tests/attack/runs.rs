@@ -1,10 +1,10 @@
 //! Runs of a line, and what goes wrong in them that a proof excludes.
 
-use linewright::cli::machines::{Planned, of_line};
-use linewright::cli::pipeline::{Jobs, Settings};
 use linewright::contract::line::{Line, NodeKind, Supply};
 use linewright::contract::machine::Machine;
 use linewright::contract::{Library, load};
+use linewright::engine::machines::{Planned, of_line};
+use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};
 use linewright::line::{End, Options, Plant, Trace};
 use linewright::mealy;

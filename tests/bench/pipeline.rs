@@ -9,8 +9,8 @@
 
 use criterion::{Criterion, criterion_group};
 use linewright::cli::files::{self, Loaded, StandardLibrary};
-use linewright::cli::machines::of_line;
 use linewright::contract::machine::Machine;
+use linewright::engine::machines::of_line;
 use linewright::game::{Limits, Outcome, Won, solve};
 use linewright::gr1::Specification;
 use linewright::mealy::{self, extract::extract, verify::verify};

@@ -5,10 +5,10 @@ use crate::controlled::controlled;
 use crate::counting;
 use crate::fixtures::{jammed, manipulator, op, v};
 use crate::machines::{Subject, as_functions};
-use linewright::cli::controller::Wish;
 use linewright::contract::machine::{
     ActionTime, Machine, PlantSource, RealBinary, RealExpr, RealUnary,
 };
+use linewright::engine::controller::Wish;
 use linewright::gr1::{BinaryOp, Domain};
 use linewright::mealy;
 use std::sync::Arc;

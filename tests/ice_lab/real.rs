@@ -2,12 +2,12 @@
 
 use crate::differential::differential;
 use crate::support::{PROGRAM, root};
-use linewright::cli::cache::Cache;
-use linewright::cli::controller::Wish;
 use linewright::cli::files::{self, StandardLibrary};
-use linewright::cli::libraries::compose;
-use linewright::cli::machines::{Planned, of_line};
-use linewright::cli::pipeline::{Jobs, Settings};
+use linewright::engine::cache::Cache;
+use linewright::engine::controlled::compose;
+use linewright::engine::controller::Wish;
+use linewright::engine::machines::{Planned, of_line};
+use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};
 use linewright::station::ErrorCode;
 use linewright::station::composition::By;

@@ -1,10 +1,10 @@
 //! Machines of files, with the controllers that the program would make for them.
 
-use linewright::cli::controller::Wish;
 use linewright::cli::files::{self, StandardLibrary};
-use linewright::cli::machines::Planned;
-use linewright::cli::pipeline::{Jobs, Settings};
 use linewright::contract::machine::Machine;
+use linewright::engine::controller::Wish;
+use linewright::engine::machines::Planned;
+use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};
 use linewright::mealy;
 use std::path::Path;

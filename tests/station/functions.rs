@@ -3,7 +3,7 @@
 
 use crate::controlled::controlled;
 use crate::differential::differential;
-use linewright::cli::controller::Wish;
+use linewright::engine::controller::Wish;
 use linewright::station::ErrorCode;
 
 const STEPS: usize = 60_000;

@@ -3,7 +3,7 @@
 use super::controlled::controlled;
 use super::differential::{assert_same, differential};
 use super::folder;
-use linewright::cli::controller::Wish;
+use linewright::engine::controller::Wish;
 use linewright::station::interpret::Interpreter;
 use linewright::station::load::Library;
 use linewright::station::{Controller, ErrorCode, Package, Toolchain};

@@ -1,10 +1,10 @@
 //! The controllers that are played: every contract of the bundled library and of the examples, and every component of the
 //! laboratory's machines with the sizes it has there, at real size too.
 
-use linewright::cli::controller::Wish;
 use linewright::cli::files::{self, StandardLibrary};
-use linewright::cli::machines::of_line;
-use linewright::cli::pipeline::{CheckedContract, Jobs, Settings};
+use linewright::engine::controller::Wish;
+use linewright::engine::machines::of_line;
+use linewright::engine::pipeline::{CheckedContract, Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits, Outcome, solve};
 use linewright::gr1::Specification;
 use linewright::mealy::Controller;

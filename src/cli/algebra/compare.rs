@@ -139,7 +139,7 @@ fn pair(
     let system = match join(&members, Sharing::SeveralViews) {
         Ok(system) => system,
         Err(mismatches) => {
-            findings.extend(mismatches.iter().map(super::found::of_mismatch));
+            findings.extend(mismatches.iter().map(crate::engine::found::of_mismatch));
             return entry(name, "broken");
         }
     };
@@ -150,7 +150,7 @@ fn pair(
                 new.span,
                 format!("whether `{name}` was refined was not decided: {limit}"),
             )
-            .with_help(crate::cli::closed::more(limit));
+            .with_help(crate::engine::closed::more(limit));
             finding.severity = Severity::Warning;
             findings.push(finding);
             entry(name, "gave_up")

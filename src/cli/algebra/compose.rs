@@ -1,20 +1,19 @@
 //! Composition with its discharge table, one controller of all parts, and compatibility.
 
 use super::document::{self, Document};
-use super::words::Told;
-use super::{
-    CompatArguments, ComposeArguments, Joined, Outcome, bring_together, found, gave_up, tell,
-};
+use super::{CompatArguments, ComposeArguments, Joined, Outcome, bring_together, gave_up, tell};
 use crate::algebra::compat::{Compatibility, compatible};
 use crate::algebra::join::Sharing;
 use crate::algebra::proof::{Broken, Claim, Exports, Proof, prove};
 use crate::algebra::system::{System, list};
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
-use crate::cli::findings;
 use crate::cli::options::GlobalOptions;
-use crate::cli::pipeline::Jobs;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::findings;
+use crate::engine::found;
+use crate::engine::pipeline::Jobs;
+use crate::engine::words::Told;
 use crate::gr1::{Owner, Side, Specification, Timing, VarId, Variable};
 use crate::mealy;
 use std::collections::BTreeMap;
@@ -252,7 +251,7 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
             }
             Some(Broken::Lasso(run)) => {
                 outcome.document.counterexample = Some(document::lasso(&joined.system, run));
-                finding = finding.with_note(super::words::lasso_table(&joined.system, run));
+                finding = finding.with_note(crate::engine::words::lasso_table(&joined.system, run));
             }
             None => {}
         }
@@ -268,5 +267,5 @@ fn shown(system: &System, steps: &[Vec<i64>]) -> String {
         .map(VarId)
         .filter(|v| !system.variables[v.index()].internal)
         .collect();
-    super::words::steps_table(system, &all, steps)
+    crate::engine::words::steps_table(system, &all, steps)
 }

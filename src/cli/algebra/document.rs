@@ -1,9 +1,9 @@
 //! What the commands of the algebra print as JSON.
 
-use super::words::{self, Told};
 use crate::algebra::proof::{Broken, Discharge, Discharged, Open, Proof};
 use crate::algebra::system::{FormulaRef, System, formulas};
 use crate::diagnostics::json;
+use crate::engine::words::{self, Told};
 use crate::game::Lasso;
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -3,11 +3,9 @@
 mod compare;
 mod compose;
 pub mod document;
-pub mod found;
 mod operand;
 mod refine;
 mod views;
-pub mod words;
 
 use super::exit::ExitCode;
 use super::files::{self, Loaded, StandardLibrary};
@@ -212,7 +210,10 @@ fn bring_together(
             spans,
         })),
         Err(mismatches) => {
-            let findings: Vec<Diagnostic> = mismatches.iter().map(found::of_mismatch).collect();
+            let findings: Vec<Diagnostic> = mismatches
+                .iter()
+                .map(crate::engine::found::of_mismatch)
+                .collect();
             let sources = &loaded.library.sources;
             options.console().failed(command, sources, &findings)?;
             Ok(Err(options.exit_code(&findings)))
@@ -254,7 +255,7 @@ fn gave_up(
         None,
         format!("it was not decided: {limit}"),
     )
-    .with_help(crate::cli::closed::more(limit));
+    .with_help(crate::engine::closed::more(limit));
     let sources = &loaded.library.sources;
     options.console().failed(command, sources, &[finding])?;
     Ok(ExitCode::GaveUp)

@@ -2,8 +2,7 @@
 
 use super::document::{self, Document};
 use super::operand::{Operand, Operation};
-use super::words::{Told, lasso_table};
-use super::{Joined, Outcome, RefineArguments, bring_together, found, gave_up, tell};
+use super::{Joined, Outcome, RefineArguments, bring_together, gave_up, tell};
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::decide::Decider;
 use crate::algebra::join::Sharing;
@@ -14,6 +13,8 @@ use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::found;
+use crate::engine::words::{Told, lasso_table};
 use crate::game::Limit;
 use crate::gr1::Side;
 use std::collections::BTreeMap;

@@ -2,7 +2,6 @@
 
 use super::document::{self, Document};
 use super::operand::{Operand, Operation};
-use super::words::lasso_table;
 use super::{Common, Joined, Outcome, bring_together, gave_up, refine, tell};
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::join::Sharing;
@@ -10,6 +9,7 @@ use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::words::lasso_table;
 use crate::game::Limit;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -4,22 +4,22 @@ use super::document::{
     ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, PremiseEntry, SkillsEntry,
     Summary,
 };
-use super::machine::Proved;
+use super::explained;
 use super::view::FileView;
-use super::{explained, machine};
-use crate::cli::cache::Cache;
 use crate::cli::console::schema;
 use crate::cli::files::Loaded;
-use crate::cli::findings::lost;
-use crate::cli::internal;
-use crate::cli::judgement;
-use crate::cli::lines;
-use crate::cli::machines::{self, Planned};
 use crate::cli::outline::{Declaration, Kind};
-use crate::cli::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json};
+use crate::engine::cache::Cache;
+use crate::engine::findings::lost;
+use crate::engine::internal;
+use crate::engine::judgement;
+use crate::engine::lines;
+use crate::engine::machine::{self, Proved};
+use crate::engine::machines::{self, Planned};
+use crate::engine::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
 use crate::order::{self, Skills, bound::Until};

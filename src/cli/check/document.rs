@@ -1,10 +1,11 @@
 //! The JSON document of `check`, which its other formats are made from, too.
 
 use super::watch::Occasion;
-use crate::cli::algebra::words::DischargeEntry;
-use crate::cli::findings::lost::Suggestion;
-use crate::cli::statistics::Statistics;
 use crate::diagnostics::json;
+use crate::engine::findings::lost::Suggestion;
+use crate::engine::machine::{ClosedEntry, RefinesEntry};
+use crate::engine::statistics::Statistics;
+use crate::engine::words::DischargeEntry;
 use crate::line::calls::Premise;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -140,40 +141,6 @@ pub(super) struct ComponentEntry {
     pub(super) name: String,
     pub(super) contract: String,
     pub(super) verdict: &'static str,
-}
-
-/// The closed composition: all components are their controllers.
-#[derive(Debug, Serialize)]
-pub(super) struct ClosedEntry {
-    /// `holds`, `broken`, `open` where a controller that went in as its contract leaves something undecided, or `gave_up`.
-    pub(super) verdict: &'static str,
-    /// How many states can be reached: values of all wires, the tables' states, and what is remembered of operations.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) states: Option<u64>,
-    /// How each component took part.
-    pub(super) components: Vec<TakenEntry>,
-}
-
-/// How a component took part in the closed composition.
-#[derive(Debug, Serialize)]
-pub(super) struct TakenEntry {
-    pub(super) name: String,
-    /// `table` or `contract`.
-    #[serde(rename = "as")]
-    pub(super) form: &'static str,
-}
-
-/// A contract that a machine is said to refine.
-#[derive(Debug, Serialize)]
-pub(super) struct RefinesEntry {
-    pub(super) contract: String,
-    /// `refined`, `broken` or `gave_up`.
-    pub(super) verdict: &'static str,
-    /// Where the components' contracts do not show it, what the controllers do: `holds`, `broken`, `open` or `gave_up`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) closed: Option<&'static str>,
-    /// How each assumption of a component and each guarantee of the contract is met.
-    pub(super) discharges: Vec<DischargeEntry>,
 }
 
 #[derive(Debug, Serialize)]

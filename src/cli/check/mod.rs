@@ -3,26 +3,23 @@
 mod assembly;
 mod document;
 mod explained;
-mod layers;
-mod machine;
 mod table;
 mod view;
 mod watch;
 
 use super::console::Console;
-use super::controller::Wish;
 use super::exit::ExitCode;
 use super::files::{self, Loaded, StandardLibrary};
-use super::libraries::Controlled;
-use super::machines::{self, Planned};
 use super::options::{Format, GlobalOptions};
 use super::output;
-use super::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
 use super::proof;
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, Library};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
-use crate::game::{Limit, Limits};
+use crate::engine::controller::Wish;
+use crate::engine::machines::{self, Planned};
+use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
+use crate::game::Limit;
 use crate::source::Span;
 use assembly::Assembly;
 use clap::Args;
@@ -195,11 +192,6 @@ fn check(
         findings,
         loaded,
     })
-}
-
-/// What is wrong with a machine, whoever asks.
-pub fn judge(controlled: &Controlled<'_>, limits: &Limits) -> Vec<Diagnostic> {
-    machine::proved(controlled, limits).findings
 }
 
 /// The machines of lines that have other arguments there than by default, each with where the first of these lines is declared.

@@ -1,7 +1,7 @@
 //! The result of `check` as text: one line a contract, machine and line, and a summary.
 
 use super::document::Document;
-use crate::cli::algebra::words::DischargeEntry;
+use crate::engine::words::DischargeEntry;
 use crate::taxonomy;
 use clap::builder::styling::{AnsiColor, Style};
 use std::fmt::Write as _;

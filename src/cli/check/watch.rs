@@ -7,12 +7,12 @@
 mod lookout;
 
 use super::{Arguments, Checked, check, write};
-use crate::cli::cache::Cache;
 use crate::cli::exit::ExitCode;
 use crate::cli::files::StandardLibrary;
-use crate::cli::interrupt::{self, Watch};
 use crate::cli::options::{Format, GlobalOptions};
-use crate::cli::pipeline::Memory;
+use crate::engine::cache::Cache;
+use crate::engine::interrupt::{self, Watch};
+use crate::engine::pipeline::Memory;
 use crate::source::SourceMap;
 use anyhow::Context as _;
 use lookout::{Change, Lookout};

@@ -2,7 +2,6 @@
 //! from outside hands on to its caller.
 
 use super::closed;
-use super::libraries::Controlled;
 use crate::algebra::caller::{Asks, Called};
 use crate::algebra::closed::Closed;
 use crate::algebra::proof::{Broken, Open, decide};
@@ -10,6 +9,7 @@ use crate::algebra::replay;
 use crate::contract::line::{Line, Node, NodeKind};
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::controlled::Controlled;
 use crate::game::{Limit, Limits};
 use crate::line::calls::in_turn;
 use crate::station::messages;

@@ -1,16 +1,10 @@
 //! The controllers of machines: every component's contract with the arguments that the machine gives it.
 
-use super::files::Loaded;
-use super::findings;
-use super::libraries::Controlled;
 use super::pipeline::{CheckedContract, Jobs, Verdict};
-use super::select::Selection;
 use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::{Machine, Role};
 use crate::diagnostics::{Diagnostic, codes};
-use crate::station::file_stem;
-use std::borrow::Cow;
-use std::collections::BTreeSet;
+use crate::engine::controlled::Controlled;
 use std::sync::Arc;
 
 /// A machine, and the job of each of its components.
@@ -99,103 +93,9 @@ impl<'a> Planned<'a> {
     }
 }
 
-/// What is to be built.
-#[derive(Debug, Default)]
-pub struct Picked<'a> {
-    /// The machines.
-    pub machines: Vec<&'a Machine>,
-    /// What is to be said of the choice.
-    pub notes: Vec<Diagnostic>,
-}
-
-/// The machines that a selection names, or those of the line that it names. Without a name those of the file's lines, with the sizes that they
-/// have there, as `run` would build them; and those that the file declares and no line of it uses, with their default sizes.
-pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<Picked<'a>> {
-    let library = &loaded.library;
-    let declared = selection.find(loaded, &library.machines, |m| (&m.name, m.span));
-    if selection.name.is_some() && !declared.is_empty() {
-        return Ok(Picked {
-            machines: declared,
-            notes: Vec::new(),
-        });
-    }
-    let lines = selection.find(loaded, &library.lines, |l| (&l.name, l.span));
-    let mut picked = Picked::default();
-    for machine in lines.iter().flat_map(|l| of_line(l)) {
-        let known = |m: &&Machine| is_same(m, machine);
-        if !picked.machines.iter().any(known) {
-            picked.machines.push(machine);
-        }
-    }
-    for machine in declared {
-        let mut used = picked.machines.iter().filter(|m| m.span == machine.span);
-        if used.clone().count() == 0 {
-            picked.machines.push(machine);
-        } else if !used.any(|m| is_same(m, machine)) {
-            picked
-                .notes
-                .push(sized(selection, machine, lines.as_slice()));
-        }
-    }
-    if picked.machines.is_empty() {
-        picked.machines =
-            selection.pick(loaded, "machine", &library.machines, |m| (&m.name, m.span))?;
-    }
-    Ok(picked)
-}
-
-/// That a machine is built with other sizes than its own.
-fn sized(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnostic {
-    let name = &machine.name;
-    let users = lines
-        .iter()
-        .filter(|l| of_line(l).iter().any(|m| m.span == machine.span))
-        .map(|l| format!("`{}`", l.name));
-    let users: Vec<String> = users.collect();
-    Diagnostic::note(
-        codes::SIZES_OF_LINE,
-        machine.span,
-        format!(
-            "`{name}` is built with the sizes that it has in {}",
-            findings::list(&users)
-        ),
-    )
-    .with_help(format!(
-        "`linewright build {}::{name}` builds it with its default sizes",
-        selection.path
-    ))
-}
-
-/// The same machines under names whose files differ: of two that would be written to the same file, such as one machine in two sizes, the
-/// second is called `Printer_2`.
-pub fn told_apart<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
-    // SimTalk does not tell capitals from small letters either.
-    let keys = |name: &str| [file_stem(name), name.to_lowercase()];
-    let mut taken: BTreeSet<String> = BTreeSet::new();
-    let mut told = Vec::new();
-    for machine in machines {
-        let mut name = machine.name.clone();
-        let mut number = 2;
-        while keys(&name).iter().any(|key| taken.contains(key)) {
-            name = format!("{}_{number}", machine.name);
-            number += 1;
-        }
-        taken.extend(keys(&name));
-        told.push(if name == machine.name {
-            Cow::Borrowed(*machine)
-        } else {
-            Cow::Owned(Machine {
-                name,
-                ..(*machine).clone()
-            })
-        });
-    }
-    told
-}
-
 /// Whether two machines are one declaration with the same arguments throughout: their libraries are the same. What a machine consists of is
 /// compared as it is written out, so that nothing in it is left out of the comparison.
-fn is_same(one: &Machine, other: &Machine) -> bool {
+pub fn is_same(one: &Machine, other: &Machine) -> bool {
     std::ptr::eq(one, other)
         || (one.span == other.span && format!("{one:?}") == format!("{other:?}"))
 }

@@ -4,10 +4,10 @@
 //! of contracts, so that a run after a check does not judge again.
 
 use super::cache::{Cache, Key};
-use super::check;
 use super::internal;
-use super::libraries::Controlled;
+use super::machine;
 use crate::diagnostics::Diagnostic;
+use crate::engine::controlled::Controlled;
 use crate::game::Limits;
 
 /// What is wrong with a machine, as `check` says it.
@@ -24,7 +24,7 @@ pub fn findings(
     }
     let machine = controlled.machine;
     let doing = || format!("judging the machine `{}`", machine.name);
-    let findings = internal::caught(doing, || check::judge(controlled, limits))
+    let findings = internal::caught(doing, || machine::proved(controlled, limits).findings)
         .unwrap_or_else(|fault| vec![fault.finding(Some(machine.span))]);
     remember(&findings, controlled, cache);
     findings

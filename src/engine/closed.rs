@@ -1,8 +1,8 @@
 //! The closed composition of a machine: what is found in it, in words.
 
-use super::algebra::found;
-use super::algebra::words::{Told, lasso_end, steps_table};
 use super::findings::list;
+use super::found;
+use super::words::{Told, lasso_end, steps_table};
 use crate::algebra::closed::{Closed, Misrun, Stuck, Verdict, Wrong};
 use crate::algebra::machine::COMPLETES;
 use crate::algebra::proof::{Open, Proof};

@@ -1,39 +1,75 @@
 //! What `check` says of a machine as a whole: how its components discharge one another's assumptions, whether it keeps its own guarantees, and
 //! whether it refines the contracts that it is said to refine.
 
-use super::document::{ClosedEntry, RefinesEntry, TakenEntry};
 use super::layers;
 use crate::algebra::closed::{Closed, Form, Met, Verdict};
 use crate::algebra::machine::{COMPLETES, of_machine, of_promise};
 use crate::algebra::proof::{Circle, Claim, Discharged, Proof, prove};
 use crate::algebra::system::{FormulaRef, System};
-use crate::cli::algebra::found;
-use crate::cli::algebra::words::{DischargeEntry, HANDED_ON, Told, entry, rule};
-use crate::cli::closed::{self, bounded, undecided};
-use crate::cli::internal::within;
-use crate::cli::libraries::{self, Controlled};
 use crate::contract::machine::{Machine, Promised};
 use crate::diagnostics::{Diagnostic, Severity, codes};
+use crate::engine::closed::{self, bounded, undecided};
+use crate::engine::controlled::{self, Controlled};
+use crate::engine::found;
+use crate::engine::internal::within;
+use crate::engine::words::{DischargeEntry, HANDED_ON, Told, entry, rule};
 use crate::game::{Budget, Limit, Limits, RuleKind};
 use crate::source::Span;
 use crate::station::composition::{By, Composition};
+use serde::Serialize;
 
 /// What is known of a machine.
 #[derive(Debug, Default)]
-pub(super) struct Proved {
+pub struct Proved {
     /// How each assumption of a component is met, and each guarantee of the machine.
-    pub(super) discharges: Vec<DischargeEntry>,
+    pub discharges: Vec<DischargeEntry>,
     /// What its controllers do together.
-    pub(super) closed: Option<ClosedEntry>,
+    pub closed: Option<ClosedEntry>,
     /// The contracts that it is said to refine.
-    pub(super) refines: Vec<RefinesEntry>,
+    pub refines: Vec<RefinesEntry>,
     /// What is wrong.
-    pub(super) findings: Vec<Diagnostic>,
+    pub findings: Vec<Diagnostic>,
+}
+
+/// The closed composition: all components are their controllers.
+#[derive(Debug, Serialize)]
+pub struct ClosedEntry {
+    /// `holds`, `broken`, `open` where a controller that went in as its contract leaves something undecided, or `gave_up`.
+    pub verdict: &'static str,
+    /// How many states can be reached: values of all wires, the tables' states, and what is remembered of operations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub states: Option<u64>,
+    /// How each component took part.
+    pub components: Vec<TakenEntry>,
+}
+
+/// How a component took part in the closed composition.
+#[derive(Debug, Serialize)]
+pub struct TakenEntry {
+    /// The component.
+    pub name: String,
+    /// `table` or `contract`.
+    #[serde(rename = "as")]
+    pub form: &'static str,
+}
+
+/// A contract that a machine is said to refine.
+#[derive(Debug, Serialize)]
+pub struct RefinesEntry {
+    /// The contract.
+    pub contract: String,
+    /// `refined`, `broken` or `gave_up`.
+    pub verdict: &'static str,
+    /// Where the components' contracts do not show it, what the controllers do: `holds`, `broken`, `open` or `gave_up`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closed: Option<&'static str>,
+    /// How each assumption of a component and each guarantee of the contract is met.
+    pub discharges: Vec<DischargeEntry>,
 }
 
 /// Proves what is to be shown of a machine: of all controllers that keep the contracts, and of those that there are, since what no contract
 /// implies may still hold of them.
-pub(super) fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
+pub fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
     let limits = &limits.within(Budget::MACHINE);
     let mut result = Proved::default();
     // An inner machine is known by what it promises; that it keeps the promise is shown first.
@@ -50,7 +86,7 @@ pub(super) fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
     result.closed = Some(closed_entry(&closed, &decided));
     // Of what is too large for that, the coordinator's states are walked, with all else left free.
     let walked = match &decided {
-        Err(_) if !is_layered(controlled) => libraries::compose(controlled),
+        Err(_) if !is_layered(controlled) => controlled::compose(controlled),
         _ => Composition::default(),
     };
     let both = Both {

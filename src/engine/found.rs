@@ -3,8 +3,8 @@
 use super::words::Told;
 use crate::algebra::join::Mismatch;
 use crate::algebra::proof::{Open, Proof};
-use crate::cli::findings::list;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::findings::list;
 use crate::order::lower::rule_of;
 use crate::source::Span;
 

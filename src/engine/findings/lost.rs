@@ -1,8 +1,8 @@
 //! LW203: why there is no controller, the play that shows it, and what could be done.
 
 use super::{list, play};
-use crate::cli::pipeline::Explained;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::pipeline::Explained;
 use crate::game::{Advice, GuaranteeKind, GuaranteeRef, NewAssumption, Weakening, negation};
 use crate::gr1::text::{operand, text};
 use crate::gr1::{BinaryOp, Expr, Formula, Side, Specification};

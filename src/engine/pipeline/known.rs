@@ -2,11 +2,11 @@
 
 use super::Explained;
 use super::{CheckedContract, Goal, Job, Verdict};
-use crate::cli::controller::Controller;
-use crate::cli::findings::{environment, lost, shape};
-use crate::cli::statistics::Statistics;
-use crate::cli::worker::Stop;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::controller::Controller;
+use crate::engine::findings::{environment, lost, shape};
+use crate::engine::statistics::Statistics;
+use crate::engine::worker::Stop;
 use crate::game::{EnvironmentFindings, GuaranteeRef, Limit, Progress, Ranking, Shape};
 use crate::gr1::{Specification, overflow};
 use crate::mealy;

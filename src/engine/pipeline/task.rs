@@ -3,11 +3,11 @@
 use super::explain::explain;
 use super::known::{Known, gave_up};
 use super::{CheckedContract, Goal, InternalError, Job, Reason, Settings};
-use crate::cli::cache::{self, Cache, Entry, Hints, Key, Version};
-use crate::cli::controller::{Controller, Wish, controller};
-use crate::cli::internal::within;
-use crate::cli::statistics::Statistics;
-use crate::cli::worker::{self, Ended};
+use crate::engine::cache::{self, Cache, Entry, Hints, Key, Version};
+use crate::engine::controller::{Controller, Wish, controller};
+use crate::engine::internal::within;
+use crate::engine::statistics::Statistics;
+use crate::engine::worker::{self, Ended};
 use crate::game::{self, Heuristic, Limit, Limits, Outcome, Phase, Progress};
 use crate::gr1::Specification;
 use crate::mealy;

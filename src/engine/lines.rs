@@ -1,13 +1,13 @@
 //! Lines and their proofs: what `check` asks of a line before it runs.
 
-use super::algebra::words::{DischargeEntry, Told, entry};
 use super::asked;
-use super::libraries::Controlled;
+use super::words::{DischargeEntry, Told, entry};
 use crate::algebra::proof::prove;
 use crate::algebra::system::FormulaRef;
 use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, Severity, codes};
+use crate::engine::controlled::Controlled;
 use crate::game::{Budget, Limit, Limits, RuleKind};
 use crate::line::abstraction::{self, Abstraction, Verdict, findings};
 use crate::line::calls::{self, Bounds, Calls, Premise, premises};

@@ -5,8 +5,8 @@ use crate::algebra::proof::{
 };
 use crate::algebra::replay;
 use crate::algebra::system::{FormulaRef, System, formulas};
-use crate::cli::findings::list;
-use crate::cli::findings::play::{Row, grid};
+use crate::engine::findings::list;
+use crate::engine::findings::play::{Row, grid};
 use crate::game::{Lasso, RuleKind};
 use crate::gr1::{BinaryOp, Expr, Formula, VarId};
 use serde::Serialize;

@@ -7,10 +7,10 @@
 use crate::algebra::machine::of_promise;
 use crate::algebra::proof::{Claim, prove_stepwise};
 use crate::algebra::system::System;
-use crate::cli::algebra::words::Told;
-use crate::cli::closed::undecided;
 use crate::contract::machine::{Inner, Machine, Promised};
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::closed::undecided;
+use crate::engine::words::Told;
 use crate::game::Limits;
 
 /// What was proved already: two machines of one kind are proved once.
