@@ -247,14 +247,14 @@ const CLOCKS: [(&str, &str); 16] = [
         "which folders of killed builds are old",
     ),
     ("cli/options.rs", "`--timeout` itself"),
-    ("cli/worker.rs", "waits for `--timeout` and for Ctrl-C"),
+    ("engine/worker.rs", "waits for `--timeout` and for Ctrl-C"),
     (
-        "cli/pipeline/task.rs",
+        "engine/pipeline/task.rs",
         "hands `--timeout` on; seconds for the summary",
     ),
-    ("cli/controller.rs", "seconds for `--stats`"),
+    ("engine/controller.rs", "seconds for `--stats`"),
     ("cli/run.rs", "`--timeout`; seconds for the summary"),
-    ("cli/cache.rs", "which files are oldest"),
+    ("engine/cache.rs", "which files are oldest"),
     ("cli/check/watch.rs", "when a file was changed"),
 ];
 
