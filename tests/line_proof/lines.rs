@@ -29,7 +29,7 @@ pub fn line(seed: u64) -> Builder {
         match stream.below(4) {
             0 => drop(builder.source(&name, part, Supply::OnOrder)),
             1 => drop(builder.endless(&name, part)),
-            2 => drop(builder.store(&name, &[(part, 1_000_000)])),
+            2 => drop(builder.store(&name, &[(part, 100_000)])),
             _ => drop(builder.source(&name, part, every(1.0 + stream.unit() * 4.0, None))),
         }
         if stream.below(3) == 0
