@@ -230,7 +230,7 @@ fn modules_use_only_those_before_them() {
 }
 
 /// Files that may know of clocks, and why none of them decides what a verdict, a finding or a table says.
-const CLOCKS: [(&str, &str); 16] = [
+const CLOCKS: [(&str, &str); 18] = [
     (
         "symbolic/limits.rs",
         "`--timeout`, for everything below `cli`",
@@ -254,6 +254,8 @@ const CLOCKS: [(&str, &str); 16] = [
     ),
     ("engine/controller.rs", "seconds for `--stats`"),
     ("cli/run.rs", "`--timeout`; seconds for the summary"),
+    ("cli/build.rs", "`--timeout`, for compilers"),
+    ("station/toolchain/mod.rs", "`--timeout`, for compilers"),
     ("engine/cache.rs", "which files are oldest"),
     ("cli/check/watch.rs", "when a file was changed"),
 ];

@@ -19,6 +19,7 @@ use clap::Args;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// The arguments of `build`.
 #[derive(Debug, Args)]
@@ -98,7 +99,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
 
     // A missing compiler is said once, not once a machine.
-    let toolchains = toolchains(&arguments.target, &mut findings);
+    let until = settings.limits.deadline;
+    let toolchains = toolchains(&arguments.target, until, &mut findings);
     // The bundled runner passes what is assumed; for Plant Simulation it matters.
     let for_windows = toolchains.iter().any(|(t, _)| t.is_windows());
     if for_windows || arguments.profile.is_some() {
@@ -107,7 +109,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let units = arguments.target.contains(&Target::Fmu).then(|| {
         let (toolchains, missing) = fmi::toolchains();
         findings.extend(missing);
-        toolchains
+        let toolchains = toolchains.into_iter().map(|t| t.until(until));
+        toolchains.collect::<Vec<_>>()
     });
     let default = default_folder(&selection.path);
     let folder = arguments.out.as_deref().unwrap_or(&default);
@@ -157,13 +160,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
 /// The compilers of all targets that have one.
 fn toolchains<'a>(
     targets: &'a [Target],
+    until: Option<Instant>,
     findings: &mut Vec<Diagnostic>,
 ) -> Vec<(&'a Target, Option<Toolchain>)> {
     let mut found = Vec::new();
     // Units have several, and are built apart.
     for target in targets.iter().filter(|t| **t != Target::Fmu) {
         match target.toolchain() {
-            Ok(toolchain) => found.push((target, toolchain)),
+            Ok(toolchain) => found.push((target, toolchain.map(|t| t.until(until)))),
             Err(finding) => findings.push(*finding),
         }
     }
@@ -188,7 +192,8 @@ fn build_probe(
     }));
     let folder = arguments.out.as_deref().unwrap_or(Path::new(".linewright"));
     let mut libraries = Vec::new();
-    for (target, toolchain) in toolchains(&arguments.target, &mut findings) {
+    let until = options.limits().deadline;
+    for (target, toolchain) in toolchains(&arguments.target, until, &mut findings) {
         let built = libraries::build_probe(profile, toolchain.as_ref(), folder, arguments.rebuild);
         built_one("probe", *target, built, &mut libraries, &mut findings);
     }

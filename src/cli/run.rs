@@ -208,7 +208,11 @@ fn simulate(
         .collect();
     let mut findings = Vec::new();
     let mut libraries = Vec::new();
-    for built in Toolchain::host().build_all(&packages, folder, options.rebuild) {
+    for built in
+        Toolchain::host()
+            .until(options.deadline)
+            .build_all(&packages, folder, options.rebuild)
+    {
         match built.and_then(|b| Library::open(&b.path)) {
             Ok(library) => libraries.push(library),
             Err(error) => {

@@ -1,7 +1,7 @@
 //! Requirements: what is measured, and whether it is as it should be.
 
 use super::replicate::Estimate;
-use super::trace::{RequirementResult, Trace};
+use super::trace::{End, RequirementResult, Trace};
 use crate::contract::line::{Comparison, Line, Metric};
 use crate::diagnostics::{Diagnostic, codes};
 
@@ -46,8 +46,11 @@ fn compare(value: f64, comparison: Comparison, bound: f64) -> (bool, &'static st
     }
 }
 
-/// Measures all requirements of a line in one run; each that does not hold is a finding.
+/// Measures all requirements of a line in one run; each that does not hold is a finding. Of a run that was cut off none is judged.
 pub(super) fn check(line: &Line, trace: &mut Trace) {
+    if trace.end == End::GaveUp {
+        return;
+    }
     for requirement in &line.requirements {
         let value = measure(&requirement.metric, trace);
         let (holds, words) = compare(value, requirement.comparison, requirement.bound);
@@ -132,6 +135,8 @@ pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> 
                 value: Estimate::of(&values),
             }
         })
+        // A run that was cut off says nothing of them.
+        .filter(|result| result.runs > 0)
         .collect()
 }
 

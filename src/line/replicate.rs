@@ -3,7 +3,7 @@
 use super::metric::{self, ReplicatedRequirement};
 use super::plant::Plant;
 use super::statistics::student_t;
-use super::trace::Trace;
+use super::trace::{End, Trace};
 use crate::contract::line::Line;
 use crate::diagnostics::{Diagnostic, codes};
 
@@ -56,7 +56,7 @@ impl Estimate {
 impl Plant {
     /// Runs the line `count` times (at least once), under the seed of the options and those that follow it. Gives the traces
     /// in that order; their seeds, being mixed, are as independent as any others. Once the deadline is past, no further run begins, and a
-    /// finding says so.
+    /// finding says so; a run that it cut off counts nowhere, unless it is the first.
     pub fn replicate(&mut self, count: u64) -> (Vec<Trace>, Replications) {
         let first = self.seed();
         let count = count.max(1);
@@ -67,8 +67,12 @@ impl Plant {
                 break;
             }
         }
+        let is_over = |trace: &Trace| trace.end != End::GaveUp;
+        let done = traces.iter().filter(|t| is_over(t)).count() as u64;
+        if done > 0 {
+            traces.retain(is_over);
+        }
         let mut replications = Replications::of(self.line(), &traces);
-        let done = traces.len() as u64;
         if done < count {
             let message =
                 format!("{done} of {count} runs were over when the time limit was reached");

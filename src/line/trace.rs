@@ -42,7 +42,7 @@ pub struct Trace {
     pub violations: Vec<Violation>,
     /// How many there were in all.
     pub violation_count: u64,
-    /// The line's requirements, checked.
+    /// The line's requirements, checked; none of a run that was cut off (`End::GaveUp`).
     pub requirements: Vec<RequirementResult>,
     /// Everything that went wrong, as findings.
     pub findings: Vec<Diagnostic>,

@@ -140,6 +140,12 @@ pub enum Error {
         /// What it printed.
         stderr: String,
     },
+    /// The compiler was ended, or not started any more.
+    #[error("the library of `{machine}` was not built: the time limit was reached")]
+    TimeOver {
+        /// The machine.
+        machine: String,
+    },
     /// A library is not what was built.
     #[error("the station library {} is damaged: {reason}", path.display())]
     LibraryDamaged {
@@ -188,6 +194,10 @@ impl Error {
             Self::CompilerFailed { .. } => (
                 codes::COMPILER_FAILED,
                 "the emitted C is plain C99: look at what CC and CFLAGS hold; if they are in order, please report this",
+            ),
+            Self::TimeOver { .. } => (
+                codes::GAVE_UP,
+                "give it more time with --timeout SECONDS; what was built is kept",
             ),
             Self::LibraryDamaged { .. } => {
                 (codes::LIBRARY_DAMAGED, "delete it, or run with --rebuild")

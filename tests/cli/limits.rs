@@ -292,3 +292,32 @@ machine Two {
     }
     assert!(!all.contains("error["), "{all}");
 }
+
+/// Compilers are ended at the limit as everything else is, and leave nothing half done.
+#[cfg(unix)]
+#[test]
+fn a_time_limit_ends_compilers() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let session = Session::new();
+    // A compiler that compiles what it is tried with, and then takes its time.
+    let script = "#!/bin/sh\ncase \"$*\" in *trial.c*|*--version*|*-dump*) exec cc \"$@\";; *) exec sleep 600;; esac\n";
+    std::fs::write(session.path("slow-cc"), script).expect("a file");
+    let mode = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(session.path("slow-cc"), mode).expect("a program");
+    let compiler = session.path("slow-cc").display().to_string();
+    for line in [
+        "build lamp.lw --target linux --out made --timeout 3",
+        "run lamp.lw --out made --timeout 3",
+    ] {
+        let begin = Instant::now();
+        let printed = session.run_with(line, &[("CC", &compiler)]);
+        assert_eq!(printed.code, 3, "{line}: {}{}", printed.out, printed.err);
+        let all = format!("{}{}", printed.out, printed.err);
+        let wanted =
+            "error[LW204]: the library of `Lamp` was not built: the time limit was reached";
+        assert!(all.contains(wanted), "{line}: {all}");
+        assert!(begin.elapsed() < Duration::from_mins(5), "{line}");
+        let left = std::fs::read_dir(session.path("made")).map_or(0, Iterator::count);
+        assert_eq!(left, 0, "{line}");
+    }
+}

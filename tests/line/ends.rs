@@ -151,6 +151,49 @@ fn replications_keep_the_time_limit() {
     );
 }
 
+/// A run that the limit cuts off is in no mean, and no requirement is judged by a piece of it.
+#[test]
+fn a_run_that_was_cut_off_counts_nowhere() {
+    let mut builder = simple();
+    builder.require(Requirement {
+        name: "few".to_owned(),
+        metric: Metric::Rejected,
+        comparison: Comparison::Le,
+        bound: 0.0,
+        span: span(),
+    });
+    let mut plant = builder.plant(Options {
+        until: Some(1e12),
+        deadline: Some(std::time::Instant::now()),
+        ..Options::default()
+    });
+    let (traces, figures) = plant.replicate(3);
+    assert_eq!(traces[0].end, End::GaveUp);
+    assert_eq!(
+        (traces[0].requirements.len(), figures.requirements.len()),
+        (0, 0)
+    );
+    let last = figures.findings.last().unwrap();
+    assert!(
+        last.message.starts_with("0 of 3 runs were over"),
+        "{}",
+        last.message
+    );
+
+    let soon = std::time::Instant::now() + std::time::Duration::from_millis(300);
+    let mut plant = builder.plant(Options {
+        until: Some(2e4),
+        deadline: Some(soon),
+        ..Options::default()
+    });
+    let (traces, figures) = plant.replicate(1_000_000);
+    let over = traces.iter().filter(|t| t.end != End::GaveUp).count();
+    assert!(over == traces.len() || traces.len() == 1);
+    let last = figures.findings.last().unwrap();
+    let wanted = format!("{over} of 1000000 runs were over");
+    assert!(last.message.starts_with(&wanted), "{}", last.message);
+}
+
 /// Where no product was made there is no lead time, so no bound of it is kept.
 #[test]
 fn what_was_not_measured_holds_of_nothing() {

@@ -136,8 +136,10 @@ impl<'a> Walk<'a> {
         loop {
             while let Some(vertex) = self.open.pop() {
                 self.follow(vertex);
-                if limits.check_time().is_err() {
-                    break;
+                if let Err(limit) = limits.check_time() {
+                    self.undecided
+                        .push((self.vertices[vertex].node, limit.to_string()));
+                    return self;
                 }
             }
             if self.vertices.len() > self.bounds.values {

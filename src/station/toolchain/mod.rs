@@ -30,6 +30,7 @@ use sha2::{Digest, Sha256};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use std::time::Instant;
 pub(super) use work::WorkFolder;
 
 /// `LW_ABI_VERSION` of `ffi/station.h`.
@@ -89,6 +90,8 @@ pub struct Toolchain {
     linker: &'static [&'static str],
     /// What is found before anything is built.
     name: &'static str,
+    /// When compilers are ended.
+    deadline: Option<Instant>,
     found: OnceLock<Result<Compiler, (String, String)>>,
 }
 
@@ -120,6 +123,7 @@ impl Toolchain {
                 Platform::Msvc => MSVC_LINKER,
             },
             name: "",
+            deadline: None,
             found: OnceLock::new(),
         }
     }
@@ -189,6 +193,13 @@ impl Toolchain {
         self
     }
 
+    /// Compilers that run at this time are ended, and none is started later.
+    #[must_use]
+    pub fn until(mut self, deadline: Option<Instant>) -> Self {
+        self.deadline = deadline;
+        self
+    }
+
     /// What its libraries run on.
     pub fn platform(&self) -> Platform {
         self.platform
@@ -248,6 +259,11 @@ impl Toolchain {
     }
 
     fn compile(&self, package: &Package, folder: &Path, path: &Path) -> Result<(), Error> {
+        if self.deadline.is_some_and(|d| Instant::now() >= d) {
+            return Err(Error::TimeOver {
+                machine: package.name.clone(),
+            });
+        }
         create_folder(folder)?;
         // Beside its place, so that the library can be renamed into it.
         let work = WorkFolder::new(folder)?;
@@ -257,15 +273,19 @@ impl Toolchain {
         let shown = compiler.show();
         // A library for Windows carries this name inside it.
         let made = format!("{}{}", package.stem, self.platform.suffix());
-        let output = compiler
-            .command()
+        let mut command = compiler.command();
+        command
             .args(self.arguments(source, &made))
-            .current_dir(work.path())
-            .output()
-            .map_err(|e| Error::CompilerMissing {
+            .current_dir(work.path());
+        let output = trial::answer_until(&mut command, self.deadline).map_err(|e| {
+            Error::CompilerMissing {
                 command: shown.clone(),
                 cause: e.to_string(),
-            })?;
+            }
+        })?;
+        let output = output.ok_or_else(|| Error::TimeOver {
+            machine: package.name.clone(),
+        })?;
         let failed = |stderr: String| Error::CompilerFailed {
             command: shown.clone(),
             machine: package.name.clone(),
@@ -273,8 +293,7 @@ impl Toolchain {
         };
         if !output.status.success() {
             // Microsoft's compiler says what is wrong on its standard output.
-            let said = [&output.stdout, &output.stderr].map(|t| String::from_utf8_lossy(t));
-            let text = said.concat();
+            let text = [output.stdout, output.stderr].concat();
             return Err(failed(format!("{}\n({})", text.trim_end(), output.status)));
         }
         let made = work.path().join(made);

@@ -26,47 +26,50 @@ impl Answer {
 
 /// Runs a program to its end; an error says why there is no answer. One that does not end is ended.
 pub(super) fn answer(command: &mut Command) -> Result<Answer, String> {
+    let deadline = Instant::now() + PATIENCE;
+    let answer = answer_until(command, Some(deadline)).map_err(|e| e.to_string())?;
+    answer.ok_or_else(|| format!("it did not answer within {} s", PATIENCE.as_secs()))
+}
+
+/// Runs a program to its end, or ends it at a time: `None`.
+pub(super) fn answer_until(
+    command: &mut Command,
+    deadline: Option<Instant>,
+) -> std::io::Result<Option<Answer>> {
     // Files rather than pipes: what a program leaves running cannot hold them open for us.
-    let said = || tempfile::tempfile().map_err(|e| e.to_string());
-    let (mut stdout, mut stderr) = (said()?, said()?);
-    let own = |file: &std::fs::File| file.try_clone().map_err(|e| e.to_string());
+    let (mut stdout, mut stderr) = (tempfile::tempfile()?, tempfile::tempfile()?);
     let mut child = command
         .stdin(Stdio::null())
-        .stdout(own(&stdout)?)
-        .stderr(own(&stderr)?)
-        .spawn()
-        .map_err(|e| e.to_string())?;
-    let deadline = Instant::now() + PATIENCE;
+        .stdout(stdout.try_clone()?)
+        .stderr(stderr.try_clone()?)
+        .spawn()?;
     let mut pause = Duration::from_millis(1);
     let status = loop {
-        match child.try_wait() {
-            Ok(Some(status)) => break status,
-            Ok(None) if Instant::now() < deadline => {
+        match child.try_wait()? {
+            Some(status) => break status,
+            None if deadline.is_none_or(|d| Instant::now() < d) => {
                 std::thread::sleep(pause);
-                pause = (2 * pause).min(Duration::from_millis(50));
+                pause = (2 * pause).min(Duration::from_millis(20));
             }
-            Ok(None) => {
+            None => {
                 // It may have ended at this very moment; then there is nothing to end.
                 let _ = child.kill();
                 let _ = child.wait();
-                let seconds = PATIENCE.as_secs();
-                return Err(format!("it did not answer within {seconds} s"));
+                return Ok(None);
             }
-            Err(e) => return Err(e.to_string()),
         }
     };
     let text = |file: &mut std::fs::File| {
         let mut bytes = Vec::new();
-        file.rewind()
-            .and_then(|()| file.take(1 << 20).read_to_end(&mut bytes))
-            .map_err(|e| e.to_string())?;
-        Ok::<_, String>(String::from_utf8_lossy(&bytes).into_owned())
+        file.rewind()?;
+        file.take(1 << 20).read_to_end(&mut bytes)?;
+        Ok::<_, std::io::Error>(String::from_utf8_lossy(&bytes).into_owned())
     };
-    Ok(Answer {
+    Ok(Some(Answer {
         status,
         stdout: text(&mut stdout)?,
         stderr: text(&mut stderr)?,
-    })
+    }))
 }
 
 /// Lets a compiler compile a line; an error says why it does not.
