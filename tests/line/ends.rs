@@ -181,7 +181,7 @@ fn a_run_that_was_cut_off_counts_nowhere() {
     );
 
     let soon = std::time::Instant::now() + std::time::Duration::from_millis(300);
-    let mut plant = builder.plant(Options {
+    let mut plant = simple().plant(Options {
         until: Some(2e4),
         deadline: Some(soon),
         ..Options::default()
