@@ -2,8 +2,12 @@
 
 mod support;
 
+use linewright::contract::load;
+use linewright::game::Limits;
+use linewright::line::calls::{Bounds, examine};
 use serde_json::Value;
 use std::fmt::Write as _;
+use std::time::Instant;
 use support::linewright;
 
 /// A machine that writes a property, and one that takes any part in `t` seconds.
@@ -773,4 +777,35 @@ fn a_loop_without_a_way_out_is_no_matter_of_chance() {
     );
     // From 0 there is a chance to get out again.
     proved(&line("defect on P probability 10 %: x becomes 1 - it"), &[]);
+}
+
+#[test]
+fn a_walk_that_ends_early_says_nothing_of_routes_that_it_did_not_reach() {
+    let text = "line L {
+    part P
+    source s: P every 10 s
+    buffer a capacity 1
+    buffer b capacity 1
+    sink k
+    route P: s -> a -> b -> k
+}
+";
+    let files = [("line.lw".to_owned(), text.to_owned())];
+    let (library, findings) = load(&files, &|_, _| Err("no imports".to_owned()));
+    assert!(findings.is_empty(), "{findings:?}");
+    let bounds = Bounds {
+        values: 1_000,
+        steps: 1_000,
+    };
+    let late = Limits {
+        deadline: Some(Instant::now()),
+        ..Limits::default()
+    };
+    let calls = examine(&library.lines[0], |_| None, &bounds, &late);
+    assert!(!calls.undecided.is_empty());
+    assert!(calls.findings.is_empty(), "{:?}", calls.findings);
+    assert!(calls.remarks.is_empty(), "{:?}", calls.remarks);
+    assert_eq!(calls.taken, [true; 3]);
+    let calls = examine(&library.lines[0], |_| None, &bounds, &Limits::default());
+    assert!(calls.undecided.is_empty(), "{:?}", calls.undecided);
 }

@@ -220,6 +220,16 @@ pub enum Supply {
     OnOrder,
 }
 
+impl Supply {
+    /// Whether the next part is there as soon as the one before has left, however many there were.
+    pub fn is_endless(&self) -> bool {
+        match self {
+            Self::OnOrder => true,
+            Self::Every { seconds, limit, .. } => *seconds <= 0.0 && limit.is_none(),
+        }
+    }
+}
+
 /// What a station does with a part that comes.
 #[derive(Debug, Clone)]
 pub struct Task {

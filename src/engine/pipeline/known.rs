@@ -187,37 +187,20 @@ pub(super) fn gave_up(job: &Job, reason: Reason, solve: &Progress) -> CheckedCon
     }
     let statistics = Statistics::of_solver(&solve.statistics(), specification);
     CheckedContract {
-        verdict: Verdict::GaveUp,
         findings: vec![
             Diagnostic::error(codes::GAVE_UP, job.span, message).with_help(reason.help()),
         ],
-        core: Vec::new(),
-        environment: None,
-        lost: None,
-        controller: None,
-        ranking: None,
-        seconds: 0.0,
-        peak_nodes: statistics.peak_nodes.filter(|n| *n > 0),
-        statistics,
-        left_out: false,
+        ..CheckedContract::new(Verdict::GaveUp, statistics)
     }
 }
 
 /// A contract that this program failed at.
 pub(super) fn failed(job: &Job, finding: Diagnostic) -> CheckedContract {
     let statistics = Progress::default().statistics();
+    let statistics = Statistics::of_solver(&statistics, &job.specification);
     CheckedContract {
-        verdict: Verdict::InternalError,
         findings: vec![finding],
-        core: Vec::new(),
-        environment: None,
-        lost: None,
-        controller: None,
-        ranking: None,
-        seconds: 0.0,
-        peak_nodes: None,
-        statistics: Statistics::of_solver(&statistics, &job.specification),
-        left_out: false,
+        ..CheckedContract::new(Verdict::InternalError, statistics)
     }
 }
 
@@ -288,21 +271,12 @@ pub(super) mod tests {
     #[test]
     fn a_controller_that_is_needed_and_missing_is_an_error() {
         let checked = CheckedContract {
-            verdict: Verdict::Realizable,
             findings: vec![no_machine(
                 &specification("A"),
                 Span::default(),
                 Reason::Limit(Limit::Size),
             )],
-            core: Vec::new(),
-            environment: None,
-            lost: None,
-            controller: None,
-            ranking: None,
-            seconds: 0.0,
-            peak_nodes: None,
-            statistics: Statistics::default(),
-            left_out: false,
+            ..CheckedContract::new(Verdict::Realizable, Statistics::default())
         };
         assert!(!crate::diagnostics::has_errors(&checked.findings));
         assert!(crate::diagnostics::has_errors(

@@ -339,6 +339,23 @@ impl Jobs {
 }
 
 impl CheckedContract {
+    /// One with that verdict, and nothing else of it known yet.
+    pub(super) fn new(verdict: Verdict, statistics: Statistics) -> Self {
+        Self {
+            verdict,
+            findings: Vec::new(),
+            core: Vec::new(),
+            environment: None,
+            lost: None,
+            controller: None,
+            ranking: None,
+            seconds: 0.0,
+            peak_nodes: statistics.peak_nodes.filter(|n| *n > 0),
+            statistics,
+            left_out: false,
+        }
+    }
+
     /// The findings for a command that needs the controller: that there is none is an error then.
     pub fn findings_where_needed(&self) -> Vec<Diagnostic> {
         let mut findings = self.findings.clone();

@@ -5,7 +5,7 @@
 //! has in the runner: one belt can hand over only in its own step, and take only in its own step.
 
 use super::belt::{self, Room};
-use crate::contract::line::{Belt, Line, Node, NodeKind, Supply, Task};
+use crate::contract::line::{Belt, Line, Node, NodeKind, Task};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -451,10 +451,7 @@ fn kind(line: &Line, node: usize) -> PlaceKind {
     match &line.nodes[node].kind {
         NodeKind::Source { part, supply, most } => PlaceKind::Supply {
             part: *part,
-            always: match supply {
-                Supply::OnOrder => true,
-                Supply::Every { seconds, limit, .. } => *seconds <= 0.0 && limit.is_none(),
-            },
+            always: supply.is_endless(),
             most: *most,
         },
         NodeKind::Sink { reject, .. } => PlaceKind::End {

@@ -10,7 +10,7 @@
 
 use super::walk::{Stage, Vertex, Walk};
 use crate::contract::SHORTEST_SECONDS;
-use crate::contract::line::{NodeKind, Supply};
+use crate::contract::line::NodeKind;
 use std::collections::BTreeSet;
 
 /// A way on which parts move on and on while no time passes.
@@ -171,10 +171,7 @@ impl Timed<'_> {
     /// Whether a source has another part at once, however many it has given.
     fn is_endless(&self, birth: usize) -> bool {
         match &self.walk.line.nodes[self.vertex(birth).node].kind {
-            NodeKind::Source { supply, .. } => match supply {
-                Supply::OnOrder => true,
-                Supply::Every { seconds, limit, .. } => *seconds <= 0.0 && limit.is_none(),
-            },
+            NodeKind::Source { supply, .. } => supply.is_endless(),
             _ => false,
         }
     }
