@@ -2,7 +2,7 @@
  *
  * Included at the end of a generated machine file, whose tables it interprets: `lw_component_table`, `lw_plant_table`,
  * `lw_operation_table`, `lw_justice_table`, `lw_property_names`, `lw_property_ranges`, `machine_done` and `machine_write`. What a step and an
- * operation mean, and in which order things are checked, is written down in `src/station/interpret.rs`; the two are tested
+ * operation mean, and in which order things are checked, is written down in `crates/station/src/interpret.rs`; the two are tested
  * against each other. Nothing here knows of instances, threads or the platform. */
 #include "machine.h"
 

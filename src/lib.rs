@@ -9,26 +9,14 @@
 //!
 //! Three narrow waists hold the rest together: [`gr1::Specification`], [`mealy::Machine`] and [`line::Trace`].
 
-// Tests of inner parts share files with those from outside.
-#[cfg(test)]
-extern crate self as linewright;
-
-pub mod algebra;
 pub mod cli;
-pub mod contract;
-pub mod diagnostics;
-pub mod drawing;
-pub mod engine;
-pub mod game;
-pub mod gr1;
-pub mod interchange;
-pub mod line;
-pub mod mealy;
-pub mod order;
-pub mod play;
-pub mod report;
-pub mod source;
-pub mod station;
-pub mod symbolic;
-pub mod syntax;
-pub mod taxonomy;
+
+pub use linewright_algebra as algebra;
+pub use linewright_core::{diagnostics, drawing, gr1, source, taxonomy};
+pub use linewright_engine::{self as engine, play};
+pub use linewright_interchange as interchange;
+pub use linewright_language::{contract, order, syntax};
+pub use linewright_line as line;
+pub use linewright_report as report;
+pub use linewright_solver::{game, mealy, symbolic};
+pub use linewright_station as station;

@@ -49,7 +49,7 @@ mod copies {
     use crate::{game, random};
     #[allow(unused_imports, reason = "what the copies find beside them")]
     use linewright::mealy::{Cube, Machine, Port, Transition, functions};
-    mutation::mutants! { "src/mealy/verify/mod.rs", "src/mealy/certify.rs", "tests/proof/checker.rs" }
+    mutation::mutants! { "crates/solver/src/mealy/verify/mod.rs", "crates/solver/src/mealy/certify.rs", "tests/proof/checker.rs" }
 }
 
 /// An artefact, and what may be said of it.

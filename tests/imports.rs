@@ -1,89 +1,99 @@
-//! The order of module imports, as ARCHITECTURE.md states it: a module uses only those before it, and some of them not
-//! even those. The sources are read as text; comments and strings do not count.
+//! What uses what, as ARCHITECTURE.md states it. Cargo keeps circles out; here stand the dependencies that each crate may have, and within
+//! a crate of several modules the order in which these may import each other. Sources are read as text; comments and strings do not count.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// A module may use those before it.
-const ORDER: [&str; 19] = [
-    "source",
-    "diagnostics",
-    "drawing",
-    "taxonomy",
-    "syntax",
-    "gr1",
-    "interchange",
-    "order",
-    "contract",
-    "symbolic",
-    "game",
-    "mealy",
-    "algebra",
-    "play",
-    "station",
-    "line",
-    "report",
-    "engine",
-    "cli",
+/// The crates below the command line, each with those that it uses.
+const CRATES: [(&str, &[&str]); 9] = [
+    ("core", &[]),
+    ("language", &["core"]),
+    ("interchange", &["core", "language"]),
+    ("solver", &["core"]),
+    ("algebra", &["core", "language", "solver"]),
+    ("station", &["algebra", "core", "language", "solver"]),
+    (
+        "line",
+        &["algebra", "core", "language", "solver", "station"],
+    ),
+    ("report", &["language", "line"]),
+    (
+        "engine",
+        &[
+            "algebra",
+            "core",
+            "interchange",
+            "language",
+            "line",
+            "solver",
+            "station",
+        ],
+    ),
 ];
 
-/// Pairs (module, used module) that the order would allow, and the design does not: the solver side knows only
-/// specifications, so that other languages can be put before it, and those know nothing of ours.
-const FORBIDDEN: [(&str, &str); 11] = [
-    ("gr1", "syntax"),
-    ("interchange", "taxonomy"),
-    ("interchange", "syntax"),
-    ("symbolic", "syntax"),
-    ("symbolic", "contract"),
-    ("game", "syntax"),
-    ("game", "contract"),
-    ("mealy", "syntax"),
-    ("mealy", "contract"),
-    ("play", "syntax"),
-    ("play", "contract"),
+/// Crates of several modules, where a module may use those before it.
+const ORDER: [(&str, &[&str]); 3] = [
+    (
+        "core",
+        &["source", "diagnostics", "drawing", "taxonomy", "gr1"],
+    ),
+    ("language", &["syntax", "order", "contract"]),
+    ("solver", &["symbolic", "game", "mealy"]),
 ];
 
-/// Files that may use a module all the same: what prints our language has to know its words.
-const EXCEPT: [(&str, &str); 1] = [("interchange/contract.rs", "syntax")];
+/// Files below the first may not name the second, though its crate is there for others; the third are exceptions.
+const FORBIDDEN: [(&str, &str, &[&str]); 3] = [
+    // What prints our language has to know its words.
+    (
+        "crates/interchange/src",
+        "linewright_language",
+        &["crates/interchange/src/contract.rs"],
+    ),
+    // A play knows formulas and controllers, whatever language they came from.
+    ("crates/engine/src/play", "linewright_language", &[]),
+    ("crates/solver/src/mealy", "biodivine_lib_bdd", &[]),
+];
 
-/// Packages that only these modules may name.
-const CONFINED: [(&str, &[&str]); 2] = [
-    ("biodivine_lib_bdd", &["symbolic", "game"]),
+/// Packages that only these crates may use.
+const CONFINED: [(&str, &[&str]); 4] = [
+    ("biodivine-lib-bdd", &["solver"]),
+    ("oxidd", &["solver"]),
+    ("pest", &["language"]),
     ("libloading", &["station"]),
 ];
 
-/// What is wrong with the imports of one file, whose path is relative to `src`.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// What is wrong with the imports of one file, whose path is relative to the root.
 fn violations(path: &Path, text: &str) -> Vec<String> {
     let mut found = Vec::new();
-    let module = module_of(path);
-    let Some(place) = ORDER.iter().position(|m| *m == module) else {
-        return vec![format!(
-            "{}: `{module}` has no place in the order",
-            path.display()
-        )];
-    };
     let code = without_comments_and_strings(text);
-    for used in used_modules(path, &code) {
-        let Some(other) = ORDER.iter().position(|m| *m == used) else {
-            continue;
-        };
-        let forbidden = FORBIDDEN.contains(&(module.as_str(), used.as_str()))
-            && !EXCEPT
-                .iter()
-                .any(|(file, m)| path == Path::new(file) && used == *m);
-        if other > place || forbidden {
-            found.push(format!(
-                "{}: `{module}` may not use `{used}`",
-                path.display()
-            ));
+    for (folder, name, except) in FORBIDDEN {
+        let excepted = except.iter().any(|file| path == Path::new(file));
+        if path.starts_with(folder) && !excepted && identifiers(&code).any(|word| word == name) {
+            found.push(format!("{}: may not use `{name}`", path.display()));
         }
     }
-    for (package, modules) in CONFINED {
-        if code.contains(package) && !modules.contains(&module.as_str()) {
-            found.push(format!(
-                "{}: `{module}` may not use `{package}`",
-                path.display()
-            ));
+    for (name, order) in ORDER {
+        let Ok(inner) = path.strip_prefix(format!("crates/{name}/src")) else {
+            continue;
+        };
+        if inner == Path::new("lib.rs") {
+            continue;
+        }
+        let module = module_of(inner);
+        let Some(place) = order.iter().position(|m| *m == module) else {
+            let message = format!("{}: `{module}` has no place in the order", path.display());
+            found.push(message);
+            continue;
+        };
+        for used in used_modules(inner, &code) {
+            if order[place + 1..].contains(&used.as_str()) {
+                let message = format!("{}: `{module}` may not use `{used}`", path.display());
+                found.push(message);
+            }
         }
     }
     found
@@ -207,61 +217,120 @@ fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
     files.sort();
 }
 
+/// The dependencies of a manifest, those of tests left out.
+fn dependencies(manifest: &str) -> Vec<&str> {
+    let section = manifest
+        .split("\n[")
+        .find(|s| s.starts_with("dependencies]"));
+    let lines = section.unwrap_or_default().lines().skip(1);
+    lines
+        .filter_map(|l| l.split_once('.').map(|(name, _)| name))
+        .collect()
+}
+
+#[test]
+fn crates_use_what_they_may() {
+    let mut folders: Vec<String> = std::fs::read_dir(root().join("crates"))
+        .expect("a folder")
+        .map(|e| {
+            e.expect("an entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    folders.sort();
+    let mut known = CRATES.map(|(name, _)| name);
+    known.sort_unstable();
+    assert_eq!(folders, known);
+    for (name, allowed) in CRATES {
+        let manifest = root().join("crates").join(name).join("Cargo.toml");
+        let manifest = std::fs::read_to_string(manifest).expect("a text");
+        let all = dependencies(&manifest);
+        let ours: Vec<&str> = all
+            .iter()
+            .filter_map(|d| d.strip_prefix("linewright-"))
+            .collect();
+        assert_eq!(ours, allowed, "{name}");
+        for (package, crates) in CONFINED {
+            assert!(
+                !all.contains(&package) || crates.contains(&name),
+                "`{name}` may not use `{package}`"
+            );
+        }
+    }
+}
+
+/// The sources of the program and of its crates, as paths relative to the root.
+fn all_sources() -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    sources(&root().join("src"), &mut files);
+    for (name, _) in CRATES {
+        sources(&root().join("crates").join(name).join("src"), &mut files);
+    }
+    let relative = |f: PathBuf| f.strip_prefix(root()).expect("it lies within").to_owned();
+    files.into_iter().map(relative).collect()
+}
+
 #[test]
 fn modules_use_only_those_before_them() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&src, &mut files);
+    let files = all_sources();
     let mut report = String::new();
-    let mut seen = 0;
-    for file in &files {
-        let path = file.strip_prefix(&src).expect("it lies within");
-        if path == Path::new("lib.rs") || path == Path::new("main.rs") {
-            continue;
-        }
-        seen += 1;
-        let text = std::fs::read_to_string(file).expect("sources are UTF-8");
+    for path in &files {
+        let text = std::fs::read_to_string(root().join(path)).expect("sources are UTF-8");
         for violation in violations(path, &text) {
             let _ = writeln!(report, "{violation}");
         }
     }
-    assert!(seen >= ORDER.len(), "only {seen} files were found");
+    assert!(files.len() > 400, "only {} files were found", files.len());
     assert!(report.is_empty(), "{report}");
 }
 
 /// Files that may know of clocks, and why none of them decides what a verdict, a finding or a table says.
 const CLOCKS: [(&str, &str); 18] = [
     (
-        "symbolic/limits.rs",
+        "crates/solver/src/symbolic/limits.rs",
         "`--timeout`, for everything below `cli`",
     ),
-    ("symbolic/tests.rs", "tests of it"),
-    ("order/bound.rs", "`--timeout`, for orders of skills"),
-    ("line/mod.rs", "`--timeout`, for runs"),
-    ("line/plant/mod.rs", "`--timeout`, for runs"),
-    ("game/set_up.rs", "seconds for `--stats`"),
-    ("game/solver.rs", "seconds for `--stats`"),
-    ("station/toolchain/trial.rs", "a compiler that hangs"),
+    ("crates/solver/src/symbolic/tests.rs", "tests of it"),
     (
-        "station/toolchain/work.rs",
+        "crates/language/src/order/bound.rs",
+        "`--timeout`, for orders of skills",
+    ),
+    ("crates/line/src/lib.rs", "`--timeout`, for runs"),
+    ("crates/line/src/plant/mod.rs", "`--timeout`, for runs"),
+    ("crates/solver/src/game/set_up.rs", "seconds for `--stats`"),
+    ("crates/solver/src/game/solver.rs", "seconds for `--stats`"),
+    (
+        "crates/station/src/toolchain/trial.rs",
+        "a compiler that hangs",
+    ),
+    (
+        "crates/station/src/toolchain/work.rs",
         "which folders of killed builds are old",
     ),
-    ("cli/options.rs", "`--timeout` itself"),
-    ("engine/worker.rs", "waits for `--timeout` and for Ctrl-C"),
+    ("src/cli/options.rs", "`--timeout` itself"),
     (
-        "engine/pipeline/task.rs",
+        "crates/engine/src/worker.rs",
+        "waits for `--timeout` and for Ctrl-C",
+    ),
+    (
+        "crates/engine/src/pipeline/task.rs",
         "hands `--timeout` on; seconds for the summary",
     ),
-    ("engine/controller.rs", "seconds for `--stats`"),
-    ("cli/run.rs", "`--timeout`; seconds for the summary"),
-    ("cli/build.rs", "`--timeout`, for compilers"),
-    ("station/toolchain/mod.rs", "`--timeout`, for compilers"),
-    ("engine/cache.rs", "which files are oldest"),
-    ("cli/check/watch.rs", "when a file was changed"),
+    ("crates/engine/src/controller.rs", "seconds for `--stats`"),
+    ("src/cli/run.rs", "`--timeout`; seconds for the summary"),
+    ("src/cli/build.rs", "`--timeout`, for compilers"),
+    (
+        "crates/station/src/toolchain/mod.rs",
+        "`--timeout`, for compilers",
+    ),
+    ("crates/engine/src/cache.rs", "which files are oldest"),
+    ("src/cli/check/watch.rs", "when a file was changed"),
 ];
 
 /// What looks after files of its own accord.
-const WATCHES: &str = "cli/check/watch/";
+const WATCHES: &str = "src/cli/check/watch/";
 
 /// Where threads work side by side, the first one to find something must not decide.
 const RACES: [&str; 5] = [
@@ -281,15 +350,11 @@ fn identifiers(code: &str) -> impl Iterator<Item = &str> {
 /// `--timeout`, about files or about what took how long.
 #[test]
 fn no_clock_and_no_race_decides() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&src, &mut files);
     let mut report = String::new();
     let mut with_clocks = Vec::new();
-    for file in &files {
-        let path = file.strip_prefix(&src).expect("it lies within");
-        let path = path.to_string_lossy().replace('\\', "/");
-        let text = std::fs::read_to_string(file).expect("sources are UTF-8");
+    for file in all_sources() {
+        let path = file.to_string_lossy().replace('\\', "/");
+        let text = std::fs::read_to_string(root().join(&file)).expect("sources are UTF-8");
         let code = without_comments_and_strings(&text);
         let clocks = ["Instant", "SystemTime", "Duration"];
         if identifiers(&code).any(|word| clocks.contains(&word)) {
@@ -313,67 +378,49 @@ fn no_clock_and_no_race_decides() {
     assert!(report.is_empty(), "{report}");
 }
 
-#[test]
-fn every_module_has_a_place_in_the_order() {
-    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
-    let text = text.expect("src/lib.rs can be read");
-    let modules = text.lines().filter_map(|l| l.strip_prefix("pub mod "));
-    let mut modules: Vec<&str> = modules.map(|m| m.trim_end_matches(';')).collect();
-    let mut order = ORDER.to_vec();
-    modules.sort_unstable();
-    order.sort_unstable();
-    assert_eq!(modules, order);
-}
-
 /// The checker itself: each of these must be found.
 #[test]
 fn violations_are_found() {
     for (path, text, wanted) in [
         (
-            "gr1/mod.rs",
+            "crates/language/src/syntax/mod.rs",
             "use crate::contract::Library;",
-            "`gr1` may not use `contract`",
+            "`syntax` may not use `contract`",
         ),
         (
-            "gr1/mod.rs",
-            "use crate::syntax::Ast;",
-            "`gr1` may not use `syntax`",
+            "crates/solver/src/game/solve.rs",
+            "fn f(x: crate::mealy::Machine) {}",
+            "`game` may not use `mealy`",
         ),
         (
-            "game/solve.rs",
-            "fn f(x: crate::contract::Contract) {}",
-            "`game` may not use `contract`",
+            "crates/core/src/drawing/svg.rs",
+            "use crate::{\n    source::{FileId, Span},\n    gr1,\n};",
+            "`drawing` may not use `gr1`",
         ),
         (
-            "mealy/svg.rs",
-            "use crate::{\n    gr1::{Expr, Domain},\n    syntax,\n};",
-            "`mealy` may not use `syntax`",
-        ),
-        (
-            "source/mod.rs",
+            "crates/core/src/source/mod.rs",
             "use super::diagnostics::Code;",
             "`source` may not use `diagnostics`",
         ),
         (
-            "game/a/b.rs",
-            "pub use super::super::super::line;",
-            "`game` may not use `line`",
+            "crates/solver/src/game/a/b.rs",
+            "pub use super::super::super::mealy;",
+            "`game` may not use `mealy`",
         ),
         (
-            "taxonomy.rs",
-            "use super::cli::main;",
-            "`taxonomy` may not use `cli`",
+            "crates/engine/src/play/mod.rs",
+            "use linewright_language::contract;",
+            "may not use `linewright_language`",
         ),
         (
-            "line/mod.rs",
-            "use biodivine_lib_bdd::Bdd;",
-            "`line` may not use `biodivine_lib_bdd`",
+            "crates/core/src/new/mod.rs",
+            "",
+            "`new` has no place in the order",
         ),
-        ("new/mod.rs", "", "`new` has no place in the order"),
         (
-            "gr1/mod.rs",
-            "const Q: char = '\"'; use crate::cli; // \"",
-            "`gr1` may not use `cli`",
+            "crates/core/src/source/mod.rs",
+            "const Q: char = '\"'; use crate::gr1; // \"",
+            "`source` may not use `gr1`",
         ),
     ] {
         let found = violations(Path::new(path), text);
@@ -385,24 +432,30 @@ fn violations_are_found() {
 #[test]
 fn what_is_allowed_is_not_found() {
     for (path, text) in [
-        ("cli/mod.rs", "use crate::{contract, game::Limits, line};"),
         (
-            "game/mod.rs",
-            "use crate::gr1::Specification;\nuse biodivine_lib_bdd::Bdd;",
+            "src/cli/mod.rs",
+            "use crate::{contract, game::Limits, line};",
         ),
         (
-            "gr1/mod.rs",
-            "//! See [`crate::contract`].\n/* crate::cli */ const T: &str = \"crate::cli\";",
+            "crates/solver/src/game/mod.rs",
+            "use crate::symbolic::Kernel;\nuse biodivine_lib_bdd::Bdd;",
         ),
         (
-            "gr1/mod.rs",
-            "const T: &str = r#\"crate::cli \"quoted\" crate::line\"#;",
+            "crates/core/src/source/mod.rs",
+            "//! See [`crate::gr1`].\n/* crate::gr1 */ const T: &str = \"crate::gr1\";",
         ),
         (
-            "contract/machine.rs",
-            "mod tests { use super::super::line; }",
+            "crates/core/src/source/mod.rs",
+            "const T: &str = r#\"crate::gr1 \"quoted\" crate::taxonomy\"#;",
         ),
-        ("gr1/mod.rs", "macro_rules! m { () => { $crate::gr1 } }"),
+        (
+            "crates/language/src/syntax/ast.rs",
+            "mod tests { use super::super::contract; }",
+        ),
+        (
+            "crates/core/src/gr1/mod.rs",
+            "macro_rules! m { () => { $crate::gr1 } }",
+        ),
     ] {
         assert_eq!(
             violations(Path::new(path), text),
@@ -415,9 +468,8 @@ fn what_is_allowed_is_not_found() {
 /// Whatever lies at the root is named in the README, so that no scratch file stays there.
 #[test]
 fn the_readme_names_what_lies_at_the_root() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let readme = std::fs::read_to_string(root.join("README.md")).expect("a text");
-    let entries = std::fs::read_dir(root).expect("a folder");
+    let readme = std::fs::read_to_string(root().join("README.md")).expect("a text");
+    let entries = std::fs::read_dir(root()).expect("a folder");
     let mut unnamed = Vec::new();
     for entry in entries.map(|e| e.expect("an entry")) {
         let name = entry.file_name().to_string_lossy().into_owned();

@@ -1,6 +1,6 @@
 //! All lassos up to a bound, and the contracts as sets of them: the definitions as the literature has them, on plain values.
 //!
-//! Nothing of `src/algebra` is used but the shape of its data; formulas are evaluated by the oracle's own evaluator.
+//! Nothing of `crates/algebra/src` is used but the shape of its data; formulas are evaluated by the oracle's own evaluator.
 
 use crate::game::value;
 use linewright::algebra::system::{Part, System};

@@ -1,5 +1,5 @@
 //! Station libraries: what a step and an operation cost, and what each form of a controller and each level of optimisation is worth.
-//! These are the figures behind `src/station/toolchain/mod.rs` and `src/cli/controller.rs`.
+//! These are the figures behind `crates/station/src/toolchain/mod.rs` and `src/cli/controller.rs`.
 //!
 //!     cargo bench --bench station                 all three tables
 //!     cargo bench --bench station -- shipped      every machine of the laboratory, and at real size: steps, operations, what surrounds them

@@ -15,11 +15,11 @@ pub struct Equivalent {
     pub why: &'static str,
 }
 
-const CERTIFY: &str = "src/mealy/certify.rs";
-const COUNTER: &str = "src/mealy/verify/counter.rs";
-const FAIR: &str = "src/mealy/verify/fair.rs";
-const RESIDUAL: &str = "src/mealy/verify/residual.rs";
-const VERIFY: &str = "src/mealy/verify/mod.rs";
+const CERTIFY: &str = "crates/solver/src/mealy/certify.rs";
+const COUNTER: &str = "crates/solver/src/mealy/verify/counter.rs";
+const FAIR: &str = "crates/solver/src/mealy/verify/fair.rs";
+const RESIDUAL: &str = "crates/solver/src/mealy/verify/residual.rs";
+const VERIFY: &str = "crates/solver/src/mealy/verify/mod.rs";
 
 pub const EQUIVALENT: &[Equivalent] = &[
     Equivalent {

@@ -15,7 +15,7 @@ fn root() -> &'static Path {
 /// Every file with this ending, as path below the root and text.
 fn files(ending: &str) -> Vec<(String, String)> {
     let mut found = Vec::new();
-    let mut folders: Vec<PathBuf> = ["contracts", "examples", "tests", "docs", "src"]
+    let mut folders: Vec<PathBuf> = ["contracts", "examples", "tests", "docs", "src", "crates"]
         .iter()
         .map(|f| root().join(f))
         .collect();

@@ -1,4 +1,4 @@
-//! All that a small line can do, state by state, written from the text of `src/line/mod.rs`: moving takes no time, everything else takes
+//! All that a small line can do, state by state, written from the text of `crates/line/src/lib.rs`: moving takes no time, everything else takes
 //! some. It shares nothing with the abstraction but the line itself.
 
 use linewright::contract::line::{Line, NodeKind, Supply};

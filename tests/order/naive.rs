@@ -1,6 +1,6 @@
 //! What rules mean, without automata: every kind by quantifiers over the positions of a word, several skills at once by trying all orders.
 //!
-//! It follows the words of `src/order/mod.rs` and shares nothing with `src/order` but the shape of its data. What those words leave open is
+//! It follows the words of `crates/language/src/order/mod.rs` and shares nothing with `crates/language/src/order` but the shape of its data. What those words leave open is
 //! decided here so:
 //!
 //! - The call that ends a window is inside it, the one that begins it is not: `at most 2 of X between Y and X` counts the last `X`.

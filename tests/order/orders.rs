@@ -1,4 +1,4 @@
-//! Up to six skills at once: the sets that are counted through in `src/order/serial.rs` against all orders, one after the other.
+//! Up to six skills at once: the sets that are counted through in `crates/language/src/order/serial.rs` against all orders, one after the other.
 
 use crate::naive::{Letter, Naive};
 use crate::random::{Size, program, skills};

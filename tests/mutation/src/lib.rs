@@ -2,7 +2,7 @@
 //! statement can be made wrong at run time ("mutant schemata"; Untch, Offutt, Harrold 1993).
 //!
 //! ```ignore
-//! mutation::mutants! { "src/mealy/certify.rs", "src/mealy/verify/mod.rs" }
+//! mutation::mutants! { "crates/solver/src/mealy/certify.rs", "crates/solver/src/mealy/verify/mod.rs" }
 //! ```
 //!
 //! makes a module `certify` and a module `verify` of these files, whose paths begin at the package's folder, with the files

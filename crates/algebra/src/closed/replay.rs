@@ -1,0 +1,393 @@
+//! The evaluator of runs of a closed composition: the controllers themselves are stepped, and formulas are evaluated on plain values. No
+//! rule of `rules.rs` and no diagram is relied on.
+
+use super::{Closed, Misrun, Stuck, Wrong};
+use crate::proof::{Broken, Exports, Open};
+use crate::replay::{formula, holds_at, keeps_formula};
+use crate::system::{FormulaRef, formulas, list};
+use linewright_core::gr1::{Formula, Timing, eval};
+use linewright_language::contract::machine::PlantSource;
+use linewright_solver::game::{Lasso, RuleKind};
+use linewright_solver::mealy::{Controller, functions};
+
+/// So often a cycle is gone round until functions are in a state that they were in before.
+const MOST_ROUNDS: usize = 1_000;
+
+/// Where a controller is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Place {
+    Table(Option<usize>),
+    Functions(functions::State),
+}
+
+/// Controllers that are stepped side by side.
+struct Playing<'a> {
+    closed: &'a Closed<'a>,
+    places: Vec<Place>,
+}
+
+/// How far a step is to be gone through.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Until {
+    /// All answer.
+    End,
+    /// Those answer whose turn comes before this component.
+    Before(usize),
+}
+
+impl<'a> Playing<'a> {
+    fn new(closed: &'a Closed<'a>) -> Self {
+        let places = closed.controllers.iter().map(|c| match c {
+            Controller::Machine(_) => Place::Table(None),
+            Controller::Functions(functions) => Place::Functions(functions.start()),
+        });
+        Self {
+            closed,
+            places: places.collect(),
+        }
+    }
+
+    /// What a component sees.
+    fn inputs(&self, component: usize, values: &[i64]) -> Vec<i64> {
+        let bindings = self.closed.machine.components[component].bindings.iter();
+        bindings.map(|b| eval::eval(b, values, &[])).collect()
+    }
+
+    /// The wires of a component.
+    fn outputs<'v>(&self, component: usize, values: &'v [i64]) -> &'v [i64] {
+        let first = self.closed.taking[component].first;
+        &values[first..first + self.closed.controllers[component].outputs().len()]
+    }
+
+    /// What a component that answers first has to say; `None` when it has nothing to say.
+    fn spoken(&self, component: usize) -> Option<Vec<i64>> {
+        match (self.closed.controllers[component], &self.places[component]) {
+            (Controller::Machine(table), Place::Table(at)) => {
+                let rows = table.transitions(*at);
+                rows.first().map(|row| row.output.clone())
+            }
+            (Controller::Functions(functions), Place::Functions(state)) => {
+                Some(functions.moore_output(state))
+            }
+            _ => None,
+        }
+    }
+
+    /// A component's answer; `None` when it has none. It goes on.
+    fn answer(&mut self, component: usize, inputs: &[i64]) -> Option<Vec<i64>> {
+        match (
+            self.closed.controllers[component],
+            &mut self.places[component],
+        ) {
+            (Controller::Machine(table), Place::Table(at)) => {
+                let row = table.step(*at, inputs)?;
+                *at = Some(row.to);
+                Some(row.output.clone())
+            }
+            (Controller::Functions(functions), Place::Functions(state)) => {
+                functions.step(state, inputs).ok()
+            }
+            _ => None,
+        }
+    }
+
+    /// Goes through a step in which these are the values.
+    fn step(&mut self, values: &[i64], until: Until) -> Result<(), String> {
+        let name = |c: usize| &self.closed.machine.components[c].name;
+        let order = self.closed.order();
+        let timing = |c: usize| self.closed.controllers[c].timing();
+        for component in order.iter().filter(|c| timing(**c) == Timing::Moore) {
+            let spoken = self.spoken(*component);
+            let spoken = spoken.ok_or_else(|| format!("{} has no answer", name(*component)))?;
+            if spoken != self.outputs(*component, values) {
+                return Err(format!("{} answers first otherwise", name(*component)));
+            }
+        }
+        for component in order {
+            if until == Until::Before(component) {
+                return Ok(());
+            }
+            let inputs = self.inputs(component, values);
+            let answer = self.answer(component, &inputs);
+            let name = &self.closed.machine.components[component].name;
+            let answer = answer.ok_or_else(|| format!("{name} has no answer"))?;
+            let first = timing(component) == Timing::Moore;
+            if !first && answer != self.outputs(component, values) {
+                return Err(format!("{name} answers otherwise"));
+            }
+            let taking = &self.closed.taking[component];
+            if let (Some(state), Some(states), Place::Table(Some(at))) =
+                (taking.state, &taking.states, &self.places[component])
+            {
+                let number = states.number(self.outputs(component, values), *at);
+                if number.map(|n| n as i64) != Some(values[state.index()]) {
+                    return Err(format!("the table of {name} is in another state"));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Closed<'_> {
+    /// Whether the environment keeps its part in a step, and what monitors and watches remember is right there.
+    fn surroundings(&self, steps: &[Vec<i64>], at: usize) -> Result<(), String> {
+        let values = self.system.variables.iter().zip(&steps[at]);
+        if let Some((v, value)) = values.into_iter().find(|(v, x)| !v.domain.contains(**x)) {
+            return Err(format!("{value} is no value of {}", v.name));
+        }
+        let beside = &self.system.parts[self.taking.len()..];
+        let sides = beside.iter().map(|p| &p.definitions);
+        for side in sides.chain([&self.claim.given]) {
+            for (kind, _, formula) in formulas(side) {
+                if !holds_at(kind, formula, steps, at) {
+                    return Err(format!("step {at} breaks {}", formula.name));
+                }
+            }
+        }
+        self.remembered(steps, at)
+    }
+
+    /// Counts actions anew.
+    fn remembered(&self, steps: &[Vec<i64>], at: usize) -> Result<(), String> {
+        let Some(watch) = &self.watch else {
+            return Ok(());
+        };
+        let (_, begun) = self.counted(steps, at);
+        let longest = self.machine.operations.iter().map(|o| o.sequence.len());
+        let begun = begun.min(longest.max().unwrap_or(0) + 1);
+        if steps[at][watch.begun.index()] == begun as i64 {
+            Ok(())
+        } else {
+            Err(format!("in step {at} another number of actions has begun"))
+        }
+    }
+
+    fn is_done(&self, values: &[i64]) -> bool {
+        let done = self.machine.done.as_ref();
+        done.is_some_and(|d| eval::holds(d, values, &[]))
+    }
+
+    /// The active component in a step, and how many actions have begun in the call up to it.
+    fn counted(&self, steps: &[Vec<i64>], at: usize) -> (Option<usize>, usize) {
+        let first = (1..=at).rev().find(|i| self.is_done(&steps[i - 1]));
+        let (mut before, mut begun) = (None, 0);
+        for values in &steps[first.unwrap_or(0)..=at] {
+            let mut components = self.machine.components.iter();
+            let now = components.position(|c| {
+                let active = c.active.as_ref();
+                active.is_some_and(|a| eval::holds(a, values, &[]))
+            });
+            begun += usize::from(now.is_some() && now != before);
+            before = now;
+        }
+        (before, begun)
+    }
+
+    /// Whether what is handed on is kept in a step.
+    fn handed_on(&self, steps: &[Vec<i64>], at: usize) -> Result<(), String> {
+        for component in 0..self.taking.len() {
+            for (what, formula) in self.assumed(component) {
+                if self.is_exported(what.kind, formula)
+                    && self.is_outside(steps, at)
+                    && !holds_at(what.kind, formula, steps, at)
+                {
+                    return Err(format!(
+                        "step {at} breaks {}, which is handed on",
+                        formula.name
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the caller answers for what is handed on in a step.
+    fn is_outside(&self, steps: &[Vec<i64>], at: usize) -> bool {
+        match &self.claim.exports {
+            Exports::Never => false,
+            Exports::Always => true,
+            Exports::After(done) => at == 0 || eval::holds(done, &steps[at - 1], &[]),
+        }
+    }
+
+    /// Whether these components keep what they assume in a step.
+    fn assumptions(&self, of: &[usize], steps: &[Vec<i64>], at: usize) -> Result<(), String> {
+        for component in of {
+            for (what, formula) in self.assumed(*component) {
+                if !holds_at(what.kind, formula, steps, at) {
+                    return Err(format!("step {at} breaks {}", formula.name));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Steps the controllers along a run. All goes well in it; in the last step as far as `until`, whose own assumptions are not asked
+    /// for.
+    fn play(&self, steps: &[Vec<i64>], until: Until) -> Result<Playing<'_>, String> {
+        let mut playing = Playing::new(self);
+        let Some(last) = steps.len().checked_sub(1) else {
+            return Err("it has no step".to_owned());
+        };
+        let order = self.order();
+        for (at, values) in steps.iter().enumerate() {
+            self.surroundings(steps, at)?;
+            let (asked, until) = match until {
+                Until::Before(component) if at == last => {
+                    self.handed_on(steps, at)?;
+                    let place = order.iter().position(|c| *c == component);
+                    (&order[..place.unwrap_or(0)], until)
+                }
+                _ => (&order[..], Until::End),
+            };
+            self.assumptions(asked, steps, at)?;
+            playing
+                .step(values, until)
+                .map_err(|e| format!("step {at}: {e}"))?;
+        }
+        Ok(playing)
+    }
+
+    /// Steps the controllers along a run without an end.
+    fn play_for_ever(&self, run: &Lasso) -> Result<(), String> {
+        if run.cycle.is_empty() {
+            return Err("it has no cycle".to_owned());
+        }
+        let mut steps: Vec<Vec<i64>> = run.prefix.iter().chain(&run.cycle).cloned().collect();
+        let mut playing = self.play(&steps, Until::End)?;
+        // Once more into the cycle: what is remembered and assumed fits there as well.
+        steps.push(run.cycle[0].clone());
+        self.surroundings(&steps, steps.len() - 1)?;
+        self.assumptions(&self.order(), &steps, steps.len() - 1)?;
+        let mut seen = Vec::new();
+        for _ in 0..MOST_ROUNDS {
+            if seen.contains(&playing.places) {
+                let mut justice = self.claim.given.justice.iter();
+                return match justice.find(|f| !keeps_formula(RuleKind::Justice, f, run)) {
+                    Some(starved) => Err(format!("it starves {}", starved.name)),
+                    None => self.justice_handed_on(run),
+                };
+            }
+            seen.push(playing.places.clone());
+            for values in &run.cycle {
+                playing.step(values, Until::End)?;
+            }
+        }
+        Err("the controllers do not come back to where they were".to_owned())
+    }
+
+    fn justice_handed_on(&self, run: &Lasso) -> Result<(), String> {
+        for component in 0..self.taking.len() {
+            for formula in list(&self.part(component).assumptions, RuleKind::Justice) {
+                if self.is_exported(RuleKind::Justice, formula)
+                    && !keeps_formula(RuleKind::Justice, formula, run)
+                {
+                    return Err(format!("it starves {}", formula.name));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn formula(&self, at: FormulaRef) -> &Formula {
+        formula(&self.system, &self.claim, at)
+    }
+}
+
+/// Whether a component has no answer at the end of a run, although it is the first with which something is wrong.
+///
+/// # Errors
+/// What is wrong with the run, in words.
+pub fn stuck(closed: &Closed<'_>, found: &Stuck) -> Result<(), String> {
+    let steps = &found.trace;
+    let component = found.component;
+    let last = steps.len().saturating_sub(1);
+    let silent = |playing: &Playing<'_>| {
+        closed.controllers[component].timing() == Timing::Moore
+            && playing.spoken(component).is_none()
+    };
+    if found.silent {
+        let playing = match last {
+            0 => Playing::new(closed),
+            _ => closed.play(&steps[..last], Until::End)?,
+        };
+        return if silent(&playing) {
+            Ok(())
+        } else {
+            Err("it has outputs".to_owned())
+        };
+    }
+    let mut playing = closed.play(steps, Until::Before(component))?;
+    closed.assumptions(&[component], steps, last)?;
+    let inputs = playing.inputs(component, &steps[last]);
+    match playing.answer(component, &inputs) {
+        None => Ok(()),
+        Some(_) => Err("it has an answer".to_owned()),
+    }
+}
+
+/// Whether a run shows that an obligation is not met.
+///
+/// # Errors
+/// What is wrong with the run, in words.
+pub fn open(closed: &Closed<'_>, found: &Open) -> Result<(), String> {
+    let what = closed.formula(found.what);
+    match &found.why {
+        Broken::Trace(steps) => {
+            let until = found.what.part.map_or(Until::End, Until::Before);
+            closed.play(steps, until)?;
+            let last = steps.len() - 1;
+            if holds_at(found.what.kind, what, steps, last) {
+                return Err(format!("the last step keeps {}", what.name));
+            }
+            let exported = found.what.part.is_some() && closed.is_exported(found.what.kind, what);
+            if exported && closed.is_outside(steps, last) {
+                return Err("it is the caller's own choice".to_owned());
+            }
+            Ok(())
+        }
+        Broken::Lasso(run) => {
+            closed.play_for_ever(run)?;
+            if keeps_formula(found.what.kind, what, run) {
+                return Err(format!("it keeps {}", what.name));
+            }
+            Ok(())
+        }
+    }
+}
+
+/// Whether a run shows that an operation does not do what it says. That one never begins is shown by no run.
+///
+/// # Errors
+/// What is wrong with the run, in words.
+pub fn misrun(closed: &Closed<'_>, found: &Misrun) -> Result<(), String> {
+    let operation = &closed.machine.operations[found.operation];
+    let mut plant = closed.machine.plant.iter();
+    let wire = plant.position(|p| matches!(p.source, PlantSource::Operation));
+    let runs = |values: &[i64]| wire.is_none_or(|w| values[w] == operation.value);
+    match &found.why {
+        Wrong::NeverBegins(_) => Ok(()),
+        Wrong::Order(steps) => {
+            closed.play(steps, Until::End)?;
+            let last = steps.len() - 1;
+            let (active, begun) = closed.counted(steps, last);
+            let named = begun.checked_sub(1).and_then(|b| operation.sequence.get(b));
+            let right = active.is_none() || active == named.copied();
+            let ends = closed.is_done(&steps[last]) && begun != operation.sequence.len();
+            if runs(&steps[last]) && (!right || ends) {
+                Ok(())
+            } else {
+                Err("the last step is as the operation says".to_owned())
+            }
+        }
+        Wrong::Endless(run) => {
+            closed.play_for_ever(run)?;
+            if run.cycle.iter().all(|v| runs(v) && !closed.is_done(v)) {
+                Ok(())
+            } else {
+                Err("the operation ends, or another one runs".to_owned())
+            }
+        }
+    }
+}

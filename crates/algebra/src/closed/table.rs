@@ -1,0 +1,252 @@
+//! A controller's table as rules over wires and a state.
+//!
+//! A row of the table says: from this state, on inputs that satisfy the guard, these outputs and that state. The rows of a state are
+//! disjoint, so that their disjunction is the table. Inputs are what they are bound to.
+//!
+//! The outputs of a step nearly say which state the table is in after it. So only what they leave open is a variable of its own
+//! ([`States`]): a number among the states that rows with these outputs lead to.
+
+use linewright_core::gr1::{BinaryOp, Expr, Time, Timing, VarId};
+use linewright_solver::game::{Rule, RuleKind};
+use linewright_solver::mealy::{Guard, Machine, Test, Transition};
+use std::collections::BTreeMap;
+
+/// The states of a table, each as outputs and a number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct States {
+    /// For all outputs of rows, the states that such rows lead to, in ascending order.
+    after: BTreeMap<Vec<i64>, Vec<usize>>,
+}
+
+impl States {
+    /// The states of a table.
+    pub(super) fn new(machine: &Machine) -> Self {
+        let mut after: BTreeMap<Vec<i64>, Vec<usize>> = BTreeMap::new();
+        let rows = machine
+            .initial
+            .iter()
+            .chain(machine.states.iter().flatten());
+        for row in rows {
+            let known = after.entry(row.output.clone()).or_default();
+            if let Err(place) = known.binary_search(&row.to) {
+                known.insert(place, row.to);
+            }
+        }
+        Self { after }
+    }
+
+    /// How many states there are at most with the same outputs; at least 1.
+    pub(super) fn most(&self) -> usize {
+        self.after.values().map(Vec::len).max().unwrap_or(1)
+    }
+
+    /// The number of a state that a row with these outputs leads to.
+    pub fn number(&self, outputs: &[i64], state: usize) -> Option<usize> {
+        self.after.get(outputs)?.binary_search(&state).ok()
+    }
+
+    /// The ways in which the table comes to be in a state: outputs and numbers.
+    fn ways(&self, state: usize) -> impl Iterator<Item = (&[i64], usize)> {
+        let all = self.after.iter();
+        all.filter_map(move |(outputs, states)| {
+            Some((outputs.as_slice(), states.binary_search(&state).ok()?))
+        })
+    }
+}
+
+/// A table in its place in a machine.
+pub(super) struct Table<'a> {
+    /// The table.
+    pub machine: &'a Machine,
+    /// One expression over wires an input.
+    pub bindings: &'a [Expr],
+    /// Its first wire.
+    pub first: usize,
+    /// What its outputs leave open of its state after the step.
+    pub state: VarId,
+    /// Its states.
+    pub states: &'a States,
+}
+
+/// A condition on step 0, and one on every step after another.
+#[derive(Debug, Clone)]
+pub(super) struct Both {
+    /// Of step 0, over current values.
+    pub first: Expr,
+    /// Of a step and the one before it.
+    pub later: Expr,
+}
+
+impl Both {
+    /// As rules.
+    pub fn rules(self) -> [Rule; 2] {
+        [
+            Rule {
+                kind: RuleKind::Initial,
+                expr: self.first,
+            },
+            Rule {
+                kind: RuleKind::Safety,
+                expr: self.later,
+            },
+        ]
+    }
+
+    /// Either of two.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            first: self.first.or(other.first).simplify(),
+            later: self.later.or(other.later).simplify(),
+        }
+    }
+
+    /// The contrary.
+    pub fn not(self) -> Self {
+        Self {
+            first: self.first.not().simplify(),
+            later: self.later.not().simplify(),
+        }
+    }
+
+    /// Whether it always holds, as far as can be seen.
+    pub fn is_true(&self) -> bool {
+        self.first == Expr::TRUE && self.later == Expr::TRUE
+    }
+}
+
+impl Table<'_> {
+    /// What it does on inputs that it has a row for. A table that answers first does the part about its outputs in any case.
+    pub fn moves(&self) -> Both {
+        let outputs = self.machine.timing == Timing::Mealy;
+        self.over_states(|table, state, time| {
+            let rows = table.machine.transitions(state).iter();
+            any(rows.map(|row| table.row(row, time, outputs)).collect())
+        })
+    }
+
+    /// The outputs of a table that answers first; `None` for one that does not.
+    pub fn spoken(&self) -> Option<Both> {
+        (self.machine.timing == Timing::Moore).then(|| {
+            self.over_states(
+                |table, state, time| match table.machine.transitions(state) {
+                    [] => Expr::TRUE,
+                    [row, ..] => table.outputs(&row.output, time),
+                },
+            )
+        })
+    }
+
+    /// Whether a table that answers first has outputs at all where it is.
+    pub fn speaks(&self) -> Both {
+        if self.machine.timing == Timing::Mealy {
+            return Both {
+                first: Expr::TRUE,
+                later: Expr::TRUE,
+            };
+        }
+        let silent = (0..self.machine.states.len()).filter(|s| self.machine.states[*s].is_empty());
+        let silent = silent.map(|s| self.is_in(s, Time::Now)).collect();
+        Both {
+            first: Expr::Const(i64::from(!self.machine.initial.is_empty())),
+            later: any(silent).not().simplify(),
+        }
+    }
+
+    /// Whether it has a row for the inputs.
+    pub fn covers(&self) -> Both {
+        self.over_states(|table, state, time| {
+            let rows = table.machine.transitions(state).iter();
+            any(rows.map(|row| table.guard(&row.guard, time)).collect())
+        })
+    }
+
+    /// A condition that depends on the state before the step.
+    fn over_states(&self, condition: impl Fn(&Self, Option<usize>, Time) -> Expr) -> Both {
+        let states = 0..self.machine.states.len();
+        let cases = states.map(|s| {
+            self.is_in(s, Time::Now)
+                .and(condition(self, Some(s), Time::Next))
+        });
+        Both {
+            first: condition(self, None, Time::Now).simplify(),
+            later: any(cases.collect()).simplify(),
+        }
+    }
+
+    fn is_in(&self, state: usize, time: Time) -> Expr {
+        let ways = self.states.ways(state).map(|(outputs, number)| {
+            let number = Expr::Var(self.state, time).equals(Expr::Const(number as i64));
+            self.outputs(outputs, time).and(number)
+        });
+        any(ways.collect())
+    }
+
+    /// Where a row leads, with its outputs.
+    fn leads_to(&self, row: &Transition, time: Time) -> Expr {
+        let number = self.states.number(&row.output, row.to);
+        let number = number.map_or(-1, |n| n as i64);
+        Expr::Var(self.state, time).equals(Expr::Const(number))
+    }
+
+    fn row(&self, row: &Transition, time: Time, outputs: bool) -> Expr {
+        let mut all = vec![self.guard(&row.guard, time)];
+        if outputs {
+            all.push(self.outputs(&row.output, time));
+        }
+        all.push(self.leads_to(row, time));
+        conjunction(all)
+    }
+
+    fn outputs(&self, values: &[i64], time: Time) -> Expr {
+        let wires = values.iter().enumerate().map(|(place, value)| {
+            let wire = VarId((self.first + place) as u32);
+            Expr::Var(wire, time).equals(Expr::Const(*value))
+        });
+        conjunction(wires.collect())
+    }
+
+    fn guard(&self, guard: &Guard, time: Time) -> Expr {
+        let cube = |tests: &[Test]| {
+            let tests = tests.iter().map(|t| self.test(t, time));
+            conjunction(tests.collect())
+        };
+        any(guard.0.iter().map(|c| cube(&c.0)).collect())
+    }
+
+    fn test(&self, test: &Test, time: Time) -> Expr {
+        let value = self.bindings[test.input].substitute(&mut |w, _| Expr::Var(w, time));
+        if test.low == test.high {
+            return value.equals(Expr::Const(test.low));
+        }
+        let low = Expr::binary(BinaryOp::Ge, value.clone(), Expr::Const(test.low));
+        low.and(Expr::binary(BinaryOp::Le, value, Expr::Const(test.high)))
+    }
+}
+
+/// A disjunction, as a tree that is as flat as can be: a table has thousands of rows.
+pub(super) fn any(parts: Vec<Expr>) -> Expr {
+    tree(parts, &Expr::FALSE, Expr::or)
+}
+
+/// A conjunction, in the same way.
+pub(super) fn conjunction(parts: Vec<Expr>) -> Expr {
+    tree(parts, &Expr::TRUE, Expr::and)
+}
+
+fn tree(mut parts: Vec<Expr>, empty: &Expr, join: fn(Expr, Expr) -> Expr) -> Expr {
+    if parts.is_empty() {
+        return empty.clone();
+    }
+    while parts.len() > 1 {
+        let mut joined = Vec::with_capacity(parts.len().div_ceil(2));
+        let mut rest = parts.into_iter();
+        while let Some(first) = rest.next() {
+            joined.push(match rest.next() {
+                Some(second) => join(first, second),
+                None => first,
+            });
+        }
+        parts = joined;
+    }
+    parts.swap_remove(0)
+}

@@ -1,0 +1,136 @@
+//! Whether each operation runs the actions that it names, and is then done: what is remembered for that.
+//!
+//! Every step belongs to a call; the first one of a call comes after one in which the operation before was done. An action begins
+//! where it is active and was not active in the step before, or where a call begins with it. Of several that are active in a step the first
+//! declared one counts.
+
+use super::remember;
+use crate::system::System;
+use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, VarId};
+use linewright_language::contract::machine::{Machine, PlantSource};
+use linewright_solver::game::{Rule, RuleKind};
+
+/// What watches operations.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Watch {
+    /// The wire that says which operation runs, where something asks for it.
+    pub operation: Option<VarId>,
+    /// How many actions have begun in this call. One more than any operation names stands for all that are more.
+    pub begun: VarId,
+}
+
+impl Watch {
+    /// Watches a machine with operations: adds what it remembers to the system.
+    pub(super) fn new(machine: &Machine, system: &mut System) -> Option<Self> {
+        if machine.operations.is_empty() || machine.done.is_none() {
+            return None;
+        }
+        let operation = machine
+            .plant
+            .iter()
+            .position(|p| matches!(p.source, PlantSource::Operation))
+            .map(|place| VarId(place as u32));
+        let begun = Domain::Range {
+            low: 0,
+            high: longest(machine) + 1,
+        };
+        let name = system.fresh_name("actions begun");
+        Some(Self {
+            operation,
+            begun: remember(system, name, begun, machine.span),
+        })
+    }
+
+    /// What defines it.
+    pub(super) fn rules(&self, machine: &Machine) -> [Rule; 2] {
+        let done = machine.done.clone().unwrap_or(Expr::FALSE);
+        let begins = |time| active(machine, time).equals(Expr::Const(0)).not();
+        let same = active(machine, Time::Next).equals(active(machine, Time::Now));
+        let before = choose(done.clone(), Expr::Const(0), Expr::now(self.begun));
+        let more = choose(
+            begins(Time::Next).and(done.or(same.not())),
+            Expr::binary(
+                BinaryOp::Min,
+                Expr::binary(BinaryOp::Add, before.clone(), Expr::Const(1)),
+                Expr::Const(longest(machine) + 1),
+            ),
+            before,
+        );
+        let first = choose(begins(Time::Now), Expr::Const(1), Expr::Const(0));
+        [
+            Rule {
+                kind: RuleKind::Initial,
+                expr: Expr::now(self.begun).equals(first).simplify(),
+            },
+            Rule {
+                kind: RuleKind::Safety,
+                expr: Expr::next(self.begun).equals(more).simplify(),
+            },
+        ]
+    }
+
+    /// An operation runs.
+    pub(super) fn runs(&self, machine: &Machine, operation: usize) -> Expr {
+        self.operation.map_or(Expr::TRUE, |wire| {
+            Expr::now(wire).equals(Expr::Const(machine.operations[operation].value))
+        })
+    }
+
+    /// No call begins with an operation: not the first one, nor one after another.
+    pub(super) fn never_begins(&self, machine: &Machine, operation: usize) -> [Rule; 2] {
+        let runs = self.runs(machine, operation);
+        let next = runs.substitute(&mut |v, _| Expr::Var(v, Time::Next));
+        let done = machine.done.clone().unwrap_or(Expr::FALSE);
+        [
+            Rule {
+                kind: RuleKind::Initial,
+                expr: runs.not().simplify(),
+            },
+            Rule {
+                kind: RuleKind::Safety,
+                expr: done.implies(next.not()).simplify(),
+            },
+        ]
+    }
+
+    /// What an operation names is what runs, and it is done when that has run.
+    pub(super) fn in_order(&self, machine: &Machine, operation: usize) -> Expr {
+        let sequence = &machine.operations[operation].sequence;
+        let named = sequence.iter().enumerate();
+        let next = named.rev().fold(Expr::Const(-1), |rest, (place, action)| {
+            let here = Expr::now(self.begun).equals(Expr::Const(place as i64 + 1));
+            choose(here, Expr::Const(*action as i64 + 1), rest)
+        });
+        let active = active(machine, Time::Now);
+        let idle = active.clone().equals(Expr::Const(0));
+        let right = idle.or(active.equals(next));
+        let all = Expr::now(self.begun).equals(Expr::Const(sequence.len() as i64));
+        let done = machine.done.clone().unwrap_or(Expr::FALSE);
+        self.runs(machine, operation)
+            .implies(right.and(done.implies(all)))
+            .simplify()
+    }
+}
+
+fn longest(machine: &Machine) -> i64 {
+    let lengths = machine.operations.iter().map(|o| o.sequence.len());
+    lengths.max().unwrap_or(0) as i64
+}
+
+/// The first declared action that is active, counted from 1.
+fn active(machine: &Machine, time: Time) -> Expr {
+    let components = machine.components.iter().enumerate().rev();
+    components.fold(Expr::Const(0), |rest, (i, component)| {
+        match &component.active {
+            Some(active) => {
+                let active = active.substitute(&mut |v, _| Expr::Var(v, time));
+                choose(active, Expr::Const(i as i64 + 1), rest)
+            }
+            None => rest,
+        }
+    })
+}
+
+fn choose(condition: Expr, then: Expr, otherwise: Expr) -> Expr {
+    Expr::If(Box::new(condition), Box::new(then), Box::new(otherwise))
+}

@@ -1,0 +1,200 @@
+//! Contracts of their own brought together: one variable for what they call by one name, after ports were renamed.
+
+use super::system::{Part, System};
+use linewright_core::gr1::{Domain, Expr, Specification, Time, VarId, Variable};
+use linewright_core::source::Span;
+
+/// A contract that takes part, and how its ports are called there.
+#[derive(Debug, Clone)]
+pub struct Member<'a> {
+    /// The contract.
+    pub specification: &'a Specification,
+    /// What it is called; names tell two uses of one contract apart.
+    pub name: String,
+    /// Ports under other names. An array's name stands for all its elements.
+    pub renamed: Vec<(String, String)>,
+}
+
+/// What two contracts say of one variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sharing {
+    /// Each variable has at most one contract that sets it, as in a composition.
+    #[default]
+    OneDriver,
+    /// Several contracts may speak of one component, as two viewpoints do, or two versions.
+    SeveralViews,
+}
+
+/// Why contracts cannot be brought together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Mismatch {
+    /// Two contracts call variables of different domains by one name.
+    Domains {
+        /// The name.
+        name: String,
+        /// The first contract, its domain as a person writes it, and where it stands.
+        first: (String, String, Span),
+        /// The second one.
+        second: (String, String, Span),
+    },
+    /// Two contracts set one variable.
+    Drivers {
+        /// The name.
+        name: String,
+        /// The first contract, and where the variable is declared.
+        first: (String, Span),
+        /// The second one.
+        second: (String, Span),
+    },
+    /// A port that is to be renamed does not exist.
+    NoPort {
+        /// The contract.
+        contract: String,
+        /// The port.
+        port: String,
+        /// The ports that there are.
+        ports: Vec<String>,
+    },
+    /// Two ports of one contract get one name.
+    Twice {
+        /// The contract.
+        contract: String,
+        /// The name.
+        name: String,
+    },
+}
+
+/// Brings contracts together.
+///
+/// Monitors, and internal variables of contracts that are composed, stay apart: they are called after their contract where another has the
+/// same name. Where several views are taken of one component, internal variables of the same name are the same.
+///
+/// # Errors
+/// All mismatches.
+pub fn join(members: &[Member<'_>], sharing: Sharing) -> Result<System, Vec<Mismatch>> {
+    let mut system = System::default();
+    let mut declared: Vec<(usize, Span)> = Vec::new();
+    let mut mismatches = Vec::new();
+    for (index, member) in members.iter().enumerate() {
+        unknown_ports(member, &mut mismatches);
+        let mut own: Vec<VarId> = Vec::new();
+        for (i, variable) in member.specification.variables.iter().enumerate() {
+            let id = VarId(i as u32);
+            let apart = member.specification.is_made_up(id)
+                || (variable.internal && sharing == Sharing::OneDriver);
+            let mut name = renamed(&variable.name, &member.renamed);
+            let known = system.variables.iter().position(|v| v.name == name);
+            match known {
+                Some(place) if !apart => {
+                    let place = VarId(place as u32);
+                    if own.contains(&place) {
+                        mismatches.push(Mismatch::Twice {
+                            contract: member.name.clone(),
+                            name: name.clone(),
+                        });
+                    }
+                    same_domain(
+                        &system,
+                        place,
+                        &declared,
+                        member,
+                        members,
+                        variable,
+                        &mut mismatches,
+                    );
+                    own.push(place);
+                }
+                _ => {
+                    if known.is_some() {
+                        name = system.fresh_name(&format!("{}.{name}", member.name));
+                    }
+                    own.push(VarId(system.variables.len() as u32));
+                    system.variables.push(Variable {
+                        name,
+                        ..variable.clone()
+                    });
+                    declared.push((index, variable.span));
+                }
+            }
+        }
+        let part = Part::mapped(member.specification, &member.name, &mut |v, time: Time| {
+            Expr::Var(own[v.index()], time)
+        });
+        if sharing == Sharing::OneDriver {
+            for v in &part.drives {
+                if let Some(first) = system.driver(*v) {
+                    let at = own.iter().position(|o| o == v).unwrap_or(0);
+                    mismatches.push(Mismatch::Drivers {
+                        name: system.variables[v.index()].name.clone(),
+                        first: (members[first].name.clone(), declared[v.index()].1),
+                        second: (member.name.clone(), member.specification.variables[at].span),
+                    });
+                }
+            }
+        }
+        system.parts.push(part);
+    }
+    if mismatches.is_empty() {
+        Ok(system)
+    } else {
+        Err(mismatches)
+    }
+}
+
+/// A port's name after renaming: its own, or that of the array it belongs to.
+fn renamed(name: &str, renamed: &[(String, String)]) -> String {
+    for (from, to) in renamed {
+        if name == from {
+            return to.clone();
+        }
+        if let Some(index) = name.strip_prefix(from.as_str())
+            && (index.starts_with('[') || index.starts_with('.'))
+        {
+            return format!("{to}{index}");
+        }
+    }
+    name.to_owned()
+}
+
+fn unknown_ports(member: &Member<'_>, mismatches: &mut Vec<Mismatch>) {
+    let variables = &member.specification.variables;
+    for (from, _) in &member.renamed {
+        let one = std::slice::from_ref(from);
+        let is = |name: &str| {
+            let to = (one[0].clone(), String::new());
+            renamed(name, &[to]) != name
+        };
+        if !variables.iter().any(|v| is(&v.name)) {
+            mismatches.push(Mismatch::NoPort {
+                contract: member.name.clone(),
+                port: from.clone(),
+                ports: variables.iter().map(|v| v.name.clone()).collect(),
+            });
+        }
+    }
+}
+
+/// One name, one domain. A type that is declared in two files is the same when its labels are.
+fn same_domain(
+    system: &System,
+    place: VarId,
+    declared: &[(usize, Span)],
+    member: &Member<'_>,
+    members: &[Member<'_>],
+    variable: &Variable,
+    mismatches: &mut Vec<Mismatch>,
+) {
+    let known = &system.variables[place.index()];
+    let same = match (&known.domain, &variable.domain) {
+        (Domain::Enum { labels: a, .. }, Domain::Enum { labels: b, .. }) => a == b,
+        (a, b) => a == b && known.unit == variable.unit,
+    };
+    if !same {
+        let (first, span) = declared[place.index()];
+        mismatches.push(Mismatch::Domains {
+            name: known.name.clone(),
+            first: (members[first].name.clone(), known.describe(), span),
+            second: (member.name.clone(), variable.describe(), variable.span),
+        });
+    }
+}

@@ -1,0 +1,284 @@
+//! A machine as a system: its components over the machine's wires, and what its file says of the plant.
+
+use super::proof::{Claim, Exports};
+use super::system::{Part, System};
+use linewright_core::gr1::{
+    Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
+};
+use linewright_core::source::Span;
+use linewright_language::contract::machine::{Machine, PlantInput, PlantSource, Promised};
+
+/// A machine's components side by side, and what is to be shown of them: that they discharge one another's assumptions.
+///
+/// What the machine's file fixes is given: constant signals, scripts that begin anew with every call, and that the operation and
+/// what is read of the part stay until the operation is done. Assumptions about those may be handed on to whoever calls the machine,
+/// for the first step of a call. A machine without operations is only stepped: everything from outside is the caller's.
+pub fn of_machine(machine: &Machine) -> (System, Claim) {
+    let mut system = components(machine);
+    let rules = &machine.guarantees;
+    system.variables.extend(rules.monitors.iter().cloned());
+    if !rules.monitors.is_empty() {
+        let first = machine.wire_count() as u32;
+        let monitors = (0..rules.monitors.len() as u32).map(|i| VarId(first + i));
+        system.parts.push(monitors_alone(
+            monitors.collect(),
+            rules.definitions.clone(),
+        ));
+    }
+    let mut goal = rules.side.clone();
+    let claim = match &machine.done {
+        Some(done) => Claim {
+            given: facts(machine, done, &mut system),
+            goal: {
+                goal.justice.push(completes(machine, done));
+                goal
+            },
+            exports: Exports::After(done.clone()),
+            ..Claim::default()
+        },
+        None => Claim {
+            given: Side::default(),
+            goal,
+            exports: Exports::Always,
+            ..Claim::default()
+        },
+    };
+    (system, claim)
+}
+
+/// What is claimed of every machine with operations: one call follows on the other, so that each is done some day.
+pub const COMPLETES: &str = "every request completes";
+
+fn completes(machine: &Machine, done: &Expr) -> Formula {
+    Formula {
+        name: COMPLETES.to_owned(),
+        requirement: None,
+        expr: done.clone(),
+        span: machine.span,
+        text: "always eventually done".to_owned(),
+    }
+}
+
+/// A machine's components side by side, and the claim that they refine a contract together: under what it assumes, and nothing else, they
+/// discharge one another's assumptions and keep what it guarantees.
+pub fn of_promise(machine: &Machine, promised: &Promised) -> (System, Claim) {
+    let mut system = components(machine);
+    let specification = &promised.specification;
+    let mut monitors = Vec::new();
+    let places: Vec<Expr> = promised
+        .bindings
+        .iter()
+        .zip(&specification.variables)
+        .map(|(binding, variable)| {
+            if let Some(expr) = binding {
+                return expr.clone();
+            }
+            let id = VarId(system.variables.len() as u32);
+            let name = system.fresh_name(&variable.name);
+            system.variables.push(Variable {
+                name,
+                ..variable.clone()
+            });
+            monitors.push(id);
+            Expr::now(id)
+        })
+        .collect();
+    let whole = Part::mapped(specification, &promised.contract, &mut |v, time| {
+        places[v.index()].substitute(&mut |w, _| Expr::Var(w, time))
+    });
+    if !monitors.is_empty() {
+        system
+            .parts
+            .push(monitors_alone(monitors, whole.definitions));
+    }
+    let claim = Claim {
+        given: whole.assumptions,
+        goal: whole.guarantees,
+        exports: Exports::Never,
+        ..Claim::default()
+    };
+    (system, claim)
+}
+
+/// A part that only remembers.
+fn monitors_alone(drives: Vec<VarId>, definitions: Side) -> Part {
+    Part {
+        name: "monitors".to_owned(),
+        timing: Timing::Moore,
+        drives,
+        assumptions: Side::default(),
+        guarantees: Side::default(),
+        definitions,
+    }
+}
+
+/// A machine's components, over its wires.
+fn components(machine: &Machine) -> System {
+    let mut system = System::default();
+    for wire in 0..machine.wire_count() {
+        system.variables.push(wire_variable(machine, wire));
+    }
+    for (index, component) in machine.components.iter().enumerate() {
+        let first = machine.first_wire(index);
+        let specification = &component.specification;
+        system.parts.push(Part::mapped(
+            specification,
+            &component.name,
+            &mut |v, time| over_wires(specification, &component.bindings, first, v, time),
+        ));
+    }
+    system
+}
+
+/// A component's variable over wires: an input is what it is bound to, an output its wire.
+pub fn over_wires(
+    specification: &Specification,
+    bindings: &[Expr],
+    first: usize,
+    v: VarId,
+    time: Time,
+) -> Expr {
+    let place = |mut all: Box<dyn Iterator<Item = VarId> + '_>| all.position(|o| o == v);
+    if specification.variable(v).owner == Owner::System {
+        let place = place(Box::new(specification.outputs())).unwrap_or(0);
+        return Expr::Var(VarId((first + place) as u32), time);
+    }
+    let place = place(Box::new(specification.inputs())).unwrap_or(0);
+    bindings[place].substitute(&mut |w, _| Expr::Var(w, time))
+}
+
+fn wire_variable(machine: &Machine, wire: usize) -> Variable {
+    let name = machine.wire_name(wire);
+    if let Some(input) = machine.plant.get(wire) {
+        return Variable {
+            name,
+            owner: Owner::Environment,
+            internal: false,
+            domain: input.domain.clone(),
+            unit: input.unit.clone(),
+            span: input.span,
+        };
+    }
+    let mut outputs = machine.components.iter().flat_map(|c| {
+        let specification = &c.specification;
+        specification.outputs().map(|v| specification.variable(v))
+    });
+    let own = outputs.nth(wire - machine.plant.len());
+    Variable {
+        name,
+        owner: Owner::System,
+        ..own
+            .expect("a wire of this machine; please report this")
+            .clone()
+    }
+}
+
+/// What the machine's file says of the plant while operations run.
+fn facts(machine: &Machine, done: &Expr, system: &mut System) -> Side {
+    let mut side = Side::default();
+    let at = |name: String, text: String, expr: Expr, span: Span| Formula {
+        name,
+        requirement: None,
+        expr: expr.simplify(),
+        span,
+        text,
+    };
+    for (wire, input) in machine.plant.iter().enumerate() {
+        let wire = VarId(wire as u32);
+        match &input.source {
+            PlantSource::Signal { script } => signal(input, wire, script, done, system, &mut side),
+            PlantSource::Operation | PlantSource::Property(_) => {
+                let stays = Expr::next(wire).equals(Expr::now(wire));
+                side.safety.push(at(
+                    format!("{} is held", input.name),
+                    format!("{} stays until the operation is done", input.name),
+                    done.clone().not().implies(stays),
+                    input.span,
+                ));
+            }
+        }
+        if matches!(input.source, PlantSource::Operation) {
+            let one = machine
+                .operations
+                .iter()
+                .map(|o| Expr::now(wire).equals(Expr::Const(o.value)));
+            let names: Vec<&str> = machine.operations.iter().map(|o| o.name.as_str()).collect();
+            side.invariants.push(at(
+                format!("{} is known", input.name),
+                format!("{} is one of {}", input.name, names.join(", ")),
+                one.fold(Expr::FALSE, Expr::or),
+                input.span,
+            ));
+        }
+    }
+    side
+}
+
+/// A signal: a constant, or a script with a place in it that begins anew with every call.
+fn signal(
+    input: &PlantInput,
+    wire: VarId,
+    script: &[i64],
+    done: &Expr,
+    system: &mut System,
+    side: &mut Side,
+) {
+    let shown: Vec<String> = script.iter().map(|v| input.domain.show(*v)).collect();
+    let formula = |expr: Expr, text: String| Formula {
+        name: format!("signal {}", input.name),
+        requirement: None,
+        expr: expr.simplify(),
+        span: input.span,
+        text,
+    };
+    let [first, rest @ ..] = script else {
+        return;
+    };
+    if rest.iter().all(|v| v == first) {
+        let text = format!("{} = {}", input.name, shown[0]);
+        let expr = Expr::now(wire).equals(Expr::Const(*first));
+        side.invariants.push(formula(expr, text));
+        return;
+    }
+    let text = format!(
+        "{} = {} in turn, from the first with every call",
+        input.name,
+        shown.join(", ")
+    );
+    let place = VarId(system.variables.len() as u32);
+    let last = script.len() as i64 - 1;
+    system.variables.push(Variable {
+        name: system.fresh_name(&format!("{} (place)", input.name)),
+        owner: Owner::Environment,
+        internal: true,
+        domain: Domain::Range { low: 0, high: last },
+        unit: String::new(),
+        span: input.span,
+    });
+    let start = Expr::now(place).equals(Expr::Const(0));
+    let on = Expr::If(
+        Box::new(done.clone().or(Expr::now(place).equals(Expr::Const(last)))),
+        Box::new(Expr::Const(0)),
+        Box::new(Expr::binary(
+            linewright_core::gr1::BinaryOp::Add,
+            Expr::now(place),
+            Expr::Const(1),
+        )),
+    );
+    let value = script
+        .iter()
+        .enumerate()
+        .rev()
+        .fold(Expr::Const(*first), |rest, (i, v)| {
+            Expr::If(
+                Box::new(Expr::now(place).equals(Expr::Const(i as i64))),
+                Box::new(Expr::Const(*v)),
+                Box::new(rest),
+            )
+        });
+    side.initial.push(formula(start, text.clone()));
+    side.safety
+        .push(formula(Expr::next(place).equals(on), text.clone()));
+    side.invariants
+        .push(formula(Expr::now(wire).equals(value), text));
+}

@@ -1,0 +1,274 @@
+//! What the parts are to keep together, when everybody's assumptions are met.
+
+use super::super::system::FormulaRef;
+use super::prover::{ALL, Found, Prover, is_goal};
+use super::{Broken, Discharged, Open, Reach};
+use linewright_core::gr1::{Expr, Time};
+use linewright_solver::game::{Lasso, Limit, Rule, RuleKind};
+use std::collections::{BTreeSet, VecDeque};
+
+/// So many rings of rules are near: first the nearest.
+const NEAR: [usize; 3] = [1, 2, 3];
+
+impl<'a> Prover<'a> {
+    /// What the parts are to keep together. Justice of the goal that was shown is a reason for what else comes again and again: it holds of
+    /// all runs, and so a proof may go place by place, where everything at once would be too much.
+    pub(super) fn goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
+        // After everybody's assumptions.
+        let turns = self
+            .proof
+            .discharges
+            .iter()
+            .map(|d| match d.rule {
+                Discharged::Justice { turn } => turn + 1,
+                _ => 0,
+            })
+            .max();
+        let turns = turns.unwrap_or(0);
+        let goals = self.book.numbers(|at| is_goal(*at));
+        let (justice, safety): (Vec<usize>, Vec<usize>) =
+            goals.into_iter().partition(|i| self.book.is_justice(*i));
+        let (mut lemmas, mut goals): (Vec<usize>, Vec<usize>) =
+            safety.into_iter().partition(|i| self.is_lemma(*i));
+        // What is about little first: lemmas rest on it, and what is about much on them.
+        goals.sort_by_key(|i| self.book.entries[*i].mentions.len());
+        for (place, rule) in goals.iter().copied().enumerate() {
+            self.ready_lemmas(&mut lemmas, &goals[place..], turns)?;
+            if self.claim.known.contains(&self.at(rule)) {
+                self.shown.push(rule);
+                self.kept.insert(rule);
+                continue;
+            }
+            let found = match self.step_minimal(rule, None, ALL)? {
+                Some(by) => {
+                    self.kept.insert(rule);
+                    Found::Follows(by)
+                }
+                None if self.stepwise => self.step_of_goal(rule)?,
+                None => self.fairly(rule, reliable)?,
+            };
+            match found {
+                Found::Follows(by) => self.show(rule, &by, turns),
+                Found::Fails(why) => self.open(rule, why),
+            }
+        }
+        self.ready_lemmas(&mut lemmas, &[], turns)?;
+        self.again_and_again(justice, reliable, turns)?;
+        self.leave_out_idle_lemmas();
+        Ok(())
+    }
+
+    /// Safety among the lemmas, as far as what they are looked for among was asked before. `left` are the goals that were not.
+    fn ready_lemmas(
+        &mut self,
+        lemmas: &mut Vec<usize>,
+        left: &[usize],
+        turns: usize,
+    ) -> Result<(), Limit> {
+        let is_ready = |p: &Self, lemmas: &[usize], rule: usize| {
+            let from = p.from(rule);
+            let mut waiting = left.iter().chain(lemmas);
+            !waiting.any(|i| from.is_some_and(|from| from.contains(&p.at(*i))))
+        };
+        while let Some(place) = (0..lemmas.len()).find(|i| is_ready(self, lemmas, lemmas[*i])) {
+            let rule = lemmas.remove(place);
+            if let Some(by) = self.step_minimal(rule, None, ALL)? {
+                self.kept.insert(rule);
+                self.show(rule, &by, turns);
+            }
+        }
+        Ok(())
+    }
+
+    /// Justice of the goal: first all that follows from what stands near, and then, while something is left, one of the others from
+    /// everything, which may bring more near. Lemmas are only looked for near.
+    fn again_and_again(
+        &mut self,
+        mut left: Vec<usize>,
+        reliable: &BTreeSet<usize>,
+        turn: usize,
+    ) -> Result<(), Limit> {
+        'again: loop {
+            for (far, rings) in NEAR.into_iter().enumerate() {
+                let mut waiting = VecDeque::from(std::mem::take(&mut left));
+                let mut tried = waiting.len();
+                while tried > 0 {
+                    tried -= 1;
+                    let Some(rule) = waiting.pop_front() else {
+                        break;
+                    };
+                    // What a lemma is looked for among is the same for all rings.
+                    let asked = far > 0 && self.is_lemma(rule) && self.from(rule).is_some();
+                    let found = if asked {
+                        None
+                    } else {
+                        self.again_minimal(rule, reliable, rings)?
+                    };
+                    match found {
+                        Some(by) => {
+                            self.show(rule, &by, turn);
+                            // With it, others may follow from less than from so much.
+                            if far > 0 {
+                                left = waiting.into();
+                                continue 'again;
+                            }
+                        }
+                        // Asked last the next time.
+                        None => waiting.push_back(rule),
+                    }
+                }
+                left = waiting.into();
+            }
+            let goals = left.iter().rev().filter(|i| !self.is_lemma(**i));
+            let Some(&rule) = goals.max_by_key(|i| self.neighbours(**i)) else {
+                return Ok(());
+            };
+            left.retain(|other| *other != rule);
+            match self.again_minimal(rule, reliable, ALL)? {
+                Some(by) => self.show(rule, &by, turn),
+                None => match self.never_again(rule, reliable)? {
+                    Some(lasso) => self.open(rule, Broken::Lasso(lasso)),
+                    None => unreachable!("what follows was found; please report this"),
+                },
+            }
+        }
+    }
+
+    /// How many rules stand near a goal: where most meets, most is decided.
+    fn neighbours(&self, rule: usize) -> usize {
+        let rings = self.book.rings(&[rule], &self.hypotheses());
+        rings.iter().take(2).map(Vec::len).sum()
+    }
+
+    pub(super) fn is_lemma(&self, rule: usize) -> bool {
+        let at = self.book.entries[rule].at;
+        at.is_some_and(|at| self.claim.lemmas.contains_key(&at))
+    }
+
+    /// Whether it is a lemma that all may rest on.
+    pub(super) fn is_common_lemma(&self, rule: usize) -> bool {
+        let at = self.book.entries[rule].at;
+        at.is_some_and(|at| self.claim.lemmas.get(&at) == Some(&Reach::Near))
+    }
+
+    /// What a formula is tried to be shown from first.
+    fn from(&self, rule: usize) -> Option<&'a BTreeSet<FormulaRef>> {
+        self.claim.from.get(&self.book.entries[rule].at?)
+    }
+
+    /// The rules that a formula is tried to be shown from first, where that is said. `others` are what may be relied on beside formulas of the
+    /// goal.
+    pub(super) fn sources(&self, rule: usize, others: &[usize]) -> Option<Vec<usize>> {
+        let from = self.from(rule)?;
+        let again = self.book.is_justice(rule);
+        let is_there = |i: &usize| match self.book.entries[*i].at {
+            Some(at) if !from.contains(&at) => false,
+            Some(at) if is_goal(at) && again => self.shown.contains(i),
+            Some(at) if is_goal(at) => self.kept.contains(i),
+            Some(_) => others.contains(i),
+            None => false,
+        };
+        Some((0..self.book.entries.len()).filter(is_there).collect())
+    }
+
+    /// Takes lemmas out of the table that nothing else rests on.
+    fn leave_out_idle_lemmas(&mut self) {
+        loop {
+            let discharges = &self.proof.discharges;
+            let idle = discharges.iter().position(|d| {
+                self.claim.lemmas.contains_key(&d.what)
+                    && !discharges.iter().any(|other| other.by.contains(&d.what))
+            });
+            match idle {
+                Some(place) => self.proof.discharges.remove(place),
+                None => return,
+            };
+        }
+    }
+
+    /// Records that a formula of the goal was shown: in this turn at the earliest, and after all formulas of the goal that it rests on.
+    fn show(&mut self, rule: usize, by: &[usize], first: usize) {
+        let after = by.iter().filter(|i| self.shown.contains(i));
+        let after: Vec<FormulaRef> = after.map(|i| self.at(*i)).collect();
+        let turns = self
+            .proof
+            .discharges
+            .iter()
+            .filter(|d| after.contains(&d.what))
+            .filter_map(|d| match d.rule {
+                Discharged::Justice { turn } => Some(turn + 1),
+                _ => None,
+            });
+        let turn = turns.fold(first, usize::max);
+        self.record_again(rule, by, turn);
+        self.shown.push(rule);
+    }
+
+    fn open(&mut self, rule: usize, why: Broken) {
+        let what = self.at(rule);
+        self.proof.open.push(Open { what, why });
+    }
+
+    /// Safety of the goal with all that was kept so far.
+    fn step_of_goal(&mut self, rule: usize) -> Result<Found, Limit> {
+        let mut all = self.with_assumptions(self.hypotheses());
+        if self.book.rule(rule).kind == RuleKind::Initial {
+            let first = [RuleKind::Initial, RuleKind::Invariant];
+            all.retain(|i| first.contains(&self.book.rule(*i).kind));
+        }
+        if let Some(trace) = self.step(&all, rule, None)? {
+            return Ok(Found::Fails(Broken::Trace(trace)));
+        }
+        let mut holds = |p: &mut Self, kept: &[usize]| p.step_holds(kept, rule, None);
+        Ok(Found::Follows(self.fewest(&all, &mut holds)?))
+    }
+
+    /// Safety of the goal once more, of infinite runs only: a step that leads to where no run goes on breaks nothing.
+    fn fairly(&mut self, rule: usize, reliable: &BTreeSet<usize>) -> Result<Found, Limit> {
+        let slipped = self.book.slipped;
+        let Rule { kind, expr } = self.book.rule(rule).clone();
+        let first = match kind {
+            RuleKind::Safety | RuleKind::Justice => Expr::FALSE,
+            RuleKind::Initial | RuleKind::Invariant => expr.clone().not(),
+        };
+        let later = match kind {
+            RuleKind::Initial | RuleKind::Justice => Expr::FALSE,
+            RuleKind::Invariant => {
+                let next = expr.substitute(&mut |v, _| Expr::Var(v, Time::Next));
+                next.not()
+            }
+            RuleKind::Safety => expr.clone().not(),
+        };
+        let start = self.book.add(Rule {
+            kind: RuleKind::Initial,
+            expr: Expr::now(slipped).equals(first),
+        });
+        let on = self.book.add(Rule {
+            kind: RuleKind::Safety,
+            expr: Expr::next(slipped).equals(Expr::now(slipped).or(later)),
+        });
+        let seen = self.book.add(Rule {
+            kind: RuleKind::Justice,
+            expr: Expr::now(slipped),
+        });
+        let candidates = self.with_assumptions(self.reasons(reliable));
+        let slips = |p: &mut Self, kept: &[usize]| -> Result<Option<Lasso>, Limit> {
+            let mut wanted = p.wanted(kept, &[rule]);
+            wanted.keep.extend([start, on]);
+            wanted.again.push(seen);
+            p.book.runs.lasso(&wanted)
+        };
+        match slips(self, &candidates)? {
+            None => {
+                let mut holds = |p: &mut Self, kept: &[usize]| Ok(slips(p, kept)?.is_none());
+                Ok(Found::Follows(self.fewest(&candidates, &mut holds)?))
+            }
+            Some(lasso) => {
+                let mut steps = [lasso.prefix, lasso.cycle].concat();
+                let first = steps.iter().position(|s| s[slipped.index()] != 0);
+                steps.truncate(first.map_or(steps.len(), |i| i + 1));
+                Ok(Found::Fails(Broken::Trace(steps)))
+            }
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! Justice that parts assume: turn by turn, so that no circle is a reason.
+
+use super::loops::way_back;
+use super::prover::{ALL, Prover, is_assumption, is_given, is_guarantee};
+use super::{Broken, Circle, Discharged, Open};
+use linewright_solver::game::{Lasso, Limit, RuleKind, Wanted};
+use std::collections::BTreeSet;
+
+impl Prover<'_> {
+    /// Justice that parts assume, turn by turn. Gives the parts whose justice guarantees can be relied on in the end.
+    pub(super) fn justice(&mut self) -> Result<BTreeSet<usize>, Limit> {
+        let assumed = self.book.numbers(|at| is_assumption(*at));
+        let mut left: Vec<usize> = assumed;
+        left.retain(|i| self.book.is_justice(*i));
+        let mut turn = 0;
+        let mut exported = false;
+        loop {
+            let reliable = self.reliable(&left);
+            if left.is_empty() {
+                return Ok(reliable);
+            }
+            let before = left.len();
+            left = self.by_the_environment(&left)?;
+            if left.len() == before {
+                left = self.by_justice(&left, &reliable, turn)?;
+                turn += usize::from(left.len() < before);
+            }
+            if left.len() < before {
+                continue;
+            }
+            if !exported {
+                exported = true;
+                let mut open = Vec::new();
+                for rule in std::mem::take(&mut left) {
+                    match self.export(rule)? {
+                        Ok(by) => self.hand_on(rule, &by),
+                        Err(_) => open.push(rule),
+                    }
+                }
+                left = open;
+                continue;
+            }
+            for rule in &left {
+                if let Some(lasso) = self.never_again(*rule, &reliable)? {
+                    let what = self.at(*rule);
+                    let why = Broken::Lasso(lasso);
+                    self.proof.open.push(Open { what, why });
+                }
+            }
+            self.proof.circles = self.circles(&left);
+            return Ok(reliable);
+        }
+    }
+
+    /// Tries what is known of the environment; gives the justice assumptions that were not met.
+    fn by_the_environment(&mut self, left: &[usize]) -> Result<Vec<usize>, Limit> {
+        let environments: Vec<usize> = self
+            .reasons(&BTreeSet::new())
+            .into_iter()
+            .filter(|i| self.is_environments(*i))
+            .collect();
+        let mut waiting = Vec::new();
+        for rule in left {
+            let found = self.minimal(*rule, &environments, ALL, &mut |p, kept| {
+                Ok(!p.is_starved(kept, *rule)?)
+            })?;
+            match found {
+                Some(by) => self.record_again(*rule, &by, 0),
+                None => waiting.push(*rule),
+            }
+        }
+        Ok(waiting)
+    }
+
+    /// Meets one justice assumption with what these parts guarantee, one that speaks of few parts if it can; gives the others.
+    fn by_justice(
+        &mut self,
+        left: &[usize],
+        reliable: &BTreeSet<usize>,
+        turn: usize,
+    ) -> Result<Vec<usize>, Limit> {
+        let parts = |rule: &usize| {
+            let drivers = self.book.entries[*rule].mentions.iter();
+            let drivers = drivers.filter_map(|v| self.book.system.driver(*v));
+            drivers.collect::<BTreeSet<usize>>().len()
+        };
+        let mut order = left.to_vec();
+        order.sort_by_key(parts);
+        for rule in order {
+            if let Some(by) = self.again_minimal(rule, reliable, ALL)? {
+                self.record_again(rule, &by, turn);
+                return Ok(left.iter().copied().filter(|i| *i != rule).collect());
+            }
+        }
+        Ok(left.to_vec())
+    }
+
+    /// Records a discharge that may rest on justice.
+    pub(super) fn record_again(&mut self, rule: usize, by: &[usize], turn: usize) {
+        let environments = by.iter().all(|i| self.is_environments(*i));
+        let kind = match (environments, by.iter().any(|i| self.book.is_justice(*i))) {
+            (true, _) => Discharged::Environment,
+            (false, false) => Discharged::Induction,
+            (false, true) => Discharged::Justice { turn },
+        };
+        self.record(rule, kind, by);
+    }
+
+    /// The parts none of whose justice assumptions is left.
+    fn reliable(&self, left: &[usize]) -> BTreeSet<usize> {
+        let waiting: BTreeSet<usize> = left.iter().map(|i| self.part_of(*i)).collect();
+        (0..self.book.system.parts.len())
+            .filter(|p| !waiting.contains(p))
+            .collect()
+    }
+
+    /// Rules that justice may rest on: safety, and the justice of the environment and of these parts.
+    pub(super) fn reasons(&self, reliable: &BTreeSet<usize>) -> Vec<usize> {
+        let mut found = self.hypotheses();
+        found.extend(self.book.numbers(|at| {
+            at.kind == RuleKind::Justice
+                && (is_given(*at)
+                    || (is_guarantee(*at) && at.part.is_some_and(|p| reliable.contains(&p))))
+        }));
+        found.extend(self.exported.iter().filter(|i| self.book.is_justice(**i)));
+        found.sort_unstable();
+        found.dedup();
+        let is_there = |i: &&usize| !self.is_lemma(**i) || self.is_common_lemma(**i);
+        let shown = self.shown.iter().filter(is_there);
+        found.extend(shown.filter(|i| self.book.is_justice(**i)));
+        found
+    }
+
+    pub(super) fn again_minimal(
+        &mut self,
+        rule: usize,
+        reliable: &BTreeSet<usize>,
+        rings: usize,
+    ) -> Result<Option<Vec<usize>>, Limit> {
+        let mut holds = |p: &mut Self, kept: &[usize]| Ok(!p.is_starved(kept, rule)?);
+        let candidates = self.reasons(reliable);
+        if let Some(sources) = self.sources(rule, &candidates) {
+            let found = self.minimal(rule, &sources, ALL, &mut holds)?;
+            if found.is_some() || self.is_lemma(rule) {
+                return Ok(found);
+            }
+        }
+        if let Some(by) = self.minimal(rule, &candidates, rings, &mut holds)? {
+            return Ok(Some(by));
+        }
+        if rings != ALL {
+            return Ok(None);
+        }
+        let all = self.with_assumptions(candidates);
+        if holds(self, &all)? {
+            return self.fewest(&all, &mut holds).map(Some);
+        }
+        Ok(None)
+    }
+
+    /// A run that keeps everything and from some step on never meets a justice again.
+    pub(super) fn never_again(
+        &mut self,
+        rule: usize,
+        reliable: &BTreeSet<usize>,
+    ) -> Result<Option<Lasso>, Limit> {
+        let all = self.with_assumptions(self.reasons(reliable));
+        self.starved(&all, rule)
+    }
+
+    fn starved(&mut self, kept: &[usize], rule: usize) -> Result<Option<Lasso>, Limit> {
+        let wanted = self.wanted(kept, &[rule]);
+        self.book.runs.lasso(&Wanted {
+            never_again: vec![rule],
+            ..wanted
+        })
+    }
+
+    fn is_starved(&mut self, kept: &[usize], rule: usize) -> Result<bool, Limit> {
+        let wanted = self.wanted(kept, &[rule]);
+        self.book.runs.any_lasso(&Wanted {
+            never_again: vec![rule],
+            ..wanted
+        })
+    }
+
+    /// Runs that keep these rules; the monitors of `others` are defined as well.
+    pub(super) fn wanted(&self, kept: &[usize], others: &[usize]) -> Wanted {
+        let all = kept.iter().chain(others).copied();
+        let mut keep = self.book.definitions(all);
+        let (again, safe): (Vec<usize>, Vec<usize>) =
+            kept.iter().copied().partition(|i| self.book.is_justice(*i));
+        keep.extend(safe);
+        Wanted {
+            keep,
+            again,
+            never_again: Vec::new(),
+        }
+    }
+
+    /// Circles among justice assumptions that were not met: one waits for those that the part whose variables it speaks of makes.
+    fn circles(&self, left: &[usize]) -> Vec<Circle> {
+        let waits_for = |a: usize| -> BTreeSet<usize> {
+            let own = self.part_of(a);
+            let drivers = self.book.entries[a].mentions.iter();
+            let drivers: BTreeSet<usize> = drivers
+                .filter_map(|v| self.book.system.driver(*v))
+                .filter(|p| *p != own)
+                .collect();
+            (0..left.len())
+                .filter(|i| drivers.contains(&self.part_of(left[*i])))
+                .collect()
+        };
+        let edges: Vec<BTreeSet<usize>> = left.iter().map(|a| waits_for(*a)).collect();
+        let mut told: BTreeSet<usize> = BTreeSet::new();
+        let mut circles = Vec::new();
+        for start in 0..left.len() {
+            if told.contains(&start) {
+                continue;
+            }
+            if let Some(way) = way_back(|i: usize| edges[i].iter().copied().collect(), start) {
+                told.extend(&way);
+                circles.push(Circle {
+                    assumptions: way.into_iter().map(|i| self.at(left[i])).collect(),
+                });
+            }
+        }
+        circles
+    }
+}

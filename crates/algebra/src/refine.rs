@@ -1,0 +1,81 @@
+//! Refinement, with its reasons: which assumption of the new contract follows from which of the old one's, and which guarantee of the old
+//! one is kept by which of the new one's.
+//!
+//! `C₁ ≼ C₂` when `A₂ ⊆ A₁` and `A₂ ∧ G₁ ⊆ G₂`: what the old environments give is enough for the new contract, and under it the new contract
+//! promises what the old one did. Decided exactly on infinite runs.
+
+use super::proof::{Claim, Exports, Proof, prove};
+use super::system::{Part, System};
+use linewright_core::gr1::Side;
+use linewright_solver::game::{Limit, Limits};
+
+/// What came out. In both proofs the environment is that of the contract that is refined.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refinement {
+    /// The refining contract's assumptions are the goal; the environment alone has to meet them.
+    pub assumptions: Question,
+    /// The refined contract's guarantees are the goal.
+    pub guarantees: Question,
+}
+
+/// A proof and what it is about.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Question {
+    /// The system.
+    pub system: System,
+    /// The claim.
+    pub claim: Claim,
+    /// What came out.
+    pub proof: Proof,
+}
+
+impl Refinement {
+    /// Whether one refines the other.
+    pub fn holds(&self) -> bool {
+        self.assumptions.proof.holds() && self.guarantees.proof.holds()
+    }
+}
+
+/// Whether one part of a system refines another.
+///
+/// # Errors
+/// When a limit was reached.
+pub fn refine(
+    system: &System,
+    small: usize,
+    large: usize,
+    limits: &Limits,
+) -> Result<Refinement, Limit> {
+    let (new, old) = (&system.parts[small], &system.parts[large]);
+    // Both keep their monitors, whoever promises what.
+    let views = |promised: &Side| {
+        let view = |part: &Part, guarantees: &Side| Part {
+            assumptions: Side::default(),
+            guarantees: guarantees.clone(),
+            ..part.clone()
+        };
+        vec![view(new, promised), view(old, &Side::default())]
+    };
+    let question = |promised: &Side, goal: &Side| -> Result<Question, Limit> {
+        let system = System {
+            variables: system.variables.clone(),
+            parts: views(promised),
+        };
+        let claim = Claim {
+            given: old.assumptions.clone(),
+            goal: goal.clone(),
+            exports: Exports::Never,
+            ..Claim::default()
+        };
+        let proof = prove(&system, &claim, limits)?;
+        Ok(Question {
+            system,
+            claim,
+            proof,
+        })
+    };
+    Ok(Refinement {
+        assumptions: question(&Side::default(), &new.assumptions)?,
+        guarantees: question(&new.guarantees, &old.guarantees)?,
+    })
+}

@@ -1,0 +1,210 @@
+//! The evaluator of counterexamples: formulas are evaluated on plain values, step by step, and nothing else is relied on.
+
+use super::contract::Words;
+use super::proof::{Broken, Claim, Exports, Open, Proof};
+use super::system::{FormulaRef, Half, System, formulas, list};
+use linewright_core::gr1::{Formula, Side, VarId, eval};
+use linewright_solver::game::{Lasso, RuleKind};
+use std::collections::BTreeSet;
+
+/// Whether an infinite run keeps one side: initial conditions, invariants, safety, justice.
+pub fn keeps(side: &Side, run: &Lasso) -> bool {
+    formulas(side).all(|(kind, _, formula)| keeps_formula(kind, formula, run))
+}
+
+/// Whether an infinite run is in a set of runs. Definitions of monitors are not looked at.
+pub fn contains(system: &System, words: &Words, run: &Lasso) -> bool {
+    match words {
+        Words::Side(part, half) => keeps(system.parts[*part].half(*half), run),
+        Words::Not(inner) => !contains(system, inner, run),
+        Words::All(all) => all.iter().all(|w| contains(system, w, run)),
+        Words::Any(any) => any.iter().any(|w| contains(system, w, run)),
+    }
+}
+
+/// Whether every value belongs to its variable's domain, every monitor is what it is defined as, and the cycle is not empty.
+pub fn is_run(system: &System, run: &Lasso) -> bool {
+    let steps = run.prefix.iter().chain(&run.cycle);
+    !run.cycle.is_empty()
+        && steps.into_iter().all(|step| within_domains(system, step))
+        && system.parts.iter().all(|p| keeps(&p.definitions, run))
+}
+
+/// Whether an infinite run keeps a formula.
+pub fn keeps_formula(kind: RuleKind, formula: &Formula, run: &Lasso) -> bool {
+    let steps: Vec<&Vec<i64>> = run.prefix.iter().chain(&run.cycle).collect();
+    let after = |i: usize| {
+        if i + 1 < steps.len() {
+            steps[i + 1]
+        } else {
+            steps[run.prefix.len()]
+        }
+    };
+    let holds = |i: usize| eval::holds(&formula.expr, steps[i], after(i));
+    match kind {
+        RuleKind::Initial => holds(0),
+        RuleKind::Invariant | RuleKind::Safety => (0..steps.len()).all(holds),
+        RuleKind::Justice => (run.prefix.len()..steps.len()).any(holds),
+    }
+}
+
+/// Whether a counterexample shows that an obligation is not met.
+///
+/// A trace has to keep everything up to the step before the last one. In the last step it has to keep what is given and what was handed on, and,
+/// for a goal, everything; and it has to break what is open. A lasso has to keep all safety, meet what is given and what reliable parts
+/// guarantee, and starve what is open.
+///
+/// # Errors
+/// What is wrong with it, in words.
+pub fn accepts(system: &System, claim: &Claim, proof: &Proof, open: &Open) -> Result<(), String> {
+    let what = formula(system, claim, open.what);
+    match &open.why {
+        Broken::Trace(steps) => trace(system, claim, proof, open.what, what, steps),
+        Broken::Lasso(run) => lasso(system, claim, proof, open.what, what, run),
+    }
+}
+
+/// The formula that is pointed at, of a part or of the claim.
+pub fn formula<'a>(system: &'a System, claim: &'a Claim, at: FormulaRef) -> &'a Formula {
+    match (system.formula(at), at.half) {
+        (Some(formula), _) => formula,
+        (None, Half::Assumptions) => &list(&claim.given, at.kind)[at.index],
+        (None, Half::Guarantees) => &list(&claim.goal, at.kind)[at.index],
+    }
+}
+
+fn within_domains(system: &System, step: &[i64]) -> bool {
+    let values = system.variables.iter().zip(step);
+    step.len() >= system.variables.len() && values.into_iter().all(|(v, x)| v.domain.contains(*x))
+}
+
+/// All formulas that a run has to keep, by name: what is given, assumptions, guarantees and definitions of parts.
+fn everything<'a>(
+    system: &'a System,
+    claim: &'a Claim,
+) -> impl Iterator<Item = (RuleKind, &'a Formula)> {
+    let sides = system
+        .parts
+        .iter()
+        .flat_map(|p| [&p.definitions, &p.guarantees, &p.assumptions]);
+    sides
+        .chain([&claim.given])
+        .flat_map(|side| formulas(side).map(|(kind, _, formula)| (kind, formula)))
+}
+
+/// Whether a formula holds in a step, the one before it given; justice asks nothing of a step.
+pub fn holds_at(kind: RuleKind, formula: &Formula, steps: &[Vec<i64>], at: usize) -> bool {
+    match kind {
+        RuleKind::Initial => at > 0 || eval::holds(&formula.expr, &steps[0], &[]),
+        RuleKind::Invariant => eval::holds(&formula.expr, &steps[at], &[]),
+        RuleKind::Safety => at == 0 || eval::holds(&formula.expr, &steps[at - 1], &steps[at]),
+        RuleKind::Justice => true,
+    }
+}
+
+fn trace(
+    system: &System,
+    claim: &Claim,
+    proof: &Proof,
+    at: FormulaRef,
+    what: &Formula,
+    steps: &[Vec<i64>],
+) -> Result<(), String> {
+    let Some(last) = steps.len().checked_sub(1) else {
+        return Err("it has no step".to_owned());
+    };
+    if !steps.iter().all(|s| within_domains(system, s)) {
+        return Err("a value is outside its domain".to_owned());
+    }
+    let is_goal = at.part.is_none();
+    for (kind, formula) in everything(system, claim) {
+        let steps_kept = if is_goal && !is_assumed(system, formula) {
+            last + 1
+        } else {
+            last
+        };
+        if let Some(broken) = (0..steps_kept).find(|i| !holds_at(kind, formula, steps, *i)) {
+            return Err(format!("step {broken} breaks {}", formula.name));
+        }
+    }
+    let binding = formulas(&claim.given).map(|(k, _, f)| (k, f)).chain(
+        system
+            .parts
+            .iter()
+            .flat_map(|p| formulas(&p.definitions).map(|(k, _, f)| (k, f))),
+    );
+    for (kind, formula) in binding {
+        if !holds_at(kind, formula, steps, last) {
+            return Err(format!("the last step breaks {}", formula.name));
+        }
+    }
+    for discharge in &proof.discharges {
+        if discharge.rule == super::proof::Discharged::Exported && discharge.what != at {
+            let formula = self::formula(system, claim, discharge.what);
+            if !holds_at(discharge.what.kind, formula, steps, last) {
+                return Err(format!(
+                    "the last step breaks {}, which was handed on",
+                    formula.name
+                ));
+            }
+        }
+    }
+    if holds_at(at.kind, what, steps, last) {
+        return Err(format!("the last step keeps {}", what.name));
+    }
+    if let (Exports::After(after), true) =
+        (&claim.exports, last > 0 && is_outside(system, at, what))
+        && eval::holds(after, &steps[last - 1], &[])
+    {
+        return Err("it is the environment's own choice".to_owned());
+    }
+    Ok(())
+}
+
+fn is_assumed(system: &System, formula: &Formula) -> bool {
+    let mut assumed = system.parts.iter().flat_map(|p| p.assumptions.all());
+    assumed.any(|f| std::ptr::eq(f, formula))
+}
+
+fn is_outside(system: &System, at: FormulaRef, what: &Formula) -> bool {
+    let latest = super::proof::latest(&what.expr, at.kind);
+    latest
+        .into_iter()
+        .any(|v: VarId| system.driver(v).is_none())
+}
+
+fn lasso(
+    system: &System,
+    claim: &Claim,
+    proof: &Proof,
+    at: FormulaRef,
+    what: &Formula,
+    run: &Lasso,
+) -> Result<(), String> {
+    if !is_run(system, run) {
+        return Err("it is no run".to_owned());
+    }
+    let waiting: BTreeSet<usize> = proof
+        .open
+        .iter()
+        .filter(|o| o.what.kind == RuleKind::Justice)
+        .filter_map(|o| o.what.part)
+        .collect();
+    for (kind, formula) in everything(system, claim) {
+        if kind != RuleKind::Justice && !keeps_formula(kind, formula, run) {
+            return Err(format!("it breaks {}", formula.name));
+        }
+    }
+    let reliable = system.parts.iter().enumerate();
+    let reliable = reliable.filter(|(i, _)| !waiting.contains(i));
+    let owed = reliable.flat_map(|(_, p)| &p.guarantees.justice);
+    for formula in owed.chain(&claim.given.justice) {
+        if !keeps_formula(RuleKind::Justice, formula, run) {
+            return Err(format!("it starves {}", formula.name));
+        }
+    }
+    if keeps_formula(at.kind, what, run) {
+        return Err(format!("it keeps {}", what.name));
+    }
+    Ok(())
+}

@@ -1,0 +1,183 @@
+//! Every diagnostic code, with its title.
+//!
+//! The first digit says what a code is about: see [`GROUPS`]. A code is never used again for something else. Each code has a
+//! page in `crates/core/src/diagnostics/explanations/`, shown by `linewright explain`.
+
+/// A diagnostic code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Code {
+    /// `LW101`.
+    pub id: &'static str,
+    /// A few words: what is wrong.
+    pub title: &'static str,
+}
+
+impl std::fmt::Display for Code {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.id)
+    }
+}
+
+impl Code {
+    /// The group it belongs to.
+    ///
+    /// # Panics
+    /// When there is no group for its first digit, which a test rules out for every code.
+    pub fn group(self) -> &'static Group {
+        let start = |g: &&Group| g.pattern[..3] == self.id[..3];
+        GROUPS.iter().find(start).expect("every code has a group")
+    }
+}
+
+/// The codes with the same first digit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Group {
+    /// `LW1xx`.
+    pub pattern: &'static str,
+    /// What its codes are about.
+    pub title: &'static str,
+}
+
+/// All groups in ascending order.
+pub const GROUPS: &[Group] = &[
+    Group::new("LW0xx", "source and syntax"),
+    Group::new("LW1xx", "types and names"),
+    Group::new("LW2xx", "game"),
+    Group::new("LW3xx", "machine and composition"),
+    Group::new("LW4xx", "line"),
+    Group::new("LW5xx", "station"),
+];
+
+impl Group {
+    const fn new(pattern: &'static str, title: &'static str) -> Self {
+        Self { pattern, title }
+    }
+
+    /// Its codes in ascending order.
+    pub fn codes(&'static self) -> impl Iterator<Item = Code> {
+        ALL.iter().copied().filter(move |c| c.group() == self)
+    }
+}
+
+macro_rules! codes {
+    ($($(#[$doc:meta])* $name:ident = $id:literal, $title:literal;)*) => {
+        $($(#[$doc])* #[doc = $title] pub const $name: Code = Code { id: $id, title: $title };)*
+
+        /// All codes in ascending order.
+        pub const ALL: &[Code] = &[$($name),*];
+    };
+}
+
+codes! {
+    FILE_UNREADABLE = "LW001", "a file cannot be read";
+    SYNTAX = "LW002", "a declaration or formula does not follow the grammar";
+    IMPORT_CIRCULAR = "LW003", "files import each other in a circle";
+    IMPORT_MISSING = "LW004", "an imported file does not exist";
+    NOTATION = "LW005", "another tool's notation means something unusual";
+    OWN_TOOL = "LW006", "a specification's own tool answers otherwise";
+    INTERNAL = "LW007", "linewright itself failed";
+
+    NAME_UNKNOWN = "LW101", "a name is not declared";
+    NAME_DOUBLE = "LW102", "a name is declared twice";
+    TYPE_MISMATCH = "LW103", "a type does not fit";
+    DOMAIN_EMPTY = "LW104", "a domain is empty or too large";
+    ARGUMENT = "LW105", "an argument is missing, unknown or outside its range";
+    NOT_CONSTANT = "LW106", "a constant is needed";
+    INDEX_RANGE = "LW107", "an array index leaves its array";
+    DIVISION = "LW108", "a divisor can be zero";
+    TAXONOMY_UNKNOWN = "LW109", "a taxonomy code does not exist";
+    NUMBER_RANGE = "LW110", "a number is too large";
+    UNUSED = "LW111", "a declaration is never used";
+    TOO_LARGE = "LW112", "a formula becomes too large";
+    NAMES_ALIKE = "LW113", "two names look like one thing";
+    COMPARISON_DECIDED = "LW114", "a comparison is always true, or never";
+    SKILL = "LW115", "a skill does not fit its component or its order";
+
+    NOT_GR1 = "LW201", "a formula is outside GR(1)";
+    NOT_CONTROLLED = "LW202", "a formula constrains what its side does not control";
+    UNREALIZABLE = "LW203", "no controller can keep the guarantees";
+    GAVE_UP = "LW204", "a limit was reached before there was a verdict";
+    NOT_WELL_SEPARATED = "LW205", "the machine can win by breaking the assumptions";
+    ENVIRONMENT_EMPTY = "LW206", "no environment keeps the assumptions";
+    NEXT_NESTED = "LW207", "next stands inside next";
+    DOMAIN_LEFT = "LW208", "a next value can leave its domain";
+    NEXT_OUTPUT_ASSUMED = "LW209", "an assumption speaks of the machine's next values";
+    PAST = "LW210", "an operator over other steps is out of place";
+    NEXT_BOTH_SIDES = "LW211", "next stands on both sides of an equation";
+    UNBREAKABLE = "LW212", "nothing could break a guarantee";
+    NEVER_ASKED = "LW213", "the condition of a formula never holds";
+    UNCONSTRAINED = "LW214", "no guarantee restricts an output";
+    CONSTANT = "LW215", "an output keeps one value for ever";
+    UNFRAMED = "LW216", "an output is free where nothing says that it stays";
+    BY_CHANCE = "LW217", "a request is completed by chance only";
+    REQUEST_OPEN = "LW218", "nothing asks that a request is completed";
+    IDLE = "LW219", "a machine that never does anything keeps the contract";
+
+    INPUT_UNBOUND = "LW301", "an input of a component is bound to nothing";
+    SAME_STEP_LOOP = "LW302", "components wait for each other in the same step";
+    ASSUMPTION_OPEN = "LW303", "an assumption is not discharged";
+    REQUEST_INCOMPLETE = "LW304", "an accepted request may never complete";
+    OPERATION = "LW306", "an operation does not fit its coordinator";
+    COORDINATOR_KIND = "LW307", "a coordinator must be a moore contract";
+    PROPERTY = "LW308", "a property of the part is used wrongly";
+    JUSTICE_CIRCLE = "LW309", "assumptions of justice wait for one another";
+    PROMISE_BROKEN = "LW310", "what is promised as a whole is not kept";
+    PORTS = "LW311", "the ports of contracts do not fit together";
+    INCOMPATIBLE = "LW312", "no environment fits the contracts";
+    MACHINE_IN_ITSELF = "LW313", "a machine contains itself";
+    ORDER_NOTHING = "LW314", "rules of a skill order allow nothing";
+    ORDER_CONTRADICTION = "LW315", "rules of a skill order contradict each other";
+    ORDER_REDUNDANT = "LW316", "a rule of a skill order excludes nothing";
+    ORDER_BROKEN = "LW317", "a program breaks a rule of a skill order";
+
+    LINE_UNKNOWN = "LW401", "a station, part type or route end is not declared";
+    LINE_ROUTE = "LW402", "a part has no way onward";
+    LINE_BLOCKED = "LW403", "the line can no longer advance";
+    LINE_LIMIT = "LW404", "the run has no end";
+    LINE_VIOLATION = "LW405", "a contract was violated while the line ran";
+    LINE_REQUIREMENT = "LW406", "a requirement does not hold";
+    LINE_PART_LOST = "LW407", "a conveyor lost or doubled a part";
+    LINE_CIRCLE = "LW408", "parts can wait for one another for ever";
+    LINE_UNFINISHED = "LW409", "an order may stay unfinished for ever";
+    LINE_UNDECIDED = "LW410", "a line is too large to be proved";
+    LINE_ASKS = "LW411", "a line may ask a station for what its machine forbids";
+    LINE_REFUSED = "LW414", "a station refuses a part";
+    LINE_VALUE = "LW415", "a value leaves its range";
+    LINE_TIMELESS = "LW416", "parts move on and no time passes";
+
+    COMPILER_MISSING = "LW501", "no C compiler was found";
+    COMPILER_FAILED = "LW502", "the C compiler failed";
+    LIBRARY_DAMAGED = "LW503", "a station library is damaged";
+    OUTPUT_UNWRITABLE = "LW504", "a file or folder cannot be written";
+    LIBRARY_CALL = "LW505", "a station library answered with an error";
+    CROSS_COMPILER_MISSING = "LW506", "no C compiler for Windows was found";
+    MSVC_MISSING = "LW507", "Microsoft's compiler was not found";
+
+    UNIT_WITHOUT_BINARY = "LW530", "an FMI unit lacks a binary";
+
+    PROFILE = "LW540", "a profile of UF_Value is wrong";
+    PROFILE_UNVERIFIED = "LW541", "a profile of UF_Value is unverified";
+    PROFILE_FOREIGN = "LW542", "a station library is built for another layout of UF_Value";
+    DUMP = "LW543", "a probe's dump is damaged or incomplete";
+    LAYOUT_OPEN = "LW544", "a probe's dump does not determine the layout of UF_Value";
+    LAYOUT_REFUTED = "LW545", "the host did not read back what was returned";
+    FILE_KEPT = "LW546", "a file is already there and differs";
+    SIZES_OF_LINE = "LW547", "a machine is built with the sizes that a line gives it";
+}
+
+/// The code of an id such as `LW101`, in either case.
+pub fn find(id: &str) -> Option<Code> {
+    ALL.iter().copied().find(|c| c.id.eq_ignore_ascii_case(id))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_is_in_the_group_of_its_first_digit() {
+        let grouped: Vec<Code> = GROUPS.iter().flat_map(Group::codes).collect();
+        assert_eq!(grouped, ALL, "also: codes stand in ascending order");
+        assert!(GROUPS.iter().all(|g| g.codes().next().is_some()));
+    }
+}

@@ -1,0 +1,7 @@
+//! What every part of Linewright speaks of: sources and places in them, findings, taxonomies, and GR(1) specifications.
+
+pub mod diagnostics;
+pub mod drawing;
+pub mod gr1;
+pub mod source;
+pub mod taxonomy;

@@ -1,0 +1,428 @@
+//! The taxonomies that contracts name in `implements`: DIN 8580 (manufacturing) and VDI 2860 (handling).
+//!
+//! The data are two tables in `din8580/`, embedded in the program. A [`Taxonomy`] is their tree; a code carries its standard
+//! before the colon (`din:4.3.1`, `vdi:Drehen`), as in the language. How sure each entry is, and where it comes from, is data
+//! too: neither standard is freely available, and the sources disagree in places.
+
+use crate::diagnostics::distance;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::LazyLock;
+
+const DIN: &str = include_str!("../../../../din8580/din8580.csv");
+const VDI: &str = include_str!("../../../../din8580/vdi2860.csv");
+
+/// Where codes come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Standard {
+    /// DIN 8580, manufacturing processes.
+    Din8580,
+    /// VDI 2860, handling functions.
+    Vdi2860,
+}
+
+impl Standard {
+    /// What stands before the colon.
+    pub fn prefix(self) -> &'static str {
+        match self {
+            Self::Din8580 => "din",
+            Self::Vdi2860 => "vdi",
+        }
+    }
+
+    /// The standard's own name.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Din8580 => "DIN 8580",
+            Self::Vdi2860 => "VDI 2860",
+        }
+    }
+}
+
+/// One process or function.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// The standard.
+    pub standard: Standard,
+    /// The code without prefix: `4.3.1` or `Drehen`.
+    pub code: String,
+    /// The German term.
+    pub german: String,
+    /// The English term.
+    pub english: String,
+    /// The code above, without prefix; `None` at the top.
+    pub parent: Option<String>,
+    /// Where the entry was taken from.
+    pub source: String,
+    /// The standard's edition; empty where the table has none.
+    pub edition: String,
+    /// `high` where several sources agree, `medium` where there is one.
+    pub confidence: String,
+    /// What else is known.
+    pub note: String,
+}
+
+impl Entry {
+    /// The code as a contract writes it: `din:4.3.1`.
+    pub fn full_code(&self) -> String {
+        format!("{}:{}", self.standard.prefix(), self.code)
+    }
+
+    /// Code and terms: `din:4.3.1 Schrauben (Screwing)`.
+    pub fn describe(&self) -> String {
+        format!("{} {} ({})", self.full_code(), self.german, self.english)
+    }
+}
+
+/// A table that cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("{table}, record {record}: {message}")]
+pub struct TableError {
+    table: &'static str,
+    record: usize,
+    message: String,
+}
+
+/// Both standards as trees.
+#[derive(Debug, Clone, Default)]
+pub struct Taxonomy {
+    /// In the order of the tables, DIN first.
+    entries: Vec<Entry>,
+    /// Folded full code to index.
+    by_code: BTreeMap<String, usize>,
+}
+
+static TAXONOMY: LazyLock<Taxonomy> = LazyLock::new(|| {
+    Taxonomy::parse(&[(Standard::Din8580, DIN), (Standard::Vdi2860, VDI)])
+        .unwrap_or_else(|e| panic!("the embedded taxonomy is damaged, please report this: {e}"))
+});
+
+/// The embedded taxonomy.
+pub fn taxonomy() -> &'static Taxonomy {
+    &TAXONOMY
+}
+
+/// The entry of a full code such as `din:4.3.1`, in the embedded taxonomy.
+pub fn find(code: &str) -> Option<&'static Entry> {
+    taxonomy().find(code)
+}
+
+/// The entry of a full code in the embedded taxonomy, or the next step for somebody who wrote one that is not there.
+pub fn lookup(code: &str) -> Result<&'static Entry, String> {
+    taxonomy().find(code).ok_or_else(|| {
+        let near = taxonomy().suggestions(code);
+        let near: Vec<String> = near.into_iter().map(Entry::describe).collect();
+        match near.as_slice() {
+            [] => "find it by its term: `linewright din search WORD`".to_owned(),
+            near => format!("did you mean {}?", near.join(", or ")),
+        }
+    })
+}
+
+impl Taxonomy {
+    /// Reads tables with the columns `code,german,english,parent,source,confidence,...`.
+    pub fn parse(tables: &[(Standard, &str)]) -> Result<Self, TableError> {
+        let mut taxonomy = Self::default();
+        for (standard, text) in tables {
+            let fail = |record: usize, message: String| TableError {
+                table: standard.title(),
+                record,
+                message,
+            };
+            let mut reader = csv::Reader::from_reader(text.as_bytes());
+            let columns: BTreeMap<String, usize> = reader
+                .headers()
+                .map_err(|e| fail(0, e.to_string()))?
+                .iter()
+                .enumerate()
+                .map(|(i, name)| (name.to_owned(), i))
+                .collect();
+            for (i, record) in reader.records().enumerate() {
+                let record = record.map_err(|e| fail(i + 1, e.to_string()))?;
+                let optional = |name: &str| {
+                    let column = columns.get(name).copied();
+                    column.and_then(|c| record.get(c)).unwrap_or("").to_owned()
+                };
+                let required = |name: &str| match optional(name) {
+                    value if value.is_empty() => Err(fail(i + 1, format!("`{name}` is empty"))),
+                    value => Ok(value),
+                };
+                let entry = Entry {
+                    standard: *standard,
+                    code: required("code")?,
+                    german: required("german")?,
+                    english: required("english")?,
+                    parent: Some(optional("parent")).filter(|p| !p.is_empty()),
+                    source: optional("source"),
+                    edition: optional("edition"),
+                    confidence: optional("confidence"),
+                    note: optional("note"),
+                };
+                let key = fold(&entry.full_code());
+                if taxonomy
+                    .by_code
+                    .insert(key, taxonomy.entries.len())
+                    .is_some()
+                {
+                    return Err(fail(i + 1, format!("{} occurs twice", entry.code)));
+                }
+                taxonomy.entries.push(entry);
+            }
+        }
+        Ok(taxonomy)
+    }
+
+    /// All entries, in the order of the tables.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// The entry of a full code. Case and the spelling of umlauts do not matter; the standard does.
+    pub fn find(&self, code: &str) -> Option<&Entry> {
+        self.by_code
+            .get(&fold(code.trim()))
+            .map(|i| &self.entries[*i])
+    }
+
+    /// The entries whose code or term, German or English, contains a word. Case does not matter, and neither does the
+    /// spelling of umlauts: `Fraesen` and `frasen` both find Fräsen.
+    pub fn search(&self, word: &str) -> Vec<&Entry> {
+        let spellings = [fold(word.trim()), bare(word.trim())];
+        self.entries
+            .iter()
+            .filter(|e| {
+                [&e.full_code(), &e.german, &e.english].iter().any(|text| {
+                    fold(text).contains(&spellings[0]) || bare(text).contains(&spellings[1])
+                })
+            })
+            .collect()
+    }
+
+    /// The entry above.
+    pub fn parent(&self, entry: &Entry) -> Option<&Entry> {
+        let parent = entry.parent.as_ref()?;
+        self.find(&format!("{}:{parent}", entry.standard.prefix()))
+    }
+
+    /// The entries directly below, in the order of the table.
+    pub fn children<'a>(&'a self, entry: &'a Entry) -> impl Iterator<Item = &'a Entry> {
+        self.entries
+            .iter()
+            .filter(|e| e.standard == entry.standard && e.parent.as_ref() == Some(&entry.code))
+    }
+
+    /// The entries at the top.
+    pub fn roots(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.iter().filter(|e| e.parent.is_none())
+    }
+
+    /// The way from the top down to an entry, itself included.
+    pub fn path<'a>(&'a self, entry: &'a Entry) -> Vec<&'a Entry> {
+        let mut path = vec![entry];
+        let mut seen = BTreeSet::from([entry.code.as_str()]);
+        while let Some(parent) = path.last().and_then(|e| self.parent(e)) {
+            if !seen.insert(parent.code.as_str()) {
+                break;
+            }
+            path.push(parent);
+        }
+        path.reverse();
+        path
+    }
+
+    /// At most three entries near a code that does not exist, nearest first: the same code or term with its standard
+    /// missing or mixed up, a code above, or one that differs in a few letters.
+    pub fn suggestions(&self, code: &str) -> Vec<&Entry> {
+        let wanted = fold(code.trim());
+        let local = wanted.split_once(':').map_or(wanted.as_str(), |(_, l)| l);
+        if local.is_empty() {
+            return Vec::new();
+        }
+        let prefix = wanted.split_once(':').map(|(p, _)| p);
+        let mut near: Vec<(usize, bool, usize)> = Vec::new();
+        for (i, entry) in self.entries.iter().enumerate() {
+            let own = fold(&entry.code);
+            let terms = [&entry.german, &entry.english];
+            let distance = if own == local || terms.iter().any(|t| fold(t) == local) {
+                0
+            } else if local
+                .strip_prefix(&own)
+                .is_some_and(|rest| rest.starts_with('.'))
+            {
+                1 + local[own.len()..].matches('.').count()
+            } else {
+                let limit = if own.starts_with(|c: char| c.is_ascii_digit()) {
+                    1
+                } else {
+                    local.chars().count().div_ceil(3)
+                };
+                match terms
+                    .iter()
+                    .map(|t| distance(&fold(t), local))
+                    .chain([distance(&own, local)])
+                    .min()
+                {
+                    Some(d) if d <= limit => 2 + d,
+                    _ => continue,
+                }
+            };
+            let other = prefix.is_some_and(|p| p != entry.standard.prefix());
+            near.push((distance, other, i));
+        }
+        near.sort_unstable();
+        near.into_iter()
+            .take(3)
+            .map(|(_, _, i)| &self.entries[i])
+            .collect()
+    }
+}
+
+/// Lower case, umlauts written out: `Fräsen` and `Fraesen` fold to the same.
+fn fold(text: &str) -> String {
+    let mut folded = String::with_capacity(text.len());
+    for c in text.chars().flat_map(char::to_lowercase) {
+        match c {
+            'ä' => folded.push_str("ae"),
+            'ö' => folded.push_str("oe"),
+            'ü' => folded.push_str("ue"),
+            'ß' => folded.push_str("ss"),
+            c => folded.push(c),
+        }
+    }
+    folded
+}
+
+/// Lower case, umlauts without their dots, as those type who do not have them: `frasen`.
+fn bare(text: &str) -> String {
+    fold_with(text, |c| match c {
+        'ä' => 'a',
+        'ö' => 'o',
+        'ü' => 'u',
+        c => c,
+    })
+}
+
+fn fold_with(text: &str, replace: impl Fn(char) -> char) -> String {
+    text.chars()
+        .flat_map(char::to_lowercase)
+        .map(replace)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn codes(entries: &[&Entry]) -> Vec<String> {
+        entries.iter().map(|e| e.full_code()).collect()
+    }
+
+    #[test]
+    fn parents_exist_and_lead_to_the_top_without_cycles() {
+        let taxonomy = taxonomy();
+        for entry in taxonomy.entries() {
+            assert_eq!(
+                taxonomy.parent(entry).is_some(),
+                entry.parent.is_some(),
+                "{entry:?}"
+            );
+            let path = taxonomy.path(entry);
+            assert!(
+                path[0].parent.is_none(),
+                "{} hangs in a cycle",
+                entry.full_code()
+            );
+            assert_eq!(path.last(), Some(&entry));
+        }
+    }
+
+    #[test]
+    fn both_tables_are_read_whole() {
+        let count = |standard| {
+            let entries = taxonomy().entries().iter();
+            entries.filter(|e| e.standard == standard).count()
+        };
+        assert_eq!(
+            (count(Standard::Din8580), count(Standard::Vdi2860)),
+            (211, 46)
+        );
+    }
+
+    #[test]
+    fn codes_are_unique() {
+        let all: BTreeSet<String> = taxonomy().entries().iter().map(Entry::full_code).collect();
+        assert_eq!(all.len(), taxonomy().entries().len());
+        let twice = "code,german,english,parent\n1,A,A,\n1,B,B,\n";
+        let error = Taxonomy::parse(&[(Standard::Din8580, twice)]).unwrap_err();
+        assert_eq!(error.to_string(), "DIN 8580, record 2: 1 occurs twice");
+    }
+
+    #[test]
+    fn din_8580_has_six_main_groups_and_its_codes_are_their_own_paths() {
+        let roots: Vec<&Entry> = taxonomy()
+            .roots()
+            .filter(|e| e.standard == Standard::Din8580)
+            .collect();
+        assert_eq!(
+            codes(&roots),
+            ["din:1", "din:2", "din:3", "din:4", "din:5", "din:6"]
+        );
+        for entry in taxonomy().entries() {
+            if let (Standard::Din8580, Some(parent)) = (entry.standard, &entry.parent) {
+                assert_eq!(
+                    entry.code.rsplit_once('.').map(|c| c.0),
+                    Some(parent.as_str())
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn find_wants_the_standard_and_not_the_case() {
+        assert_eq!(find("din:4.3.1").unwrap().german, "Schrauben");
+        assert_eq!(find("VDI:drehen").unwrap().english, "Rotating");
+        assert_eq!(find("vdi:Prüfen").unwrap().code, "Pruefen");
+        assert!(find("4.3.1").is_none());
+        assert!(find("din:Drehen").is_none());
+    }
+
+    #[test]
+    fn search_does_not_mind_how_umlauts_are_typed() {
+        for word in ["Fräsen", "Fraesen", "FRAESEN", "frasen", "milling"] {
+            assert!(
+                codes(&taxonomy().search(word)).contains(&"din:3.2.3".to_owned()),
+                "{word}"
+            );
+        }
+        assert!(taxonomy().search("no such process").is_empty());
+    }
+
+    #[test]
+    fn suggestions_are_near() {
+        let first = |code: &str| codes(&taxonomy().suggestions(code)).first().cloned();
+        assert_eq!(first("4.3.1").as_deref(), Some("din:4.3.1"));
+        assert_eq!(first("vdi:4.3.1").as_deref(), Some("din:4.3.1"));
+        assert_eq!(first("din:4.3.1.7").as_deref(), Some("din:4.3.1"));
+        assert_eq!(first("vdi:Dreehn").as_deref(), Some("vdi:Drehen"));
+        assert_eq!(first("vdi:Rotating").as_deref(), Some("vdi:Drehen"));
+        assert!(taxonomy().suggestions("din:xxxxxxxxxxxx").is_empty());
+        assert!(taxonomy().suggestions("").is_empty());
+    }
+
+    #[test]
+    fn lookup_gives_a_next_step() {
+        assert_eq!(
+            lookup("din:4.3.1").unwrap().english,
+            find("din:4.3.1").unwrap().english
+        );
+        assert!(
+            lookup("vdi:Dreehn")
+                .unwrap_err()
+                .contains("vdi:Drehen Drehen (Rotating)")
+        );
+        assert!(
+            lookup("din:xxxxxxxxxxxx")
+                .unwrap_err()
+                .contains("din search")
+        );
+    }
+}

@@ -1,0 +1,139 @@
+//! Whether a line asks its stations for operations as their machines assume it: orders of skills above all, which a machine that is called
+//! from outside hands on to its caller.
+
+use super::closed;
+use crate::controlled::Controlled;
+use linewright_algebra::caller::{Asks, Called};
+use linewright_algebra::closed::Closed;
+use linewright_algebra::proof::{Broken, Open, decide};
+use linewright_algebra::replay;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::line::{Line, Node, NodeKind};
+use linewright_language::contract::machine::Machine;
+use linewright_line::calls::in_turn;
+use linewright_solver::game::{Limit, Limits};
+use linewright_station::messages;
+use std::collections::BTreeSet;
+
+/// What is known of the stations of a line.
+#[derive(Debug, Default)]
+pub struct Asked {
+    /// What may be asked for against what is assumed.
+    pub findings: Vec<Diagnostic>,
+    /// Stations of which that was not decided, and why.
+    pub undecided: Vec<(String, String)>,
+}
+
+/// Looks at the stations that are `wanted`. Where contracts alone do not show it, and `controlled` has the controllers of a machine, these may.
+pub fn examine<'a>(
+    line: &Line,
+    wanted: impl Fn(usize) -> bool,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    limits: &Limits,
+) -> Asked {
+    let mut asked = Asked::default();
+    let nodes = line.nodes.iter().enumerate();
+    for (_, node) in nodes.filter(|(i, _)| wanted(*i)) {
+        let NodeKind::Station { machine, tasks, .. } = &node.kind else {
+            continue;
+        };
+        let sequences = tasks.iter().map(|task| {
+            let carried = |at: usize| task.properties.get(at).is_some_and(Option::is_some);
+            let operations = task.operations.iter();
+            operations
+                .map(|(operation, given)| Asks::new(machine, *operation, given, carried))
+                .collect()
+        });
+        // In the order of the operations: what two tasks ask for alike is asked for once.
+        let sequences: BTreeSet<Vec<Asks>> = sequences.collect();
+        let sequences: Vec<Vec<Asks>> = sequences.into_iter().collect();
+        let Some(called) = Called::of(machine, &sequences) else {
+            continue;
+        };
+        match open(&called, controlled(machine), limits) {
+            Ok(open) => {
+                let is_unsure = |o: &Open| called.unsure.contains(&o.what);
+                let (unsure, open): (Vec<Open>, Vec<Open>) = open.into_iter().partition(is_unsure);
+                if open.is_empty() && !unsure.is_empty() {
+                    let why = "that depends on properties of the parts".to_owned();
+                    asked.undecided.push((node.name.clone(), why));
+                }
+                let mut told = BTreeSet::new();
+                for open in &open {
+                    let formula = replay::formula(&called.system, &called.claim, open.what);
+                    if told.insert((open.what.part, formula.span)) {
+                        asked.findings.push(finding(node, machine, &called, open));
+                    }
+                }
+            }
+            Err(limit) => asked.undecided.push((node.name.clone(), limit.to_string())),
+        }
+    }
+    asked
+}
+
+/// What is assumed of calls and may not be kept.
+fn open(
+    called: &Called,
+    controlled: Option<Controlled<'_>>,
+    limits: &Limits,
+) -> Result<Vec<Open>, Limit> {
+    let about_calls = |mut open: Vec<Open>| {
+        open.retain(|o| called.asked.contains(&o.what));
+        open
+    };
+    let proof = decide(&called.system, &called.claim, limits)
+        .map(|proof| (proof.loops.is_empty(), about_calls(proof.open)));
+    if matches!(&proof, Ok((true, open)) if open.is_empty()) {
+        return Ok(Vec::new());
+    }
+    if let Some(controlled) = controlled {
+        let closed = Closed::of_called(controlled.machine, &controlled.controllers, called);
+        if let Ok(verdict) = closed.decide(&closed::bounded(limits))
+            // Where a component is stuck, what is asked of it afterwards is not looked at.
+            && verdict.stuck.is_empty()
+            && called.asked.iter().all(|at| !verdict.undecided.contains(at))
+        {
+            return Ok(about_calls(verdict.open));
+        }
+    }
+    match proof {
+        Ok((_, open)) if !open.is_empty() => Ok(open),
+        Ok(_) => Err(Limit::Size),
+        Err(limit) => Err(limit),
+    }
+}
+
+fn finding(station: &Node, machine: &Machine, called: &Called, open: &Open) -> Diagnostic {
+    let formula = replay::formula(&called.system, &called.claim, open.what);
+    let component = &machine.components[open.what.part.unwrap_or_default()];
+    let run = match &open.why {
+        Broken::Trace(run) => run,
+        Broken::Lasso(lasso) => &lasso.prefix,
+    };
+    let asked: Vec<&str> = called
+        .asked_for(machine, run)
+        .into_iter()
+        .map(|operation| machine.operations[operation].name.as_str())
+        .collect();
+    Diagnostic::warning(
+        codes::LINE_ASKS,
+        station.span,
+        format!(
+            "{} may be asked for what {} forbids: {}",
+            station.name,
+            messages::assumed(component, formula),
+            formula.text
+        ),
+    )
+    .with_label(formula.span, "this would be broken")
+    .with_note(format!(
+        "it comes to that when {} is asked for {}: {} is refused, and the part at work is taken out of the line",
+        station.name,
+        in_turn(&asked),
+        if asked.len() == 1 { "that" } else { "the last of these" }
+    ))
+    .with_help(
+        "let the station perform other operations, or the same ones in another order; or weaken what forbids it",
+    )
+}

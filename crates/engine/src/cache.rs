@@ -1,0 +1,568 @@
+//! What is known of contracts that were solved before: an unchanged one is not solved again.
+//!
+//! Two kinds of files. An *entry* stands under a hash of all that decides a result: the specification without its places in
+//! a file, the options of the solver, and the program itself. A *version* stands under a contract's name and says in which
+//! order its last large game ended and which region was won, for when the contract has changed.
+//!
+//! Nothing depends on a file being there: it can be deleted at any time, it appears whole or not at all, one that does not
+//! match its own checksum is not read, and where nothing can be written nothing is. Entries hold results and no messages, so
+//! that the findings of a contract that has moved within its file point at the right place.
+
+use super::controller::Wish;
+use super::pipeline::Explained;
+use super::statistics::Statistics;
+use linewright_core::gr1::{Expr, Formula, Specification, Variable};
+use linewright_language::contract::machine::Machine;
+use linewright_solver::game::{
+    Diagram, DiagramNode, Edge, EnvironmentFindings, GuaranteeRef, Heuristic, KernelChoice, Order,
+    Shape,
+};
+use linewright_solver::mealy::{self, Controller, functions::Functions};
+use linewright_solver::symbolic::Bit;
+use linewright_station::disk;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::{self, Write as _};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Once;
+use std::time::SystemTime;
+
+/// The program that makes the entries: its version, and a hash of its sources.
+const PROGRAM: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("LINEWRIGHT_SOURCES"));
+
+/// The folder may hold so much; then the oldest files go, until it holds half of it.
+const MOST_BYTES: u64 = 512 << 20;
+
+/// A larger region is not kept.
+const MOST_REGION_NODES: usize = 500_000;
+
+/// The folder of all that is remembered.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cache {
+    folder: PathBuf,
+}
+
+/// What is known of a contract.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Entry {
+    /// Whether there is a controller.
+    pub realizable: bool,
+    /// For an unrealizable contract, the guarantees that clash; `None` when a limit was reached first.
+    pub core: Option<Vec<GuaranteeRef>>,
+    /// Whether the plant's side was examined.
+    pub examined: bool,
+    /// What is odd about it. `None` also when it was too large.
+    pub environment: Option<EnvironmentFindings>,
+    /// Where it asks for less than it seems to. `None` also when it was too large.
+    pub shape: Option<Shape>,
+    /// For an unrealizable contract, why.
+    pub lost: Option<Box<Explained>>,
+    /// Whether a controller was asked for.
+    pub extracted: bool,
+    /// The verified controller; `None` also when it was too large to be written down.
+    pub machine: Option<mealy::Machine>,
+    /// The certified controller as functions, where it was one.
+    pub functions: Option<Box<Functions>>,
+    /// The largest number of nodes.
+    pub peak_nodes: u64,
+    /// What it took.
+    pub statistics: Statistics,
+}
+
+/// The nodes of a winning region (bit, high, low) and its root.
+type Region = (Vec<(u16, u32, u32)>, u32);
+
+/// What is known of the last version of a contract.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Version {
+    /// A hash of its variables and who answers first.
+    variables: String,
+    /// The variables from the top of the diagrams to their bottom.
+    order_of_variables: Vec<String>,
+    /// The pairs of bits from the top to the bottom.
+    order: Vec<u16>,
+    /// Hashes of the formulas that the winning region depends on.
+    formulas: Formulas,
+    /// The region.
+    region: Option<Region>,
+}
+
+/// Hashes of the formulas that a winning region depends on. Initial conditions are none of them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct Formulas {
+    assumed_invariants: BTreeSet<String>,
+    assumed_safety: BTreeSet<String>,
+    assumed_justice: BTreeSet<String>,
+    invariants: BTreeSet<String>,
+    safety: BTreeSet<String>,
+    justice: BTreeSet<String>,
+}
+
+/// What a solve can begin with.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Hints {
+    /// An order.
+    pub order: Option<Order>,
+    /// Whether it is the order of the very same variables: then none has to be looked for.
+    pub exact: bool,
+    /// A set of states that holds the winning region.
+    pub region: Option<Diagram>,
+}
+
+/// The options that an entry depends on.
+#[derive(Debug, Clone, Copy)]
+pub struct Options<'a> {
+    /// The kernel.
+    pub kernel: KernelChoice,
+    /// The heuristics that are on.
+    pub heuristics: &'a [Heuristic],
+    /// The memory limit.
+    pub memory_mib: Option<u64>,
+    /// What the controller shall be like.
+    pub wish: Wish,
+}
+
+/// The name of an entry.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Key(String);
+
+impl Key {
+    /// The key of a specification.
+    pub fn new(specification: &Specification, options: &Options<'_>) -> Self {
+        let mut feed = Feed::new("entry");
+        let _ = write!(feed, "{options:?}");
+        feed.variables(specification);
+        for side in [&specification.assumptions, &specification.guarantees] {
+            for list in [&side.initial, &side.invariants, &side.safety, &side.justice] {
+                feed.list(list.iter().map(|f| &f.expr));
+            }
+        }
+        Self(feed.finish())
+    }
+
+    /// The key of a machine with its controllers.
+    pub fn of_machine(machine: &Machine, controllers: &[&Controller]) -> Self {
+        let mut feed = Feed::new("machine");
+        let _ = write!(feed, "{machine:?}\n{controllers:?}");
+        Self(feed.finish())
+    }
+}
+
+/// A hash that text is written to.
+struct Feed(Sha256);
+
+impl fmt::Write for Feed {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.update(text);
+        Ok(())
+    }
+}
+
+impl Feed {
+    fn new(what: &str) -> Self {
+        let mut feed = Self(Sha256::new());
+        let _ = write!(feed, "{what}\n{PROGRAM}\n");
+        feed
+    }
+
+    /// Everything about the variables but their place in the file.
+    fn variables(&mut self, specification: &Specification) {
+        let _ = writeln!(self, "{:?}", specification.timing);
+        for v in &specification.variables {
+            let Variable {
+                name,
+                owner,
+                internal,
+                domain,
+                unit,
+                span: _,
+            } = v;
+            let _ = writeln!(self, "{name:?} {owner:?} {internal} {domain:?} {unit}");
+        }
+    }
+
+    fn list<'a>(&mut self, expressions: impl Iterator<Item = &'a Expr>) {
+        for expression in expressions {
+            let _ = writeln!(self, "{expression:?}");
+        }
+        let _ = writeln!(self, "end");
+    }
+
+    fn finish(self) -> String {
+        hex(&self.0.finalize())
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+impl Formulas {
+    fn of(specification: &Specification) -> Self {
+        let hashes = |list: &[Formula]| -> BTreeSet<String> {
+            let hash = |f: &Formula| {
+                let mut feed = Feed::new("formula");
+                feed.list(std::iter::once(&f.expr));
+                feed.finish()
+            };
+            list.iter().map(hash).collect()
+        };
+        let (a, g) = (&specification.assumptions, &specification.guarantees);
+        Self {
+            assumed_invariants: hashes(&a.invariants),
+            assumed_safety: hashes(&a.safety),
+            assumed_justice: hashes(&a.justice),
+            invariants: hashes(&g.invariants),
+            safety: hashes(&g.safety),
+            justice: hashes(&g.justice),
+        }
+    }
+
+    /// Whether a region won in a game with these formulas holds every region won with `new`.
+    ///
+    /// Let `F(Z) = ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ CPre((Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′))`, whose greatest fixpoint within the legal states S is
+    /// the region. If `F′(Z) ⊆ F(Z)` for all Z, and `S′ ⊆ S`, then `νF′ = F′(νF′) ⊆ F(νF′)`, so `νF′ ⊆ νF`. That is so when
+    ///
+    /// - the assumed invariants are the same and no guaranteed one is gone: `S′ ⊆ S`. With fewer assumed invariants there would be
+    ///   new states, of which nothing is known;
+    /// - no assumed safety is new: the plant can do all that it could before, so `∀x′. ρe → …` became harder;
+    /// - no guaranteed safety is gone: the machine can do no more than before, so `∃y′. ρs ∧ …` became harder;
+    /// - no assumed justice is new: `⋁ᵢ` ranges over no more than before. None at all is `Aᵢ = true`, which makes `νX` smaller
+    ///   than any other assumption does;
+    /// - no guaranteed justice is gone: `⋀ⱼ` ranges over no fewer than before. None at all is `Gⱼ = true`, which makes `μY` larger
+    ///   than any other goal does.
+    ///
+    /// Initial conditions only decide whether the region is enough. Searching from `S′ ∧ νF` instead of S′ ends in the same
+    /// region: every step maps a set that holds νF′ to one that does, none grows, and where no step changes anything the
+    /// set is a fixpoint of F′, hence within νF′.
+    fn hold_regions_of(&self, new: &Self) -> bool {
+        self.assumed_invariants == new.assumed_invariants
+            && new.assumed_safety.is_subset(&self.assumed_safety)
+            && new.assumed_justice.is_subset(&self.assumed_justice)
+            && self.invariants.is_subset(&new.invariants)
+            && self.safety.is_subset(&new.safety)
+            && self.justice.is_subset(&new.justice)
+    }
+}
+
+/// A hash of the variables and who answers first.
+fn variables(specification: &Specification) -> String {
+    let mut feed = Feed::new("variables");
+    feed.variables(specification);
+    feed.finish()
+}
+
+impl Version {
+    /// The version that a solved specification is.
+    pub fn new(
+        specification: &Specification,
+        order: &Order,
+        order_of_variables: &[String],
+        region: Option<Diagram>,
+    ) -> Self {
+        let region = region.filter(|r| r.nodes.len() <= MOST_REGION_NODES && r.roots.len() == 1);
+        Self {
+            variables: variables(specification),
+            order_of_variables: order_of_variables.to_vec(),
+            order: order.pairs().to_vec(),
+            formulas: Formulas::of(specification),
+            region: region.map(|r| {
+                let nodes = r.nodes.iter().map(|n| (n.bit.0, n.high.0, n.low.0));
+                (nodes.collect(), r.roots[0].0)
+            }),
+        }
+    }
+
+    /// What a specification can begin with. The region comes with the solver's own checks: it is used only where it fits.
+    pub fn hints(&self, specification: &Specification) -> Hints {
+        if self.variables != variables(specification) {
+            return Hints {
+                order: self.order_by_name(specification),
+                ..Hints::default()
+            };
+        }
+        let sound = self.formulas.hold_regions_of(&Formulas::of(specification));
+        Hints {
+            order: Order::new(self.order.clone()),
+            exact: true,
+            region: self.region.as_ref().filter(|_| sound).map(|(nodes, root)| {
+                let nodes = nodes.iter().map(|(bit, high, low)| DiagramNode {
+                    bit: Bit(*bit),
+                    high: Edge(*high),
+                    low: Edge(*low),
+                });
+                Diagram {
+                    nodes: nodes.collect(),
+                    roots: vec![Edge(*root)],
+                }
+            }),
+        }
+    }
+
+    /// The order of the variables that both have, each new one behind the one that is declared before it. `None` unless at least
+    /// half of them are known.
+    fn order_by_name(&self, specification: &Specification) -> Option<Order> {
+        let places: BTreeMap<&str, usize> = self
+            .order_of_variables
+            .iter()
+            .enumerate()
+            .map(|(place, name)| (name.as_str(), place))
+            .collect();
+        let variables = &specification.variables;
+        let known = variables
+            .iter()
+            .filter(|v| places.contains_key(v.name.as_str()));
+        if known.count() * 2 < variables.len() {
+            return None;
+        }
+        let mut ranked = Vec::new();
+        let mut last = 0;
+        for (index, variable) in variables.iter().enumerate() {
+            last = *places.get(variable.name.as_str()).unwrap_or(&last);
+            ranked.push((last, index));
+        }
+        ranked.sort_unstable();
+        linewright_solver::game::order_of_variables(
+            specification,
+            ranked.into_iter().map(|(_, i)| i),
+        )
+    }
+}
+
+impl Cache {
+    /// The folder that `LINEWRIGHT_CACHE` names, or else one in the user's folder for caches. `None` where the variable says
+    /// `off`, or where there is no such folder.
+    pub fn of_user() -> Option<Self> {
+        let named = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty());
+        if let Some(folder) = named("LINEWRIGHT_CACHE") {
+            return (folder != "off").then(|| Self::in_folder(folder));
+        }
+        let absolute = |name: &str| named(name).map(PathBuf::from).filter(|p| p.is_absolute());
+        let caches = if cfg!(windows) {
+            absolute("LOCALAPPDATA")
+        } else if cfg!(target_os = "macos") {
+            absolute("HOME").map(|home| home.join("Library/Caches"))
+        } else {
+            absolute("XDG_CACHE_HOME").or_else(|| absolute("HOME").map(|home| home.join(".cache")))
+        };
+        caches.map(|caches| Self::in_folder(caches.join("linewright")))
+    }
+
+    /// A cache in a folder, which is made when something is written.
+    pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
+        Self {
+            folder: folder.into(),
+        }
+    }
+
+    /// Where it is.
+    pub fn folder(&self) -> &std::path::Path {
+        &self.folder
+    }
+
+    /// The entry of a key.
+    pub fn find(&self, key: &Key) -> Option<Entry> {
+        self.read(&format!("entry-{}", key.0))
+    }
+
+    /// Keeps an entry.
+    pub fn keep(&self, key: &Key, entry: &Entry) {
+        self.write(&format!("entry-{}", key.0), entry);
+    }
+
+    /// Whether nothing was wrong with a machine.
+    pub fn is_sound(&self, key: &Key) -> bool {
+        self.read(&format!("entry-{}", key.0)) == Some(true)
+    }
+
+    /// Keeps that nothing is wrong with a machine.
+    pub fn keep_sound(&self, key: &Key) {
+        self.write(&format!("entry-{}", key.0), &true);
+    }
+
+    /// The last version of a contract.
+    pub fn version(&self, specification: &Specification) -> Option<Version> {
+        self.read(&Self::version_name(specification))
+    }
+
+    /// Keeps the last version of a contract.
+    pub fn keep_version(&self, specification: &Specification, version: &Version) {
+        self.write(&Self::version_name(specification), version);
+    }
+
+    fn version_name(specification: &Specification) -> String {
+        let mut feed = Feed::new("version");
+        let _ = write!(feed, "{:?}", specification.name);
+        format!("version-{}", feed.finish())
+    }
+
+    /// A file's content, if it is whole and its own: its first line is the checksum of its name and the rest.
+    fn read<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
+        let bytes = disk::read(&self.folder.join(name)).ok()?;
+        let end = bytes.iter().position(|b| *b == b'\n')?;
+        let (sum, rest) = (&bytes[..end], &bytes[end + 1..]);
+        if sum != checksum(name, rest).as_bytes() {
+            return None;
+        }
+        serde_json::from_slice(rest).ok()
+    }
+
+    fn write<T: Serialize>(&self, name: &str, content: &T) {
+        static TIDIED: Once = Once::new();
+        // Whatever goes wrong here, the next run solves again.
+        let _ = self.try_write(name, content);
+        TIDIED.call_once(|| {
+            let _ = tidy(&self.folder, MOST_BYTES);
+        });
+    }
+
+    fn try_write<T: Serialize>(&self, name: &str, content: &T) -> std::io::Result<()> {
+        std::fs::create_dir_all(&self.folder)?;
+        let rest = serde_json::to_vec(content)?;
+        let mut file = tempfile::Builder::new()
+            .prefix(".new-")
+            .tempfile_in(&self.folder)?;
+        writeln!(file, "{}", checksum(name, &rest))?;
+        file.write_all(&rest)?;
+        file.persist(self.folder.join(name))?;
+        Ok(())
+    }
+}
+
+/// Also of the name, so that a file that was copied over another one is not taken for it.
+fn checksum(name: &str, content: &[u8]) -> String {
+    let mut hash = Sha256::new_with_prefix(name);
+    hash.update(content);
+    hex(&hash.finalize())
+}
+
+/// Deletes the oldest files when there is too much; also what killed runs have left.
+fn tidy(folder: &Path, most: u64) -> std::io::Result<()> {
+    let mut files: Vec<(SystemTime, u64, PathBuf)> = Vec::new();
+    for file in std::fs::read_dir(folder)? {
+        let file = file?;
+        let name = file.file_name();
+        let name = name.to_string_lossy();
+        if ["entry-", "version-", ".new-"]
+            .iter()
+            .any(|p| name.starts_with(p))
+        {
+            let about = file.metadata()?;
+            files.push((about.modified()?, about.len(), file.path()));
+        }
+    }
+    files.sort();
+    let mut total: u64 = files.iter().map(|f| f.1).sum();
+    if total <= most {
+        return Ok(());
+    }
+    for (_, length, path) in files {
+        if total <= most / 2 {
+            break;
+        }
+        std::fs::remove_file(path)?;
+        total -= length;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry() -> Entry {
+        Entry {
+            shape: None,
+            lost: None,
+            realizable: true,
+            core: None,
+            examined: true,
+            environment: None,
+            extracted: false,
+            machine: None,
+            functions: None,
+            peak_nodes: 17,
+            statistics: Statistics::default(),
+        }
+    }
+
+    #[test]
+    fn what_is_kept_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::in_folder(folder.path().join("a/b"));
+        let key = Key("1".to_owned());
+        assert!(cache.find(&key).is_none());
+        cache.keep(&key, &entry());
+        assert_eq!(cache.find(&key).unwrap().peak_nodes, 17);
+        assert!(cache.find(&Key("2".to_owned())).is_none());
+    }
+
+    #[test]
+    fn a_damaged_file_is_not_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::in_folder(folder.path());
+        let key = Key("1".to_owned());
+        cache.keep(&key, &entry());
+        let path = folder.path().join("entry-1");
+        let whole = std::fs::read(&path).unwrap();
+        for damaged in [
+            &whole[..whole.len() - 1],
+            &whole[..10],
+            &[],
+            &[&whole[..], b" "].concat(),
+            &String::from_utf8(whole.clone())
+                .unwrap()
+                .replace("17", "18")
+                .into_bytes(),
+        ] {
+            std::fs::write(&path, damaged).unwrap();
+            assert!(cache.find(&key).is_none());
+        }
+        cache.keep(&key, &entry());
+        assert!(cache.find(&key).is_some());
+        // Whole, but another contract's.
+        std::fs::copy(&path, folder.path().join("entry-2")).unwrap();
+        assert!(cache.find(&Key("2".to_owned())).is_none());
+    }
+
+    #[test]
+    fn where_nothing_can_be_written_nothing_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "mine").unwrap();
+        let cache = Cache::in_folder(&file);
+        cache.keep(&Key("1".to_owned()), &entry());
+        assert!(cache.find(&Key("1".to_owned())).is_none());
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "mine");
+    }
+
+    #[test]
+    fn the_oldest_go_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let now = SystemTime::now();
+        for (name, age) in [
+            ("entry-1", 30),
+            ("entry-2", 20),
+            ("version-3", 10),
+            ("other", 40),
+        ] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, [0; 100]).unwrap();
+            let file = std::fs::File::options().write(true).open(&path).unwrap();
+            file.set_modified(now - std::time::Duration::from_secs(age))
+                .unwrap();
+        }
+        tidy(folder.path(), 300).unwrap();
+        assert!(folder.path().join("entry-1").exists());
+        tidy(folder.path(), 299).unwrap();
+        let left = |name: &str| folder.path().join(name).exists();
+        let names = ["entry-1", "entry-2", "version-3", "other"];
+        assert_eq!(names.map(left), [false, false, true, true]);
+    }
+}

@@ -1,0 +1,270 @@
+//! The closed composition of a machine: what is found in it, in words.
+
+use super::findings::list;
+use super::found;
+use super::words::{Told, lasso_end, steps_table};
+use linewright_algebra::closed::{Closed, Misrun, Stuck, Verdict, Wrong};
+use linewright_algebra::machine::COMPLETES;
+use linewright_algebra::proof::{Open, Proof};
+use linewright_algebra::replay;
+use linewright_algebra::system::FormulaRef;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::{VarId, eval};
+use linewright_core::source::Span;
+use linewright_language::contract::machine::{Machine, Operation};
+use linewright_solver::game::{Budget, Limit, Limits};
+use linewright_station::messages;
+use std::collections::BTreeSet;
+
+/// How much a closed composition may take.
+pub fn bounded(limits: &Limits) -> Limits {
+    limits.within(Budget::CLOSED)
+}
+
+/// An obligation that is not met.
+pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagnostic {
+    let told = Told {
+        system: &closed.system,
+        claim: &closed.claim,
+        whole,
+    };
+    let proof = Proof {
+        open: vec![open.clone()],
+        ..Proof::default()
+    };
+    let at = |part: Option<usize>| -> Option<Span> {
+        let component = part.and_then(|p| closed.machine.components.get(p));
+        Some(component.map_or(span, |c| c.span))
+    };
+    let mut findings = found::of_proof(told, &proof, &at);
+    findings.swap_remove(0)
+}
+
+/// A component that has no answer: what it assumes contradicts itself after a run.
+///
+/// # Panics
+/// When its table has a gap although its assumptions can be kept: it was verified that it has none.
+pub fn stuck(closed: &Closed<'_>, stuck: &Stuck) -> Diagnostic {
+    let component = &closed.machine.components[stuck.component];
+    assert!(
+        stuck.silent,
+        "the controller of `{}` has no answer although its assumptions are kept; please report this",
+        component.name
+    );
+    let before = stuck.trace.len().saturating_sub(1);
+    let place = match before {
+        0 => "at the start",
+        _ => "after the run below",
+    };
+    let among = closed.contradiction(stuck, &Limits::default());
+    let among = among.unwrap_or_default();
+    let names: Vec<String> = among.iter().map(|f| format!("`{}`", f.name)).collect();
+    let what = match names.as_slice() {
+        [] => format!(
+            "the assumptions of `{}` contradict each other",
+            component.name
+        ),
+        [one] => format!(
+            "the assumption {one} of `{}` contradicts itself",
+            component.name
+        ),
+        several => format!(
+            "the assumptions {} of `{}` contradict each other",
+            list(several),
+            component.name
+        ),
+    };
+    let them = if names.len() == 1 { "it" } else { "them" };
+    let mut finding = Diagnostic::error(
+        codes::ASSUMPTION_OPEN,
+        component.span,
+        format!("{what} {place}: no inputs keep {them}, so it has no answer"),
+    );
+    for formula in among {
+        finding = finding.with_label(formula.span, "this is assumed");
+    }
+    if before > 0 {
+        let first = closed.taking[stuck.component].first;
+        let wires = component.specification.outputs().count();
+        let mut shown: BTreeSet<VarId> = (first..first + wires).map(|w| VarId(w as u32)).collect();
+        for binding in &component.bindings {
+            binding.for_each_var(&mut |v, _| {
+                shown.insert(v);
+            });
+        }
+        let shown: Vec<VarId> = shown.into_iter().collect();
+        finding = finding.with_note(steps_table(&closed.system, &shown, &stuck.trace[..before]));
+    }
+    finding.with_help("weaken one of them, or let the machine avoid what leads there")
+}
+
+/// Whether it is that all requests complete: of that it is told operation by operation.
+pub fn is_completion(closed: &Closed<'_>, open: &Open) -> bool {
+    let formula = replay::formula(&closed.system, &closed.claim, open.what);
+    open.what.part.is_none() && formula.name == COMPLETES
+}
+
+/// What is wrong with operations.
+pub fn operations(closed: &Closed<'_>, verdict: &Verdict) -> Vec<Diagnostic> {
+    let misruns = verdict.misruns.iter().map(|m| misrun(closed, m));
+    let unclear = verdict.unclear.iter().map(|o| unclear(closed.machine, *o));
+    misruns.chain(unclear).collect()
+}
+
+fn misrun(closed: &Closed<'_>, misrun: &Misrun) -> Diagnostic {
+    let operation = &closed.machine.operations[misrun.operation];
+    match &misrun.why {
+        Wrong::NeverBegins(by) => never_begins(closed, operation, by),
+        Wrong::Order(steps) => order(closed, misrun.operation, steps),
+        Wrong::Endless(run) => {
+            let last = &run.cycle[0];
+            let begun = begun(closed, last);
+            let waits = match (active(closed, last), operation.sequence.get(begun)) {
+                (Some(action), _) => format!("wait for {action}"),
+                (None, Some(next)) => format!("wait before {}", name(closed.machine, *next)),
+                (None, None) => "wait before the end".to_owned(),
+            };
+            let steps = [run.prefix.clone(), run.cycle.clone()].concat();
+            Diagnostic::error(
+                codes::REQUEST_INCOMPLETE,
+                operation.span,
+                format!(
+                    "the operation `{}` may never end: it can {waits} for ever",
+                    operation.name
+                ),
+            )
+            .with_note(table(closed, &steps) + &lasso_end(run))
+            .with_help("let the coordinator guarantee that it goes on once an action is executed")
+        }
+    }
+}
+
+fn never_begins(closed: &Closed<'_>, operation: &Operation, by: &[FormulaRef]) -> Diagnostic {
+    let told: Vec<String> = by.iter().map(|at| assumed(closed, *at)).collect();
+    let forbids = match told.as_slice() {
+        [] => "what is assumed of it forbids it everywhere".to_owned(),
+        [one] => format!("{one} forbids it everywhere"),
+        [several @ .., last] => format!("{} or {last} forbid it everywhere", several.join(", ")),
+    };
+    let mut finding = Diagnostic::error(
+        codes::OPERATION,
+        operation.span,
+        format!(
+            "the operation `{}` can never begin: {forbids}",
+            operation.name
+        ),
+    );
+    for at in by {
+        let formula = replay::formula(&closed.system, &closed.claim, *at);
+        finding = finding.with_label(formula.span, "it is forbidden here");
+    }
+    finding
+        .with_help("weaken what forbids it, or add an operation that leads to where it is allowed")
+}
+
+fn assumed(closed: &Closed<'_>, at: FormulaRef) -> String {
+    let component = &closed.machine.components[at.part.unwrap_or_default()];
+    let formula = replay::formula(&closed.system, &closed.claim, at);
+    messages::assumed(component, formula)
+}
+
+fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnostic {
+    let machine = closed.machine;
+    let operation = &machine.operations[operation];
+    let last = &steps[steps.len() - 1];
+    let begun = begun(closed, last);
+    let named = |place: usize| {
+        let action = operation.sequence.get(place);
+        action.map_or("to be done".to_owned(), |i| name(machine, *i))
+    };
+    let (before, does) = match active(closed, last) {
+        Some(action) if begun.checked_sub(1).map(named) != Some(action.clone()) => {
+            (begun.saturating_sub(1), format!("asks for {action}"))
+        }
+        _ => (begun, "says that it is done".to_owned()),
+    };
+    Diagnostic::error(
+        codes::OPERATION,
+        operation.span,
+        format!(
+            "after {before} action(s) of `{}` the coordinator {does}, but the operation names {}",
+            operation.name,
+            named(before)
+        ),
+    )
+    .with_note(table(closed, steps) + &format!("step {} is the one", steps.len() - 1))
+    .with_help("make the operation's list and the coordinator's contract agree")
+}
+
+fn name(machine: &Machine, component: usize) -> String {
+    format!("`{}`", machine.components[component].name)
+}
+
+/// How many actions have begun.
+fn begun(closed: &Closed<'_>, values: &[i64]) -> usize {
+    let watch = closed.watch.as_ref();
+    watch.map_or(0, |w| usize::try_from(values[w.begun.index()]).unwrap_or(0))
+}
+
+/// The action that is active: the first declared one that is.
+fn active(closed: &Closed<'_>, values: &[i64]) -> Option<String> {
+    let mut components = closed.machine.components.iter();
+    let active = components.position(|c| {
+        let active = c.active.as_ref();
+        active.is_some_and(|a| eval::holds(a, values, &[]))
+    });
+    active.map(|i| name(closed.machine, i))
+}
+
+/// A run as a table: what is asked for, what says that an action is active, and what says that the operation is done.
+fn table(closed: &Closed<'_>, steps: &[Vec<i64>]) -> String {
+    let mut shown: BTreeSet<VarId> = BTreeSet::new();
+    let machine = closed.machine;
+    shown.extend(closed.watch.as_ref().and_then(|w| w.operation));
+    let active = machine.components.iter().filter_map(|c| c.active.as_ref());
+    for expr in active.chain(&machine.done) {
+        expr.for_each_var(&mut |v, _| {
+            shown.insert(v);
+        });
+    }
+    steps_table(
+        &closed.system,
+        &shown.into_iter().collect::<Vec<_>>(),
+        steps,
+    )
+}
+
+fn unclear(machine: &Machine, operation: usize) -> Diagnostic {
+    let operation = &machine.operations[operation];
+    Diagnostic::warning(
+        codes::OPERATION,
+        operation.span,
+        format!(
+            "whether the operation `{}` runs what it names was not decided: a controller is too large for that",
+            operation.name
+        ),
+    )
+    .with_help("it is checked when the library runs; smaller domains let it be decided beforehand")
+}
+
+/// What helps a proof that came to a limit.
+pub fn more(limit: Limit) -> &'static str {
+    match limit {
+        Limit::Time => "give it more time with --timeout SECONDS, or make the domains smaller",
+        Limit::Memory => "give it more memory with --memory MIB, or make the domains smaller",
+        Limit::Size => "make the domains smaller",
+        Limit::Work(_) | Limit::Nodes(_) => {
+            "`--effort 10` lets it do ten times the work; or make the domains smaller"
+        }
+    }
+}
+
+/// Nothing was decided.
+pub fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
+    Diagnostic::warning(
+        codes::GAVE_UP,
+        span,
+        format!("whether the parts of `{name}` fit together was not decided: {limit}"),
+    )
+    .with_help(more(limit))
+}

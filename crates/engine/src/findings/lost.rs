@@ -1,0 +1,298 @@
+//! LW203: why there is no controller, the play that shows it, and what could be done.
+
+use super::{list, play};
+use crate::pipeline::Explained;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::text::{operand, text};
+use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, Specification};
+use linewright_core::source::Span;
+use linewright_solver::game::{
+    Advice, GuaranteeKind, GuaranteeRef, NewAssumption, Weakening, negation,
+};
+use serde::Serialize;
+
+/// The finding. `core` are the names of the guarantees that clash.
+pub fn finding(
+    specification: &Specification,
+    span: Span,
+    core: &[String],
+    explained: Option<&Explained>,
+) -> Diagnostic {
+    let s = specification;
+    let name = &s.name;
+    let advice = explained.and_then(|e| e.advice.as_ref());
+    let contradictory = advice.is_some_and(|a| a.contradictory);
+    let message = format!("no controller can keep the guarantees of `{name}`, whatever it does");
+    let mut finding = Diagnostic::error(codes::UNREALIZABLE, span, message);
+    for span in spans(&s.guarantees, core) {
+        finding = finding.with_label(span, "cannot be kept");
+    }
+    let matters = matters(s, advice);
+    for span in spans(&s.assumptions, &matters) {
+        finding = finding.with_label(span, "does not help enough");
+    }
+    if let Some(explained) = explained
+        && let Some(found) = &explained.play
+    {
+        let clashing = s.guarantees.all().filter(|f| core.contains(&f.name));
+        let helping = s.assumptions.all().filter(|f| matters.contains(&f.name));
+        let shown = play::mentioned(s, clashing.chain(helping));
+        finding = finding.with_note(format!(
+            "the plant wins like this, however the machine resists:\n{}",
+            play::table(s, &shown, found)
+        ));
+    }
+    if contradictory {
+        finding = finding.with_note(no_help(s, advice));
+    }
+    let suggestions = advice.map(|a| suggestions(s, a)).unwrap_or_default();
+    let of_kind = |kind: &str| -> Vec<&Suggestion> {
+        suggestions.iter().filter(|x| x.kind == kind).collect()
+    };
+    let mut help = Vec::new();
+    for (kind, heading) in [
+        ("assume", "is one of these true of your plant? Then add it:"),
+        ("weaken", "may a guarantee ask for less? Then change it:"),
+    ] {
+        let lines: Vec<String> = of_kind(kind)
+            .into_iter()
+            .map(|x| format!("    {}    // {}", x.text, x.cost))
+            .collect();
+        if !lines.is_empty() {
+            help.push(format!("{heading}\n{}", lines.join("\n")));
+        }
+    }
+    let help = if help.is_empty() {
+        "weaken a guarantee or add an assumption; `linewright explain LW203` shows how".to_owned()
+    } else {
+        help.join("\n")
+    };
+    finding.with_help(help)
+}
+
+/// That no assumption can mend it.
+fn no_help(s: &Specification, advice: Option<&Advice>) -> String {
+    let refs = advice
+        .map(|a| a.contradiction.as_slice())
+        .unwrap_or_default();
+    let mut names: Vec<String> = Vec::new();
+    for guarantee in refs {
+        let name = format!("`{}`", guarantee.formula(&s.guarantees).name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    match names.as_slice() {
+        [] => "no assumption mends it: those that there are contradict each other".to_owned(),
+        [one] => format!(
+            "no assumption mends it: {one} contradicts itself or the assumptions, however the plant helps"
+        ),
+        _ => format!(
+            "no assumption mends it: {} contradict each other, however the plant helps",
+            list(&names)
+        ),
+    }
+}
+
+/// The names of the assumptions that matter.
+fn matters(s: &Specification, advice: Option<&Advice>) -> Vec<String> {
+    let refs = advice.map(|a| a.matters.as_slice()).unwrap_or_default();
+    let names = refs.iter().map(|a| a.formula(&s.assumptions).name.clone());
+    names.collect()
+}
+
+/// Where formulas of these names stand; of places within one another the outer ones.
+fn spans(side: &Side, names: &[String]) -> Vec<Span> {
+    let mut spans: Vec<Span> = Vec::new();
+    for formula in side.all().filter(|f| names.contains(&f.name)) {
+        if !spans.iter().any(|s| s.holds(formula.span)) {
+            spans.retain(|s| !formula.span.holds(*s));
+            spans.push(formula.span);
+        }
+    }
+    spans
+}
+
+/// A change that makes the contract realizable.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Suggestion {
+    /// `assume` or `weaken`.
+    pub kind: &'static str,
+    /// The line to be written.
+    pub text: String,
+    /// The guarantee that it takes the place of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replaces: Option<String>,
+    /// The share of steps that it forbids the plant, or in which the guarantee need not hold.
+    pub share: f64,
+    /// The same in words.
+    #[serde(skip)]
+    pub cost: String,
+}
+
+/// All changes, the assumptions first.
+pub fn suggestions(s: &Specification, advice: &Advice) -> Vec<Suggestion> {
+    let assumed = advice.assumptions.iter().map(|a| assumption(s, a));
+    let left_out = (!advice.leave_out.is_empty()).then(|| leave_out(s, &advice.leave_out));
+    let weaker = advice.weakenings.iter().map(|w| weakening(s, w));
+    assumed.chain(weaker).chain(left_out).collect()
+}
+
+fn leave_out(s: &Specification, guarantees: &[GuaranteeRef]) -> Suggestion {
+    let mut names: Vec<String> = Vec::new();
+    for guarantee in guarantees {
+        let name = format!("`{}`", guarantee.formula(&s.guarantees).name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    Suggestion {
+        kind: "weaken",
+        text: format!("leave out {}", list(&names)),
+        replaces: None,
+        share: 1.0,
+        cost: "several mistakes: mend one, then check again".to_owned(),
+    }
+}
+
+fn assumption(s: &Specification, new: &NewAssumption) -> Suggestion {
+    let cost = match new.kind {
+        GuaranteeKind::Justice => "asks for something again and again".to_owned(),
+        GuaranteeKind::Initial => "only at the start".to_owned(),
+        _ => format!(
+            "rules out {} of the combinations of values",
+            percent(new.forbids)
+        ),
+    };
+    Suggestion {
+        kind: "assume",
+        text: format!("assume {}", temporal(s, new.kind, &new.formula)),
+        replaces: None,
+        share: new.forbids,
+        cost,
+    }
+}
+
+fn weakening(s: &Specification, weaker: &Weakening) -> Suggestion {
+    let formula: &Formula = weaker.guarantee.formula(&s.guarantees);
+    let name = &formula.name;
+    let (text, cost) = match &weaker.unless {
+        None => (
+            format!("leave out `{name}`"),
+            "nothing less was found".to_owned(),
+        ),
+        Some(unless) => {
+            let weak = unless_holds(&formula.expr, unless);
+            let label = if is_label(name) {
+                format!("{name}: ")
+            } else {
+                String::new()
+            };
+            (
+                format!(
+                    "guarantee {label}{}",
+                    temporal(s, weaker.guarantee.kind, &weak)
+                ),
+                format!(
+                    "gives it up in {} of the combinations of values",
+                    percent(weaker.gives_up)
+                ),
+            )
+        }
+    };
+    Suggestion {
+        kind: "weaken",
+        text,
+        replaces: Some(name.clone()),
+        share: weaker.gives_up,
+        cost,
+    }
+}
+
+/// A name that can stand before a formula's colon.
+fn is_label(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_alphabetic() || c == '_')
+        && name.chars().all(|c| c.is_alphanumeric() || c == '_')
+}
+
+/// The formula where `unless` does not hold.
+fn unless_holds(expr: &Expr, unless: &Expr) -> Expr {
+    let not = |unless: &Expr| negation(unless.clone());
+    match expr {
+        Expr::Binary(BinaryOp::Implies, a, b) => {
+            // What the guarantee's own condition says already need not be said again.
+            let known = a.conjuncts();
+            let rest = unless
+                .conjuncts()
+                .into_iter()
+                .filter(|u| !known.contains(u));
+            let rest = rest.cloned().reduce(Expr::and);
+            let rest = rest.unwrap_or_else(|| unless.clone());
+            (**a).clone().and(not(&rest)).implies((**b).clone())
+        }
+        whole => not(unless).implies(whole.clone()),
+    }
+}
+
+/// A formula with the words that put it into its list.
+fn temporal(s: &Specification, kind: GuaranteeKind, expr: &Expr) -> String {
+    match kind {
+        GuaranteeKind::Initial => text(s, expr),
+        GuaranteeKind::Justice => format!("always eventually {}", operand(s, expr)),
+        // About two steps, also where it does not say so.
+        GuaranteeKind::Safety if !expr.mentions_next() => {
+            format!("always (next true -> {})", operand(s, expr))
+        }
+        _ => format!("always {}", operand_of_always(s, expr)),
+    }
+}
+
+/// `always` takes everything to its right, but is easier to read with parentheses.
+fn operand_of_always(s: &Specification, expr: &Expr) -> String {
+    match expr {
+        Expr::Var(..) | Expr::Unary(..) => text(s, expr),
+        _ => format!("({})", text(s, expr)),
+    }
+}
+
+/// `25 %`, `0.3 %`
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent >= 10.0 {
+        format!("{percent:.0} %")
+    } else if percent >= 0.1 {
+        format!("{percent:.1} %")
+    } else {
+        "less than 0.1 %".to_owned()
+    }
+}
+
+/// The names of assumptions that matter, for a document.
+pub fn matter_names(s: &Specification, explained: &Explained) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in matters(s, explained.advice.as_ref()) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_rounded() {
+        assert_eq!(percent(0.25), "25 %");
+        assert_eq!(percent(0.003), "0.3 %");
+        assert_eq!(percent(0.000_1), "less than 0.1 %");
+    }
+
+    #[test]
+    fn names_are_listed() {
+        let names = ["a", "b", "c"].map(str::to_owned);
+        assert_eq!(list(&names), "a, b and c");
+        assert_eq!(list(&names[..1]), "a");
+    }
+}

@@ -1,0 +1,167 @@
+//! A play as a table: a row a variable, a column a step.
+
+use super::list;
+use linewright_core::gr1::{Formula, Owner, Specification, Timing, VarId};
+use linewright_solver::game::{Ending, GuaranteeRef, Play};
+use std::fmt::Write as _;
+
+/// The table is no wider than this.
+const WIDTH: usize = 96;
+
+/// Of a play that is not shorter than this, only the beginning and the end are shown.
+const MOST_STEPS: usize = 40;
+
+/// One row of a table: whose variable it is, its name, and its value in every step.
+pub struct Row {
+    /// `plant`, `machine`, or a component's name.
+    pub side: String,
+    /// The variable's name.
+    pub name: String,
+    /// A value a step.
+    pub cells: Vec<String>,
+}
+
+/// The table, and a sentence on how the play ends.
+pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> String {
+    let s = specification;
+    let last = play.steps.len() - 1;
+    let clash = matches!(play.ending, Ending::Clash(_));
+    let rows = shown.iter().map(|v| {
+        let variable = s.variable(*v);
+        let cell = |(step, values): (usize, &Vec<i64>)| -> String {
+            // No answer is possible there.
+            let unknown = clash
+                && step == last
+                && variable.owner == Owner::System
+                && s.timing == Timing::Mealy;
+            if unknown {
+                "?".to_owned()
+            } else {
+                variable.domain.show(values[v.index()])
+            }
+        };
+        Row {
+            side: match variable.owner {
+                Owner::Environment => "plant".to_owned(),
+                Owner::System => "machine".to_owned(),
+            },
+            name: variable.name.clone(),
+            cells: play.steps.iter().enumerate().map(cell).collect(),
+        }
+    });
+    let rows: Vec<Row> = rows.collect();
+    grid(&rows, last) + &ending(s, play)
+}
+
+/// Rows over steps, broken into pieces that are not too wide.
+pub fn grid(rows: &[Row], last: usize) -> String {
+    let widest = |texts: &mut dyn Iterator<Item = &String>| texts.map(|t| t.chars().count()).max();
+    let sides = widest(&mut rows.iter().map(|r| &r.side))
+        .unwrap_or(0)
+        .max("machine".len());
+    let names = widest(&mut rows.iter().map(|r| &r.name))
+        .unwrap_or(0)
+        .max("step".len());
+    let steps = columns(last);
+    let widths: Vec<usize> = steps
+        .iter()
+        .map(|step| {
+            let Some(step) = *step else {
+                return "...".len();
+            };
+            let cells = rows.iter().map(|r| r.cells[step].chars().count());
+            cells.max().unwrap_or(0).max(step.to_string().len())
+        })
+        .collect();
+    let mut text = String::new();
+    let mut from = 0;
+    while from < steps.len() {
+        let mut width = sides + 2 + names;
+        let mut to = from;
+        while to < steps.len() && (to == from || width + 2 + widths[to] <= WIDTH) {
+            width += 2 + widths[to];
+            to += 1;
+        }
+        let mut row = |side: &str, name: &str, cells: &dyn Fn(usize) -> String| {
+            let mut line = format!("{side:<sides$}  {name:<names$}");
+            for (step, width) in steps[from..to].iter().zip(&widths[from..to]) {
+                let cell = step.map_or("...".to_owned(), cells);
+                let _ = write!(line, "  {cell:<width$}");
+            }
+            text.push_str(line.trim_end());
+            text.push('\n');
+        };
+        row("", "step", &|step| step.to_string());
+        for r in rows {
+            row(&r.side, &r.name, &|step| r.cells[step].clone());
+        }
+        from = to;
+        if from < steps.len() {
+            text.push('\n');
+        }
+    }
+    text
+}
+
+/// The steps that are shown: of a long play the first and the last ones, with a gap between.
+fn columns(last: usize) -> Vec<Option<usize>> {
+    if last < MOST_STEPS {
+        return (0..=last).map(Some).collect();
+    }
+    let first = (0..MOST_STEPS / 2).map(Some);
+    let rest = (last + 1 - MOST_STEPS / 4..=last).map(Some);
+    first.chain([None]).chain(rest).collect()
+}
+
+/// How the play ends, in a sentence.
+fn ending(s: &Specification, play: &Play) -> String {
+    let last = play.steps.len() - 1;
+    let name = |g: &GuaranteeRef| format!("`{}`", g.formula(&s.guarantees).name);
+    match &play.ending {
+        Ending::Clash(rules) => {
+            let mut names: Vec<String> = Vec::new();
+            for rule in rules {
+                if !names.contains(&name(rule)) {
+                    names.push(name(rule));
+                }
+            }
+            match (names.as_slice(), s.timing) {
+                ([], _) => format!("in step {last} there is no answer at all"),
+                ([one], Timing::Moore) => {
+                    format!(
+                        "whatever the machine does in step {last}, the plant can answer so that {one} is broken"
+                    )
+                }
+                ([one], _) => format!("in step {last} no answer keeps {one}"),
+                _ => format!("in step {last} no answer keeps {} together", list(&names)),
+            }
+        }
+        Ending::Starved { from, goal } => {
+            let round = if *from == last {
+                format!("step {last} goes on for ever")
+            } else {
+                format!("after step {last} it goes on with step {from}, for ever")
+            };
+            format!("{round}, and {} is never met again", name(goal))
+        }
+    }
+}
+
+/// The variables that these formulas mention, in the order of their declaration.
+pub fn mentioned<'f>(
+    specification: &Specification,
+    formulas: impl Iterator<Item = &'f Formula>,
+) -> Vec<VarId> {
+    let mut found = vec![false; specification.variables.len()];
+    for formula in formulas {
+        formula
+            .expr
+            .for_each_var(&mut |v, _| found[v.index()] = true);
+    }
+    let ids = (0..found.len() as u32).map(VarId);
+    let own = |v: &VarId| found[v.index()] && !specification.is_made_up(*v);
+    let mut shown: Vec<VarId> = ids.filter(own).collect();
+    // What the plant gives first, then what the machine answers.
+    shown.sort_by_key(|v| specification.variable(*v).owner == Owner::System);
+    shown
+}

@@ -1,0 +1,165 @@
+//! Faults of this program: a panic is caught where the other contracts, machines and lines can still be judged, or at the top.
+//!
+//! A panic means that a rule of ours is broken, so nothing may be concluded of what was being looked at: it is no verdict, but a finding of its
+//! own (LW007) that says what was being done, and the exit code 4. What is being done is said where it begins ([`within`], [`caught`]), in any
+//! thread; a thread hands what it knows on with the panic.
+//!
+//! A build with debug assertions panics on purpose where the variable `LINEWRIGHT_PANIC` names a part of what is being done; so the tests
+//! reach every place that catches.
+
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::source::Span;
+use std::any::Any;
+use std::cell::{Cell, RefCell};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+thread_local! {
+    /// How many of those who catch are above us in this thread.
+    static CATCHING: Cell<usize> = const { Cell::new(0) };
+    /// The last panic in this thread: its message, and its place in our sources.
+    static LAST: RefCell<Option<(String, String)>> = const { RefCell::new(None) };
+}
+
+/// A panic that was caught.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// What was being done, from the whole to its part.
+    doing: Vec<String>,
+    message: String,
+    /// Where in our sources.
+    place: Option<String>,
+}
+
+impl Fault {
+    /// A fault that was noticed without a panic.
+    pub fn noticed(doing: String, message: String) -> Self {
+        Self {
+            doing: vec![doing],
+            message,
+            place: None,
+        }
+    }
+
+    fn of(payload: Box<dyn Any + Send>) -> Self {
+        let payload = match payload.downcast::<Self>() {
+            Ok(fault) => return *fault,
+            Err(payload) => payload,
+        };
+        let (message, place) = match LAST.take() {
+            Some((message, place)) => (message, Some(place)),
+            None => (text(&*payload), None),
+        };
+        Self {
+            doing: Vec::new(),
+            message,
+            place,
+        }
+    }
+
+    /// What is said of it.
+    pub fn finding(&self, span: Option<Span>) -> Diagnostic {
+        let message = self.message.trim_end_matches("; please report this");
+        let place = self.place.as_ref().map(|p| format!(" ({p})"));
+        Diagnostic::error(
+            codes::INTERNAL,
+            span,
+            format!(
+                "internal error while {}: {message}{}",
+                self.doing.join(": "),
+                place.unwrap_or_default()
+            ),
+        )
+        .with_help(format!(
+            "this is a fault of linewright {}, and says nothing about the file: please report it, with the command and the files that lead to it",
+            env!("CARGO_PKG_VERSION")
+        ))
+    }
+}
+
+/// What a panic was given.
+fn text(payload: &(dyn Any + Send)) -> String {
+    if let Some(text) = payload.downcast_ref::<&str>() {
+        (*text).to_owned()
+    } else if let Some(text) = payload.downcast_ref::<String>() {
+        text.clone()
+    } else {
+        "a panic without a message".to_owned()
+    }
+}
+
+/// Does some work. A panic ends the work, and is given back with what was being done: a verbal phrase, `checking the machine `T` of a.lw`.
+pub fn caught<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> Result<R, Fault> {
+    CATCHING.set(CATCHING.get() + 1);
+    // What the work leaves half done is not looked at again: its result is dropped, and a finding stands in its place.
+    let mut named = None;
+    let result = catch_unwind(AssertUnwindSafe(|| {
+        let doing = named.insert(doing());
+        panic_on_purpose(doing);
+        work()
+    }));
+    CATCHING.set(CATCHING.get() - 1);
+    result.map_err(|payload| {
+        let mut fault = Fault::of(payload);
+        // A thread has nothing to add.
+        fault
+            .doing
+            .splice(0..0, named.filter(|doing| !doing.is_empty()));
+        fault
+    })
+}
+
+/// Does some work. A panic goes on to whoever catches it, and says what was being done.
+pub fn within<R>(doing: &str, work: impl FnOnce() -> R) -> R {
+    caught(|| doing.to_owned(), work).unwrap_or_else(|fault| resume_unwind(Box::new(fault)))
+}
+
+/// A panic that somebody catches is said by whoever does; its backtrace is shown where it is asked for (`RUST_BACKTRACE`).
+pub fn watch_panics() {
+    let default = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        let place = info.location().map(ToString::to_string);
+        LAST.set(Some((text(info.payload()), place.unwrap_or_default())));
+        if CATCHING.get() == 0 || std::env::var_os("RUST_BACKTRACE").is_some_and(|v| v != "0") {
+            default(info);
+        }
+    }));
+}
+
+fn panic_on_purpose(doing: &str) {
+    if cfg!(debug_assertions)
+        && let Ok(wanted) = std::env::var("LINEWRIGHT_PANIC")
+    {
+        let is_here = !wanted.is_empty() && doing.contains(&wanted);
+        assert!(!is_here, "on purpose, for a test");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_being_done_comes_with_the_panic_through_threads() {
+        let fault = caught(
+            || "checking a thing".to_owned(),
+            || {
+                let thread = std::thread::spawn(|| {
+                    within("solving it", || panic!("broken; please report this"));
+                });
+                thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+            },
+        )
+        .unwrap_err();
+        assert_eq!(fault.doing, ["checking a thing", "solving it"]);
+        let finding = fault.finding(None);
+        assert_eq!(finding.code, codes::INTERNAL);
+        assert!(
+            finding
+                .message
+                .starts_with("internal error while checking a thing: solving it: broken"),
+            "{}",
+            finding.message
+        );
+        assert_eq!(caught(|| "adding".to_owned(), || 1 + 1), Ok(2));
+    }
+}

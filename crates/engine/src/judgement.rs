@@ -1,0 +1,39 @@
+//! What is judged of a machine with its controllers: made once, and asked by `check`, `build` and `run` alike.
+//!
+//! `check` shows how it comes about; `build` and `run` only need to know what is wrong. That nothing is wrong is remembered beside what is known
+//! of contracts, so that a run after a check does not judge again.
+
+use super::cache::{Cache, Key};
+use super::internal;
+use super::machine;
+use crate::controlled::Controlled;
+use linewright_core::diagnostics::Diagnostic;
+use linewright_solver::game::Limits;
+
+/// What is wrong with a machine, as `check` says it.
+pub fn findings(
+    controlled: &Controlled<'_>,
+    limits: &Limits,
+    cache: Option<&Cache>,
+) -> Vec<Diagnostic> {
+    let key = cache.map(|_| Key::of_machine(controlled.machine, &controlled.controllers));
+    if let (Some(cache), Some(key)) = (cache, &key)
+        && cache.is_sound(key)
+    {
+        return Vec::new();
+    }
+    let machine = controlled.machine;
+    let doing = || format!("judging the machine `{}`", machine.name);
+    let findings = internal::caught(doing, || machine::proved(controlled, limits).findings)
+        .unwrap_or_else(|fault| vec![fault.finding(Some(machine.span))]);
+    remember(&findings, controlled, cache);
+    findings
+}
+
+/// Remembers that nothing is wrong with a machine, where that is so.
+pub fn remember(findings: &[Diagnostic], controlled: &Controlled<'_>, cache: Option<&Cache>) {
+    if let (Some(cache), true) = (cache, findings.is_empty()) {
+        let key = Key::of_machine(controlled.machine, &controlled.controllers);
+        cache.keep_sound(&key);
+    }
+}

@@ -1,0 +1,131 @@
+//! What proofs of a machine rely on of the machines within it.
+//!
+//! In the proof of a cell, a machine that refines a contract stands there as that contract. This is sound when the machine, with the arguments
+//! that it has there, keeps the contract step by step, whoever surrounds it; that is proved here, layer by layer from below. Where it
+//! refines none, its own components take part in the proof, and those of its machines that refine one stand for themselves.
+
+use crate::closed::undecided;
+use crate::words::Told;
+use linewright_algebra::machine::of_promise;
+use linewright_algebra::proof::{Claim, prove_stepwise};
+use linewright_algebra::system::System;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::machine::{Inner, Machine, Promised};
+use linewright_solver::game::Limits;
+
+/// What was proved already: two machines of one kind are proved once.
+type Known = Vec<(System, Claim)>;
+
+/// Proves the promises that the proof of a machine relies on; what is not kept is a finding at the inner machine.
+pub(super) fn promises(machine: &Machine, limits: &Limits, findings: &mut Vec<Diagnostic>) {
+    let mut known = Known::new();
+    for inner in &machine.layers.inner {
+        below(machine, inner, limits, &mut known, findings);
+    }
+}
+
+fn below(
+    machine: &Machine,
+    inner: &Inner,
+    limits: &Limits,
+    known: &mut Known,
+    findings: &mut Vec<Diagnostic>,
+) {
+    for deeper in &inner.machine.layers.inner {
+        // What is wrong further below is shown where this machine names its own.
+        let mut found = Vec::new();
+        below(machine, deeper, limits, known, &mut found);
+        findings.extend(found.into_iter().map(|mut f| {
+            f.span = Some(inner.span);
+            f
+        }));
+    }
+    let Some(promised) = inner.machine.refines.first() else {
+        return;
+    };
+    let (system, claim) = of_promise(inner.machine.abstracted(), promised);
+    if known.iter().any(|(s, c)| *s == system && *c == claim) {
+        return;
+    }
+    match prove_stepwise(&system, &claim, limits) {
+        Ok(proof) if proof.holds() => {}
+        Ok(proof) => {
+            let told = Told {
+                system: &system,
+                claim: &claim,
+                whole: &promised.contract,
+            };
+            findings.push(broken(machine, inner, promised, told, &proof));
+        }
+        Err(limit) => findings.push(undecided(inner.span, &inner.machine.name, limit)),
+    }
+    known.push((system, claim));
+}
+
+/// A promise that is not kept, and the first reason for that.
+fn broken(
+    machine: &Machine,
+    inner: &Inner,
+    promised: &Promised,
+    told: Told<'_>,
+    proof: &linewright_algebra::proof::Proof,
+) -> Diagnostic {
+    let contract = &promised.contract;
+    let finding = Diagnostic::error(
+        codes::PROMISE_BROKEN,
+        inner.span,
+        format!(
+            "`{}` does not keep `{contract}`, by which the proof of `{}` knows it",
+            inner.name, machine.name
+        ),
+    )
+    .with_label(promised.span, "it is said to refine this");
+    let finding = match proof.open.first() {
+        Some(open) => {
+            let formula = told.formula(open.what);
+            finding
+                .with_label(
+                    formula.span,
+                    match open.what.part {
+                        Some(_) => "this is assumed within it, and not met",
+                        None => "this is not kept",
+                    },
+                )
+                .with_note(told.shown(open))
+        }
+        None => finding,
+    };
+    finding.with_help(format!(
+        "repair `{}`, or let it refine a contract that promises less",
+        inner.machine.name
+    ))
+}
+
+/// What a machine reads of those within it although their contracts do not speak of it: proofs know nothing of that.
+pub(super) fn beyond(machine: &Machine) -> Option<String> {
+    let mut told = Vec::new();
+    for component in &machine.abstracted().components {
+        let inner = machine
+            .layers
+            .inner
+            .iter()
+            .find(|i| i.name == component.name);
+        let Some(promised) = inner.and_then(|i| i.machine.refines.first()) else {
+            continue;
+        };
+        let count = promised.specification.variables.len();
+        for variable in &component.specification.variables[count..] {
+            told.push(format!(
+                "`{}.{}`, of which `{}` says nothing",
+                component.name, variable.name, promised.contract
+            ));
+        }
+    }
+    if told.is_empty() {
+        return None;
+    }
+    Some(format!(
+        "this machine reads {}; in its proof that can be anything: make it an output of the contract",
+        told.join(", ")
+    ))
+}

@@ -1,0 +1,259 @@
+//! Lines and their proofs: what `check` asks of a line before it runs.
+
+use super::asked;
+use super::words::{DischargeEntry, Told, entry};
+use crate::controlled::Controlled;
+use linewright_algebra::proof::prove;
+use linewright_algebra::system::FormulaRef;
+use linewright_core::diagnostics::{Diagnostic, Severity, codes};
+use linewright_language::contract::line::{Line, NodeKind};
+use linewright_language::contract::machine::Machine;
+use linewright_line::abstraction::{self, Abstraction, Verdict, findings};
+use linewright_line::calls::{self, Bounds, Calls, Premise, premises};
+use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
+
+/// Of lines with more variables it is not asked whether everything goes on.
+const MOST_VARIABLES: usize = 48;
+
+/// How much of a line's calls is explored.
+const CALLS: Bounds = Bounds {
+    values: 20_000,
+    steps: 2_000_000,
+};
+
+/// What is known of a line.
+#[derive(Debug, Default)]
+pub struct Proof {
+    /// `proved`, `safe` where it was not decided that everything goes on, `open` or `gave_up`.
+    pub verdict: &'static str,
+    /// Of a proved or safe one: what that rests on and the line does not show.
+    pub premises: Vec<Premise>,
+    /// Of a safe one: what was not decided.
+    pub undecided: Vec<String>,
+    /// What each requirement and each assumption of a place rests on.
+    pub discharges: Vec<DischargeEntry>,
+    /// Whether it was decided of every part that it has a way onward.
+    pub routes_decided: bool,
+    /// What is wrong.
+    pub findings: Vec<Diagnostic>,
+}
+
+/// Proves a line, or says what keeps it from being true: `docs/proof.md` has the theorem. The table of what rests on what takes longer than the
+/// verdict, and is made where it is wanted. `controlled` has the controllers of a machine, as far as they are there.
+pub fn examine<'a>(
+    line: &Line,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    limits: &Limits,
+    with_table: bool,
+) -> Proof {
+    // That every part is worked on rests on every call being answered.
+    let mut calls = calls_of(line, &controlled, limits);
+    let mut found = std::mem::take(&mut calls.findings);
+    let reduced = calls.simplified(line);
+    let moving = if found.is_empty() { &reduced } else { line };
+    found.extend(timeless(line, &calls));
+    let is_sound = found.is_empty();
+    // Where not all calls could be tried, contracts may still show that none breaks an order.
+    let unknown = |node: usize| calls.undecided.iter().any(|(n, _)| *n == node);
+    let asked = asked::examine(line, unknown, &controlled, &bounded(limits));
+    let mut proof = examine_moves(moving, &bounded(limits), with_table);
+    if is_sound && asked.findings.is_empty() {
+        if proof.verdict == "proved" || proof.verdict == "safe" {
+            proof.premises = premises(line, &calls);
+        }
+    } else {
+        proof.verdict = "open";
+        proof.discharges.clear();
+        proof.undecided.clear();
+        // What was not decided beside what is wrong does not matter yet.
+        proof.findings.retain(|f| f.code != codes::LINE_UNDECIDED);
+    }
+    proof.routes_decided = calls.undecided.is_empty();
+    proof.findings.extend(found);
+    proof.findings.extend(std::mem::take(&mut calls.remarks));
+    proof.findings.extend(asked.findings);
+    for (node, why) in &calls.undecided {
+        let station = &line.nodes[*node].name;
+        // That there is no controller is told of its contract.
+        if has_controllers(line, *node, &controlled) {
+            let message = format!("whether {station} answers every call was not decided: {why}");
+            proof.findings.push(note(line, message, ASKED));
+        }
+        if proof.verdict == "proved" {
+            proof.verdict = "safe";
+        }
+        if proof.verdict == "safe" {
+            proof.undecided.push(format!("answers_at_{station}"));
+        }
+    }
+    proof
+}
+
+/// Whether a node is no machine, or one with controllers.
+fn has_controllers<'a>(
+    line: &Line,
+    node: usize,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+) -> bool {
+    match &line.nodes[node].kind {
+        NodeKind::Station { machine, .. } => controlled(machine).is_some(),
+        _ => true,
+    }
+}
+
+/// What is wrong with the calls of a line: what `check` and `run` both say of it.
+pub fn findings_of_calls<'a>(
+    line: &Line,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    limits: &Limits,
+) -> Vec<Diagnostic> {
+    let mut calls = calls_of(line, controlled, limits);
+    let mut found = std::mem::take(&mut calls.findings);
+    found.extend(timeless(line, &calls));
+    found.append(&mut calls.remarks);
+    found
+}
+
+/// Tries the calls of a line.
+fn calls_of<'a>(
+    line: &Line,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    limits: &Limits,
+) -> Calls {
+    let interpreter = |machine: &Machine| Some(controlled(machine)?.interpreter(machine));
+    let bounds = Bounds {
+        values: usize::try_from(limits.effort.of(CALLS.values as u64)).unwrap_or(usize::MAX),
+        steps: limits.effort.of(CALLS.steps),
+    };
+    calls::examine(line, interpreter, &bounds, &bounded(limits))
+}
+
+/// A line in which parts move on and no time passes.
+fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
+    let found = calls.timeless.as_ref()?;
+    let [from, to] = [found.from, found.to].map(|node| &line.nodes[node]);
+    let message = format!(
+        "parts go from {} to {} on and on, and no time passes",
+        from.name, to.name
+    );
+    let mut finding = Diagnostic::error(codes::LINE_TIMELESS, from.span, message).with_help(
+        "give the work of a station on the way a time that is greater than 0 for all values",
+    );
+    if !found.always {
+        finding.severity = Severity::Warning;
+    }
+    for node in &found.stations {
+        let node = &line.nodes[*node];
+        finding = finding.with_label(
+            node.span,
+            format!("the work of {} may take no time", node.name),
+        );
+    }
+    Some(finding)
+}
+
+/// What one question about a line may take.
+fn bounded(limits: &Limits) -> Limits {
+    limits.within(Budget::LINE)
+}
+
+/// Whether parts move on, each operation being done.
+fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
+    let table = |abstraction: &Abstraction, verdict: &Verdict| {
+        if !with_table {
+            return (Vec::new(), None);
+        }
+        match table(line, abstraction, verdict, limits) {
+            Ok(rows) => (rows, None),
+            Err(limit) => {
+                let message = format!(
+                    "the verdict on {} is known, but not what rests on what: {limit}",
+                    line.name
+                );
+                (Vec::new(), Some(note(line, message, FEWER)))
+            }
+        }
+    };
+    let (abstraction, verdict) = match abstraction::examine(line, limits, MOST_VARIABLES) {
+        Ok(decided) => decided,
+        Err(unfit) => return undecided(line, &unfit.0),
+    };
+    if !verdict.open.is_empty() {
+        return Proof {
+            verdict: "open",
+            findings: findings(line, &abstraction, &verdict),
+            ..Proof::default()
+        };
+    }
+    let (discharges, unknown) = table(&abstraction, &verdict);
+    let undecided = verdict.undecided.iter();
+    let undecided: Vec<String> = undecided
+        .map(|at| abstraction.goal(*at).name.clone())
+        .collect();
+    let mut findings: Vec<Diagnostic> = unknown.into_iter().collect();
+    if !undecided.is_empty() {
+        let message = format!(
+            "parts cannot block one another in {}, but whether everything goes on was not decided: {}",
+            line.name,
+            undecided.join(", ")
+        );
+        findings.push(note(line, message, FEWER));
+    }
+    Proof {
+        verdict: if verdict.holds() { "proved" } else { "safe" },
+        undecided,
+        discharges,
+        findings,
+        ..Proof::default()
+    }
+}
+
+/// What rests on what. Of what was not decided nothing is said; nothing at all where a limit was reached first, for the verdict is known without
+/// it.
+fn table(
+    line: &Line,
+    abstraction: &Abstraction,
+    verdict: &Verdict,
+    limits: &Limits,
+) -> Result<Vec<DischargeEntry>, Limit> {
+    let whole = &abstraction.claim;
+    let safe = |at: FormulaRef| at.kind != RuleKind::Justice && !whole.lemmas.contains_key(&at);
+    let claim = if verdict.undecided.is_empty() {
+        whole.clone()
+    } else {
+        whole.only(safe)
+    };
+    let proof = prove(&abstraction.system, &claim, limits)?;
+    let told = Told {
+        system: &abstraction.system,
+        claim: &claim,
+        whole: &line.name,
+    };
+    Ok(proof.discharges.iter().map(|d| entry(told, d)).collect())
+}
+
+/// What to do where it was not decided what a station is asked for.
+const ASKED: &str = "A run shows what is refused. Fewer values of properties, or a machine that comes back to the same state after each operation, \
+                     leave less to try; `--effort 10` lets the proof try ten times as much.";
+
+/// What to do where something was not decided.
+const FEWER: &str = "Smaller limits and buffers, or fewer types of parts in one, make the line smaller; `--effort 10` lets the proof do ten times \
+                     the work.";
+
+fn undecided(line: &Line, why: &str) -> Proof {
+    let message = format!(
+        "whether parts can block one another in {} was not decided: {why}",
+        line.name
+    );
+    let help = "Nothing is known to be wrong. A run shows whether the line gets stuck with the times that it has; smaller buffers, or fewer \
+                types of parts in one, make it smaller.";
+    Proof {
+        verdict: "gave_up",
+        findings: vec![note(line, message, help)],
+        ..Proof::default()
+    }
+}
+
+fn note(line: &Line, message: String, help: &str) -> Diagnostic {
+    Diagnostic::note(codes::LINE_UNDECIDED, line.span, message).with_help(help)
+}

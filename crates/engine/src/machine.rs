@@ -1,0 +1,401 @@
+//! What `check` says of a machine as a whole: how its components discharge one another's assumptions, whether it keeps its own guarantees, and
+//! whether it refines the contracts that it is said to refine.
+
+use super::layers;
+use crate::closed::{self, bounded, undecided};
+use crate::controlled::{self, Controlled};
+use crate::found;
+use crate::internal::within;
+use crate::words::{DischargeEntry, HANDED_ON, Told, entry, rule};
+use linewright_algebra::closed::{Closed, Form, Met, Verdict};
+use linewright_algebra::machine::{COMPLETES, of_machine, of_promise};
+use linewright_algebra::proof::{Circle, Claim, Discharged, Proof, prove};
+use linewright_algebra::system::{FormulaRef, System};
+use linewright_core::diagnostics::{Diagnostic, Severity, codes};
+use linewright_core::source::Span;
+use linewright_language::contract::machine::{Machine, Promised};
+use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
+use linewright_station::composition::{By, Composition};
+use serde::Serialize;
+
+/// What is known of a machine.
+#[derive(Debug, Default)]
+pub struct Proved {
+    /// How each assumption of a component is met, and each guarantee of the machine.
+    pub discharges: Vec<DischargeEntry>,
+    /// What its controllers do together.
+    pub closed: Option<ClosedEntry>,
+    /// The contracts that it is said to refine.
+    pub refines: Vec<RefinesEntry>,
+    /// What is wrong.
+    pub findings: Vec<Diagnostic>,
+}
+
+/// The closed composition: all components are their controllers.
+#[derive(Debug, Serialize)]
+pub struct ClosedEntry {
+    /// `holds`, `broken`, `open` where a controller that went in as its contract leaves something undecided, or `gave_up`.
+    pub verdict: &'static str,
+    /// How many states can be reached: values of all wires, the tables' states, and what is remembered of operations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub states: Option<u64>,
+    /// How each component took part.
+    pub components: Vec<TakenEntry>,
+}
+
+/// How a component took part in the closed composition.
+#[derive(Debug, Serialize)]
+pub struct TakenEntry {
+    /// The component.
+    pub name: String,
+    /// `table` or `contract`.
+    #[serde(rename = "as")]
+    pub form: &'static str,
+}
+
+/// A contract that a machine is said to refine.
+#[derive(Debug, Serialize)]
+pub struct RefinesEntry {
+    /// The contract.
+    pub contract: String,
+    /// `refined`, `broken` or `gave_up`.
+    pub verdict: &'static str,
+    /// Where the components' contracts do not show it, what the controllers do: `holds`, `broken`, `open` or `gave_up`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closed: Option<&'static str>,
+    /// How each assumption of a component and each guarantee of the contract is met.
+    pub discharges: Vec<DischargeEntry>,
+}
+
+/// Proves what is to be shown of a machine: of all controllers that keep the contracts, and of those that there are, since what no contract
+/// implies may still hold of them.
+pub fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
+    let limits = &limits.within(Budget::MACHINE);
+    let mut result = Proved::default();
+    // An inner machine is known by what it promises; that it keeps the promise is shown first.
+    within("proving what inner machines promise", || {
+        layers::promises(controlled.machine, limits, &mut result.findings);
+    });
+    let beyond = layers::beyond(controlled.machine);
+    let machine = controlled.machine.abstracted();
+    let (system, claim) = of_machine(machine);
+    let closed = Closed::of_machine(controlled.machine, &controlled.controllers);
+    let decided = within("putting its controllers together", || {
+        closed.decide(&bounded(limits))
+    });
+    result.closed = Some(closed_entry(&closed, &decided));
+    // Of what is too large for that, the coordinator's states are walked, with all else left free.
+    let walked = match &decided {
+        Err(_) if !is_layered(controlled) => controlled::compose(controlled),
+        _ => Composition::default(),
+    };
+    let both = Both {
+        told: Told {
+            system: &system,
+            claim: &claim,
+            whole: &machine.name,
+        },
+        span: machine.span,
+        machine,
+        closed: &closed,
+        verdict: decided.as_ref().ok().filter(|_| !is_layered(controlled)),
+        walked: &walked,
+    };
+    match prove(&system, &claim, limits) {
+        Ok(proof) => result.discharges = both.merged(proof, &mut result.findings),
+        Err(limit) => {
+            // What the controllers show is then all that there is.
+            let limited = undecided(machine.span, &machine.name, limit);
+            if let Some(verdict) = both.verdict {
+                let met = verdict.met.iter().map(|(at, met)| both.shown(*at, *met));
+                result.discharges = met.collect();
+                both.told_open(verdict, &[], &mut result.findings);
+                if !verdict.undecided.is_empty() {
+                    result.findings.push(limited);
+                }
+            } else {
+                result.findings.push(limited);
+                let open = walked.findings.iter();
+                let open = open.filter(|f| f.code == codes::ASSUMPTION_OPEN);
+                result.findings.extend(open.cloned());
+            }
+        }
+    }
+    if let Ok(verdict) = &decided {
+        // The proof knows inner machines by their promises, the controllers are those of all layers.
+        if is_layered(controlled) {
+            both.told_open(verdict, &[], &mut result.findings);
+        }
+        let operations = closed::operations(&closed, verdict);
+        result.findings.extend(operations);
+    } else {
+        let walked = walked.findings.into_iter();
+        let others = walked.filter(|f| f.code != codes::ASSUMPTION_OPEN);
+        result.findings.extend(others);
+    }
+    for (promised, flat) in machine.refines.iter().zip(&controlled.machine.refines) {
+        let refined = refines(controlled, promised, flat, limits, &mut result.findings);
+        result.refines.push(refined);
+    }
+    for finding in &mut result.findings {
+        if [codes::ASSUMPTION_OPEN, codes::PROMISE_BROKEN].contains(&finding.code) {
+            finding.notes.extend(beyond.clone());
+        }
+    }
+    result
+}
+
+/// Whether there are machines in a machine, which its proof knows by what they promise.
+fn is_layered(controlled: &Controlled<'_>) -> bool {
+    controlled.machine.layers.abstracted.is_some()
+}
+
+/// A proof from contracts, and what the controllers show.
+struct Both<'a> {
+    told: Told<'a>,
+    span: Span,
+    /// The machine as the proof looks at it.
+    machine: &'a Machine,
+    closed: &'a Closed<'a>,
+    /// What they show of the same formulas; `None` where a limit was reached, and for machines of machines.
+    verdict: Option<&'a Verdict>,
+    /// What the coordinator's states show then.
+    walked: &'a Composition,
+}
+
+impl Both<'_> {
+    /// The table of what is met, and the findings of what is not.
+    fn merged(&self, mut proof: Proof, findings: &mut Vec<Diagnostic>) -> Vec<DischargeEntry> {
+        let mut entries: Vec<(FormulaRef, DischargeEntry)> = Vec::new();
+        entries.extend(
+            proof
+                .discharges
+                .iter()
+                .map(|d| (d.what, entry(self.told, d))),
+        );
+        if let Some(verdict) = self.verdict.filter(|_| proof.loops.is_empty()) {
+            // Of a component that is stuck it is told why, and nothing else.
+            let is_stuck = |part: Option<usize>| {
+                let mut stuck = verdict.stuck.iter();
+                stuck.any(|s| Some(s.component) == part)
+            };
+            proof.open.retain(|o| !is_stuck(o.what.part));
+            for open in &proof.open {
+                if let Some(met) = verdict.is_met(open.what) {
+                    entries.push((open.what, self.shown(open.what, met)));
+                }
+            }
+            let is_met = |at: &FormulaRef| verdict.is_met(*at).is_some();
+            let (resolved, circles) = proof
+                .circles
+                .into_iter()
+                .partition(|c: &Circle| c.assumptions.iter().any(is_met));
+            proof.circles = circles;
+            self.told_resolved(resolved, findings);
+            self.told_open(verdict, &members(&proof), findings);
+            let settled =
+                |at: FormulaRef| verdict.is_met(at).is_some() || verdict.is_open(at).is_some();
+            proof.open.retain(|o| !settled(o.what));
+        } else {
+            let shown = self.by_the_walk(&proof);
+            let is_met = |at: &FormulaRef| shown.iter().any(|(known, _)| known == at);
+            proof.open.retain(|o| !is_met(&o.what));
+            proof.circles.retain(|c| !c.assumptions.iter().any(is_met));
+            entries.extend(shown);
+        }
+        entries.sort_by_key(|(at, _)| (at.part.unwrap_or(usize::MAX), at.kind, at.index));
+        self.told_unsettled(&mut proof, findings);
+        entries.into_iter().map(|(_, e)| e).collect()
+    }
+
+    /// What the contracts do not show, and the coordinator's states do. They show an assumption as far as all others are kept, and that
+    /// requests complete where nothing is wrong with an operation.
+    fn by_the_walk(&self, proof: &Proof) -> Vec<(FormulaRef, DischargeEntry)> {
+        let sound = self
+            .walked
+            .findings
+            .iter()
+            .all(|f| f.code != codes::ASSUMPTION_OPEN);
+        let complete = self.walked.findings.is_empty() && !self.walked.discharges.is_empty();
+        let shows = |at: FormulaRef| {
+            let name = &self.told.formula(at).name;
+            let owner = self.told.owner(at);
+            let mut walked = self.walked.discharges.iter();
+            let known =
+                walked.any(|d| d.component == owner && d.assumption == *name && d.by != By::Line);
+            (sound && known) || (complete && at.part.is_none() && name == COMPLETES)
+        };
+        let open = proof.open.iter().filter(|o| shows(o.what));
+        open.map(|o| {
+            let mut shown = self.shown(o.what, Met::Held);
+            "the coordinator's reachable states".clone_into(&mut shown.by);
+            (o.what, shown)
+        })
+        .collect()
+    }
+
+    /// What the controllers themselves break.
+    fn told_open(&self, verdict: &Verdict, but: &[FormulaRef], findings: &mut Vec<Diagnostic>) {
+        // Of requests it is told operation by operation, and of a circle as one.
+        let open = verdict.open.iter();
+        let open =
+            open.filter(|o| !closed::is_completion(self.closed, o) && !but.contains(&o.what));
+        findings.extend(open.map(|o| closed::open(self.closed, self.told.whole, o, self.span)));
+        findings.extend(verdict.stuck.iter().map(|s| closed::stuck(self.closed, s)));
+    }
+
+    /// What the contracts do not show, and the controllers neither show nor break.
+    fn told_unsettled(&self, proof: &mut Proof, findings: &mut Vec<Diagnostic>) {
+        let circular = members(proof);
+        // A circle is one finding, and not one for each of its members as well.
+        proof.open.retain(|o| !circular.contains(&o.what));
+        for mut finding in found::of_proof(self.told, proof, &|part| Some(self.at(part))) {
+            let of_justice = proof.open.iter().any(|o| {
+                let formula = self.told.formula(o.what);
+                o.what.kind == RuleKind::Justice
+                    && o.what.part.is_some()
+                    && finding.labels.iter().any(|l| l.0 == formula.span)
+            });
+            // It may come true for a reason that nobody has written down.
+            if of_justice && finding.code == codes::ASSUMPTION_OPEN {
+                finding.severity = Severity::Warning;
+            }
+            findings.push(finding);
+        }
+    }
+
+    /// Circles of contracts that the controllers get out of.
+    fn told_resolved(&self, circles: Vec<Circle>, findings: &mut Vec<Diagnostic>) {
+        let proof = Proof {
+            circles,
+            ..Proof::default()
+        };
+        for mut finding in found::of_proof(self.told, &proof, &|part| Some(self.at(part))) {
+            finding.severity = Severity::Warning;
+            findings.push(finding.with_note(
+                "the controllers that were synthesized do not wait for ever; others that keep these contracts may",
+            ));
+        }
+    }
+
+    /// Where a part stands in the text.
+    fn at(&self, part: Option<usize>) -> Span {
+        let component = part.and_then(|p| self.machine.components.get(p));
+        component.map_or(self.span, |c| c.span)
+    }
+
+    /// What only the controllers show.
+    fn shown(&self, at: FormulaRef, met: Met) -> DischargeEntry {
+        DischargeEntry {
+            component: self.told.owner(at).to_owned(),
+            assumption: self.told.formula(at).name.clone(),
+            rule: match met {
+                Met::Held => "controllers",
+                Met::Exported => rule(Discharged::Exported),
+            },
+            turn: None,
+            by: match met {
+                Met::Held => "all states that the controllers reach".to_owned(),
+                Met::Exported => HANDED_ON.to_owned(),
+            },
+        }
+    }
+}
+
+/// The assumptions that stand in circles.
+fn members(proof: &Proof) -> Vec<FormulaRef> {
+    let circles = proof.circles.iter();
+    circles
+        .flat_map(|c| c.assumptions.iter().copied())
+        .collect()
+}
+
+/// What the controllers do together, for the document.
+fn closed_entry(closed: &Closed<'_>, decided: &Result<Verdict, Limit>) -> ClosedEntry {
+    let components = closed.machine.components.iter().zip(&closed.taking);
+    ClosedEntry {
+        verdict: word(decided),
+        states: decided.as_ref().ok().map(|v| count(v.states)),
+        components: components
+            .map(|(component, taking)| TakenEntry {
+                name: component.name.clone(),
+                form: match taking.form {
+                    Form::Table => "table",
+                    Form::Contract => "contract",
+                },
+            })
+            .collect(),
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a count that was made of powers of two"
+)]
+fn count(states: f64) -> u64 {
+    states.round() as u64
+}
+
+fn word(decided: &Result<Verdict, Limit>) -> &'static str {
+    match decided {
+        Err(_) => "gave_up",
+        Ok(verdict) if verdict.is_broken() => "broken",
+        Ok(verdict) if !verdict.holds() => "open",
+        Ok(_) => "holds",
+    }
+}
+
+/// A contract that the machine is said to refine, over the wires of the proof and over those of all layers. Where the components' contracts do not show it, the controllers may.
+fn refines(
+    controlled: &Controlled<'_>,
+    promised: &Promised,
+    flat: &Promised,
+    limits: &Limits,
+    findings: &mut Vec<Diagnostic>,
+) -> RefinesEntry {
+    let machine = controlled.machine.abstracted();
+    let (system, claim): (System, Claim) = of_promise(machine, promised);
+    let told = Told {
+        system: &system,
+        claim: &claim,
+        whole: &promised.contract,
+    };
+    let mut refined = RefinesEntry {
+        contract: promised.contract.clone(),
+        verdict: "refined",
+        closed: None,
+        discharges: Vec::new(),
+    };
+    match prove(&system, &claim, limits) {
+        Ok(proof) if proof.holds() => {
+            refined.discharges = proof.discharges.iter().map(|d| entry(told, d)).collect();
+        }
+        Ok(proof) => {
+            let closed = Closed::of_promise(controlled.machine, &controlled.controllers, flat);
+            let decided = closed.decide(&bounded(limits));
+            refined.closed = Some(word(&decided));
+            let both = Both {
+                told,
+                span: promised.span,
+                machine,
+                closed: &closed,
+                verdict: decided.as_ref().ok().filter(|_| !is_layered(controlled)),
+                walked: &Composition::default(),
+            };
+            let mut found = Vec::new();
+            refined.discharges = both.merged(proof, &mut found);
+            if !found.is_empty() {
+                refined.verdict = "broken";
+            }
+            let on_the_way = "on the way to refining this contract";
+            let found = found.into_iter();
+            findings.extend(found.map(|f| f.with_label(promised.span, on_the_way)));
+        }
+        Err(limit) => {
+            refined.verdict = "gave_up";
+            findings.push(undecided(promised.span, &machine.name, limit));
+        }
+    }
+    refined
+}

@@ -1,0 +1,163 @@
+//! The controllers of machines: every component's contract with the arguments that the machine gives it.
+
+use super::pipeline::{CheckedContract, Jobs, Verdict};
+use crate::controlled::Controlled;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::line::{Line, NodeKind};
+use linewright_language::contract::machine::{Machine, Role};
+use std::sync::Arc;
+
+/// A machine, and the job of each of its components.
+#[derive(Debug, Clone)]
+pub struct Planned<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// One index into the jobs a component.
+    pub jobs: Vec<usize>,
+}
+
+impl<'a> Planned<'a> {
+    /// Adds a machine's components to the jobs. The coordinator's controller has to be a machine: its states are walked when the
+    /// composition is checked.
+    pub fn new(machine: &'a Machine, jobs: &mut Jobs) -> Self {
+        let components = machine.components.iter();
+        Self {
+            machine,
+            jobs: components
+                .map(|c| match c.role {
+                    Role::Coordinator => jobs.add_explicit(&c.specification, c.span),
+                    Role::Action | Role::Watch => jobs.add(&c.specification, c.span),
+                })
+                .collect(),
+        }
+    }
+
+    /// The verdict on all its components together.
+    pub fn verdict(&self, checked: &[CheckedContract]) -> Verdict {
+        self.jobs
+            .iter()
+            .map(|j| checked[*j].verdict)
+            .fold(Verdict::Realizable, Verdict::and)
+    }
+
+    /// What is wrong with its components. What was found at a contract itself is told there, and only pointed at here.
+    pub fn findings(&self, jobs: &Jobs, checked: &[CheckedContract]) -> Vec<Diagnostic> {
+        let mut findings = Vec::new();
+        for (component, index) in self.machine.components.iter().zip(&self.jobs) {
+            let (job, result) = (jobs.get(*index), &checked[*index]);
+            if job.span == component.span {
+                findings.extend(result.findings.clone());
+                continue;
+            }
+            let (code, why, help) = match result.verdict {
+                Verdict::Unrealizable => (
+                    codes::UNREALIZABLE,
+                    "is unrealizable",
+                    "repair the contract first",
+                ),
+                Verdict::GaveUp => (
+                    codes::GAVE_UP,
+                    "has no verdict",
+                    "see at the contract what would give it one",
+                ),
+                Verdict::InternalError => (
+                    codes::INTERNAL,
+                    "could not be looked at",
+                    "this is a fault of linewright: see the finding at the contract",
+                ),
+                Verdict::Realizable | Verdict::Invalid => continue,
+            };
+            findings.push(
+                Diagnostic::error(
+                    code,
+                    component.span,
+                    format!(
+                        "`{}` of `{}` has no controller: its contract `{}` {why}",
+                        component.name, self.machine.name, component.contract
+                    ),
+                )
+                .with_label(job.span, "see the finding here")
+                .with_help(help),
+            );
+        }
+        findings
+    }
+
+    /// The machine with its controllers, if every component has one.
+    pub fn controlled(&self, checked: &'a [CheckedContract]) -> Option<Controlled<'a>> {
+        let controllers = self.jobs.iter().map(|j| checked[*j].controller.as_ref());
+        Some(Controlled {
+            machine: self.machine,
+            controllers: controllers.collect::<Option<_>>()?,
+        })
+    }
+}
+
+/// Whether two machines are one declaration with the same arguments throughout: their libraries are the same. What a machine consists of is
+/// compared as it is written out, so that nothing in it is left out of the comparison.
+pub fn is_same(one: &Machine, other: &Machine) -> bool {
+    std::ptr::eq(one, other)
+        || (one.span == other.span && format!("{one:?}") == format!("{other:?}"))
+}
+
+/// Whether two machines are one declaration with the same arguments: their controllers are the same.
+pub fn is_alike(one: &Machine, other: &Machine) -> bool {
+    let mut components = one.components.iter().zip(&other.components);
+    one.span == other.span
+        && one.components.len() == other.components.len()
+        && components.all(|(a, b)| a.specification == b.specification && a.bindings == b.bindings)
+}
+
+/// Whether what is judged of one machine holds of the other: they differ in times, powers, limits and defaults at most.
+pub fn is_judged_alike(one: &Machine, other: &Machine) -> bool {
+    let judged = |m: &Machine| {
+        let text = format!(
+            "{:?}",
+            (&m.plant, &m.done, &m.guarantees, &m.refines, &m.orders)
+        );
+        (text, m.layers.inner.len())
+    };
+    is_alike(one, other) && judged(one) == judged(other)
+}
+
+/// The machines of a line, each once, in the order of their first place in it.
+pub fn of_line(line: &Line) -> Vec<&Arc<Machine>> {
+    let mut machines: Vec<&Arc<Machine>> = Vec::new();
+    for node in &line.nodes {
+        let machine = match &node.kind {
+            NodeKind::Station { machine, .. } => machine,
+            NodeKind::Conveyor {
+                belt: Some(belt), ..
+            } => &belt.machine,
+            _ => continue,
+        };
+        if !machines.iter().any(|m| Arc::ptr_eq(m, machine)) {
+            machines.push(machine);
+        }
+    }
+    machines
+}
+
+/// The findings of machines whose controllers are needed: what is missing is an error, each contract is told once.
+pub fn findings_where_needed(
+    planned: &[Planned<'_>],
+    jobs: &Jobs,
+    checked: &[CheckedContract],
+) -> Vec<Diagnostic> {
+    let mut findings: Vec<Diagnostic> = Vec::new();
+    for result in checked {
+        findings.extend(result.findings_where_needed());
+    }
+    for plan in planned {
+        for finding in plan.findings(jobs, checked) {
+            // A component's own job was told above.
+            let told = findings
+                .iter()
+                .any(|f| f.code == finding.code && f.span == finding.span);
+            if !told {
+                findings.push(finding);
+            }
+        }
+    }
+    findings
+}

@@ -1,0 +1,286 @@
+//! What is known of a contract, and what is said of it.
+
+use super::Explained;
+use super::{CheckedContract, Goal, Job, Verdict};
+use crate::controller::Controller;
+use crate::findings::{environment, lost, shape};
+use crate::statistics::Statistics;
+use crate::worker::Stop;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::{Specification, overflow};
+use linewright_core::source::Span;
+use linewright_solver::game::{EnvironmentFindings, GuaranteeRef, Limit, Progress, Ranking, Shape};
+use linewright_solver::mealy;
+
+/// Why there is no verdict, or no controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reason {
+    /// A limit was reached.
+    Limit(Limit),
+    /// Ctrl-C.
+    Interrupt,
+}
+
+impl Reason {
+    fn help(self) -> &'static str {
+        match self {
+            Self::Limit(Limit::Time) => {
+                "give it more time with --timeout SECONDS, or make its domains smaller"
+            }
+            Self::Limit(Limit::Memory) => {
+                "give it more memory with --memory MIB, or make its domains smaller"
+            }
+            Self::Limit(Limit::Size) => "make its domains smaller, or split it into two contracts",
+            Self::Limit(Limit::Work(_) | Limit::Nodes(_)) => {
+                "let it do more work with --effort FACTOR, or make its domains smaller"
+            }
+            Self::Interrupt => "run it again for a verdict",
+        }
+    }
+}
+
+impl From<Stop> for Reason {
+    fn from(stop: Stop) -> Self {
+        match stop {
+            Stop::Time => Self::Limit(Limit::Time),
+            Stop::Interrupt => Self::Interrupt,
+        }
+    }
+}
+
+impl std::fmt::Display for Reason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Limit(limit) => limit.fmt(f),
+            Self::Interrupt => f.write_str("it was interrupted"),
+        }
+    }
+}
+
+/// What is known of a contract, before it is put into words.
+#[derive(Debug, Clone)]
+pub(super) struct Known {
+    pub(super) realizable: bool,
+    pub(super) core: Option<Vec<GuaranteeRef>>,
+    pub(super) examined: bool,
+    pub(super) environment: Option<EnvironmentFindings>,
+    pub(super) shape: Option<Shape>,
+    pub(super) lost: Option<Box<Explained>>,
+    pub(super) controller: Controller,
+    pub(super) ranking: Option<Ranking>,
+    /// For every inquiry the answers to its questions; `None` where a limit was reached first.
+    pub(super) answers: Vec<Option<Vec<bool>>>,
+    pub(super) peak_nodes: u64,
+    pub(super) statistics: Statistics,
+}
+
+impl Known {
+    /// Nothing yet but what it took: an unrealizable contract without a core.
+    pub(super) fn new(statistics: Statistics) -> Self {
+        Self {
+            realizable: false,
+            core: None,
+            examined: false,
+            environment: None,
+            shape: None,
+            lost: None,
+            controller: Controller::Unasked,
+            ranking: None,
+            answers: Vec::new(),
+            peak_nodes: statistics.peak_nodes.unwrap_or(0),
+            statistics,
+        }
+    }
+
+    /// What is known while the guarantees that clash are looked for.
+    pub(super) fn lost(solve: &Progress, specification: &Specification) -> Self {
+        Self::new(Statistics::of_solver(&solve.statistics(), specification))
+    }
+
+    /// The same, when what was still to be done is not waited for.
+    pub(super) fn stopped(mut self, reason: Reason, job: &Job) -> Self {
+        let asked = self.realizable && job.goal.extracts(self.statistics.large);
+        if asked && matches!(self.controller, Controller::Unasked) {
+            self.controller = Controller::Stopped(reason);
+        }
+        self
+    }
+
+    /// The same in words.
+    pub(super) fn told(self, job: &Job, examine: bool) -> CheckedContract {
+        let specification = &*job.specification;
+        let mut findings = Vec::new();
+        let mut core = Vec::new();
+        let mut controller = None;
+        let mut left_out = false;
+        if self.realizable {
+            left_out = job.goal == Goal::Small && self.statistics.large;
+            match self.controller {
+                Controller::Unasked => {}
+                Controller::Stopped(reason) => {
+                    findings.push(no_machine(specification, job.span, reason));
+                }
+                Controller::Machine(verified) => controller = Some(verified.into()),
+                Controller::Functions(certified) => {
+                    controller = Some(mealy::Controller::Functions(certified));
+                }
+            }
+            if let Some(found) = &self.environment {
+                let examined = job.own.as_deref().unwrap_or(specification);
+                findings.extend(environment::findings(examined, job.span, found));
+            }
+            let empty = |e: &EnvironmentFindings| e.cannot_start || e.unsatisfiable;
+            let means_nothing = self.environment.as_ref().is_some_and(empty);
+            // The lines that mend these are of our own language.
+            let told = job.goal >= Goal::Small && !job.foreign && !means_nothing;
+            if let Some(found) = self.shape.as_ref().filter(|_| told) {
+                findings.extend(shape::findings(specification, found));
+            }
+        } else {
+            let formulas = self.core.iter().flatten();
+            // A monitor's formulas have the name of the guarantee that it was made for.
+            for name in formulas.map(|r| &r.formula(&specification.guarantees).name) {
+                if !core.contains(name) {
+                    core.push(name.clone());
+                }
+            }
+            let told = lost::finding(specification, job.span, &core, self.lost.as_deref());
+            findings.push(told);
+        }
+        for (inquiry, answers) in job.inquiries.iter().zip(&self.answers) {
+            findings.extend(
+                answers
+                    .as_ref()
+                    .and_then(|a| inquiry.note(self.realizable, a)),
+            );
+        }
+        if examine && job.goal >= Goal::Small {
+            findings.extend(overflows(specification));
+        }
+        CheckedContract {
+            verdict: if self.realizable {
+                Verdict::Realizable
+            } else {
+                Verdict::Unrealizable
+            },
+            findings,
+            core,
+            environment: self.environment,
+            lost: self.lost,
+            controller,
+            ranking: self.ranking,
+            seconds: 0.0,
+            peak_nodes: Some(self.peak_nodes),
+            statistics: self.statistics,
+            left_out,
+        }
+    }
+}
+
+/// A contract without a verdict.
+pub(super) fn gave_up(job: &Job, reason: Reason, solve: &Progress) -> CheckedContract {
+    let specification = &*job.specification;
+    let name = &specification.name;
+    let mut message = format!("there is no verdict on `{name}`: {reason}");
+    if reason != Reason::Limit(Limit::Size) {
+        message = format!("{message} {}", solve.reached());
+    }
+    let statistics = Statistics::of_solver(&solve.statistics(), specification);
+    CheckedContract {
+        findings: vec![
+            Diagnostic::error(codes::GAVE_UP, job.span, message).with_help(reason.help()),
+        ],
+        ..CheckedContract::new(Verdict::GaveUp, statistics)
+    }
+}
+
+/// A contract that this program failed at.
+pub(super) fn failed(job: &Job, finding: Diagnostic) -> CheckedContract {
+    let statistics = Progress::default().statistics();
+    let statistics = Statistics::of_solver(&statistics, &job.specification);
+    CheckedContract {
+        findings: vec![finding],
+        ..CheckedContract::new(Verdict::InternalError, statistics)
+    }
+}
+
+/// LW208, for each guarantee that can ask for a next value outside its domain.
+fn overflows(specification: &Specification) -> Vec<Diagnostic> {
+    let found = overflow::overflows(specification).into_iter();
+    found
+        .map(|o| {
+            let variable = specification.variable(o.variable);
+            let example: Vec<String> = o
+                .example
+                .iter()
+                .map(|(v, value)| {
+                    let variable = specification.variable(*v);
+                    format!("{} = {}", variable.name, variable.show(*value))
+                })
+                .collect();
+            let message = format!(
+                "the next value of `{}` can be {}, but its domain is {}",
+                variable.name,
+                o.value,
+                variable.describe()
+            );
+            let finding = Diagnostic::warning(codes::DOMAIN_LEFT, o.formula.span, message);
+            finding.with_help(format!(
+                "it is for {}; keep it within with `min`, `max` or `mod`, or say when the formula holds",
+                example.join(", ")
+            ))
+        })
+        .collect()
+}
+
+/// A note, since the verdict stands; who needs the controller makes an error of it.
+fn no_machine(specification: &Specification, span: Span, reason: Reason) -> Diagnostic {
+    let name = &specification.name;
+    let message =
+        format!("`{name}` is realizable, but its controller was not written down: {reason}");
+    let mut finding = Diagnostic::error(codes::GAVE_UP, span, message).with_help(reason.help());
+    finding.severity = linewright_core::diagnostics::Severity::Note;
+    finding
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use linewright_core::gr1::{Expr, Formula, Side, Timing};
+
+    pub fn specification(name: &str) -> Specification {
+        let formula = |name: &str, start| Formula {
+            name: name.to_owned(),
+            requirement: None,
+            expr: Expr::FALSE,
+            span: Span::new(linewright_core::source::FileId(0), start, start + 1),
+            text: "false".to_owned(),
+        };
+        Specification {
+            name: name.to_owned(),
+            timing: Timing::Mealy,
+            variables: Vec::new(),
+            assumptions: Side::default(),
+            guarantees: Side {
+                initial: vec![formula("start", 5), formula("other", 9)],
+                ..Side::default()
+            },
+        }
+    }
+
+    #[test]
+    fn a_controller_that_is_needed_and_missing_is_an_error() {
+        let checked = CheckedContract {
+            findings: vec![no_machine(
+                &specification("A"),
+                Span::default(),
+                Reason::Limit(Limit::Size),
+            )],
+            ..CheckedContract::new(Verdict::Realizable, Statistics::default())
+        };
+        assert!(!linewright_core::diagnostics::has_errors(&checked.findings));
+        assert!(linewright_core::diagnostics::has_errors(
+            &checked.findings_where_needed()
+        ));
+    }
+}

@@ -1,0 +1,344 @@
+//! One contract through the pipeline, from the cache or by solving it.
+
+use super::explain::explain;
+use super::known::{Known, gave_up};
+use super::{CheckedContract, Goal, InternalError, Job, Reason, Settings};
+use crate::cache::{self, Cache, Entry, Hints, Key, Version};
+use crate::controller::{Controller, Wish, controller};
+use crate::internal::within;
+use crate::statistics::Statistics;
+use crate::worker::{self, Ended};
+use linewright_core::gr1::Specification;
+use linewright_solver::game::{self, Heuristic, Limit, Limits, Outcome, Phase, Progress};
+use linewright_solver::mealy;
+use linewright_solver::mealy::functions::Functions;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Examining the plant's side of a small game ends at so many nodes.
+const MOST_EXAMINED_NODES: u64 = 400_000;
+
+/// A job, and all that it depends on.
+pub(super) struct Task {
+    pub(super) job: Job,
+    pub(super) examine: bool,
+    pub(super) rank: bool,
+    pub(super) wish: Wish,
+    pub(super) settings: Settings,
+    pub(super) solve: Arc<Progress>,
+}
+
+impl Task {
+    /// Does the job on a thread of its own, and leaves it there when it does not end in time.
+    pub(super) fn in_time(self) -> Result<CheckedContract, InternalError> {
+        let start = Instant::now();
+        let deadline = self.settings.limits.deadline;
+        let (job, examine) = (self.job.clone(), self.examine);
+        let solve = Arc::clone(&self.solve);
+        let checked = if let Some(stop) = worker::stop(deadline) {
+            gave_up(&job, stop.into(), &solve)
+        } else {
+            match worker::run(deadline, move |report| self.check(report)) {
+                Ended::Done(Err(error)) => return Err(error),
+                Ended::Done(Ok(Ok(known))) => known.told(&job, examine),
+                Ended::Done(Ok(Err(limit))) => gave_up(&job, Reason::Limit(limit), &solve),
+                // What is looked for then are the guarantees that clash.
+                Ended::Left(_, None) if solve.phase() == Phase::Core => {
+                    Known::lost(&solve, &job.specification).told(&job, examine)
+                }
+                Ended::Left(stop, None) => gave_up(&job, stop.into(), &solve),
+                Ended::Left(stop, Some(known)) => {
+                    let known: Known = known;
+                    known.stopped(stop.into(), &job).told(&job, examine)
+                }
+            }
+        };
+        Ok(CheckedContract {
+            seconds: start.elapsed().as_secs_f64(),
+            ..checked
+        })
+    }
+
+    /// Solves the specification, extracts its controller, and verifies that; also looks for what makes a realizable
+    /// contract mean less than it seems to. As soon as there is a verdict, it is given to `report`.
+    fn check(&self, report: &dyn Fn(Known)) -> Result<Result<Known, Limit>, InternalError> {
+        let specification = &*self.job.specification;
+        let heuristics: Vec<Heuristic> = Heuristic::ALL
+            .into_iter()
+            .map(|(h, _)| h)
+            .filter(|h| self.settings.heuristics.has(*h))
+            .collect();
+        let cache = self.settings.cache.as_ref().filter(|_| !self.rank);
+        let key = Key::new(
+            specification,
+            &cache::Options {
+                kernel: self.settings.kernel,
+                heuristics: &heuristics,
+                memory_mib: self.settings.limits.memory_mib,
+                wish: self.wish(),
+            },
+        );
+        let found = cache.and_then(|c| c.find(&key));
+        let recalled = found.and_then(|entry| self.recall(entry));
+        let mut known = if let Some(known) = recalled {
+            Ok(known)
+        } else {
+            let known = self.solve(cache, report)?;
+            if let (Some(cache), Ok(known)) = (cache, &known)
+                && let Some(entry) = self.entry(known)
+            {
+                cache.keep(&key, &entry);
+            }
+            known
+        };
+        if let Ok(known) = &mut known
+            && !self.job.inquiries.is_empty()
+        {
+            report(known.clone());
+            known.answers = self.answers()?;
+        }
+        Ok(known)
+    }
+
+    /// The answers to the questions about another tool.
+    fn answers(&self) -> Result<Vec<Option<Vec<bool>>>, InternalError> {
+        let answer = |question: &Specification| -> Result<Option<bool>, InternalError> {
+            let task = Self {
+                job: Job {
+                    specification: Arc::new(question.clone()),
+                    span: self.job.span,
+                    goal: Goal::Answer,
+                    explicit: false,
+                    foreign: false,
+                    own: None,
+                    inquiries: Vec::new(),
+                },
+                examine: false,
+                rank: false,
+                wish: self.wish,
+                settings: self.settings.clone(),
+                solve: Arc::default(),
+            };
+            Ok(task.check(&|_| ())?.ok().map(|known| known.realizable))
+        };
+        let inquiries = self.job.inquiries.iter();
+        inquiries
+            .map(|inquiry| inquiry.questions.iter().map(answer).collect())
+            .collect()
+    }
+
+    /// Whether a controller is asked for.
+    fn extracts(&self, large: bool) -> bool {
+        self.job.goal.extracts(large)
+    }
+
+    /// What it shall be like. Where only a small game has one at all, a machine may still be large; functions show as well that
+    /// there is a right controller.
+    fn wish(&self) -> Wish {
+        Wish {
+            functions: !self.job.explicit && (self.wish.functions || self.job.goal == Goal::Small),
+            ..self.wish
+        }
+    }
+
+    /// Whether the plant's side is examined.
+    fn examines(&self, large: bool) -> bool {
+        self.examine && self.job.goal >= Goal::Verdict && !large
+    }
+
+    fn solve(
+        &self,
+        cache: Option<&Cache>,
+        report: &dyn Fn(Known),
+    ) -> Result<Result<Known, Limit>, InternalError> {
+        let specification = &*self.job.specification;
+        let limits = &self.settings.limits;
+        // What a written controller looks like may depend on the order. So only where none is written may the search begin
+        // with what earlier runs have left.
+        let version = cache.filter(|_| self.job.goal != Goal::Controller);
+        let hints = version.and_then(|c| c.version(specification));
+        let hints = hints.map(|v| v.hints(specification)).unwrap_or_default();
+        let solved = within("solving the game", || self.play(&hints));
+        let mut statistics = Statistics::of_solver(&solved.statistics, specification);
+        let large = statistics.large;
+        if large {
+            statistics.known_order = hints.order.is_some();
+            statistics.known_region = hints.region.is_some();
+        }
+        let last_order = solved.statistics.last_order;
+        let mut known = Known::new(statistics);
+        let won = match solved.outcome {
+            Outcome::GaveUp(limit) => return Ok(Err(limit)),
+            Outcome::Unrealizable(lost) => {
+                known.peak_nodes = lost.peak_nodes;
+                known.core = lost.core;
+                None
+            }
+            Outcome::Realizable(won) => {
+                known.realizable = true;
+                known.peak_nodes = won.peak_nodes;
+                Some(won)
+            }
+        };
+        report(known.clone());
+        if let (Some(cache), Some(order), true) = (cache, &last_order, large) {
+            let names = &known.statistics.order_after;
+            let region = won.as_ref().map(game::Won::region);
+            cache.keep_version(
+                specification,
+                &Version::new(specification, order, names, region),
+            );
+        }
+        let Some(won) = won else {
+            if self.job.goal > Goal::Answer
+                && let Some(core) = known.core.clone()
+            {
+                let lost = within("saying why it is unrealizable", || {
+                    explain(specification, &core, limits, &mut |lost| {
+                        let lost = Some(Box::new(lost.clone()));
+                        report(Known {
+                            lost,
+                            ..known.clone()
+                        });
+                    })
+                })?;
+                known.lost = Some(Box::new(lost));
+            }
+            return Ok(Ok(known));
+        };
+        if self.rank {
+            match won.ranking(specification, limits) {
+                Ok(ranking) => known.ranking = Some(ranking),
+                Err(limit) => return Ok(Err(limit)),
+            }
+        }
+        if self.extracts(large) {
+            let statistics = &mut known.statistics;
+            known.controller = within("extracting its controller", || {
+                controller(
+                    specification,
+                    &won,
+                    statistics.pairs,
+                    self.wish(),
+                    limits,
+                    statistics.seconds.as_mut(),
+                )
+            })?;
+        }
+        report(known.clone());
+        if self.examines(large) {
+            // A game that is small may still be large here: then this gives up by itself.
+            let limits = Limits {
+                most_nodes: Some(MOST_EXAMINED_NODES),
+                ..*limits
+            };
+            let environment = within("examining its plant", || match &self.job.own {
+                Some(own) => game::examine_environment(own, &limits),
+                None => won.examine_environment(specification, &limits),
+            });
+            known.examined = !matches!(environment, Err(Limit::Time));
+            known.environment = environment.ok();
+            report(known.clone());
+            let shape = within("examining its formulas", || {
+                won.shape(specification, &limits)
+            });
+            known.examined &= !matches!(shape, Err(Limit::Time));
+            known.shape = shape.ok();
+        }
+        Ok(Ok(known))
+    }
+
+    fn play(&self, hints: &Hints) -> game::Solved {
+        let heuristics = self.settings.heuristics;
+        let options = game::Options {
+            limits: self.settings.limits,
+            kernel: self.settings.kernel,
+            heuristics: if hints.exact {
+                heuristics.without(Heuristic::Sifting)
+            } else {
+                heuristics
+            },
+            without_core: self.job.goal == Goal::Answer,
+            first_order: hints.order.clone(),
+            first_region: hints.region.clone(),
+            progress: Arc::clone(&self.solve),
+        };
+        game::solve_with(&self.job.specification, &options)
+    }
+
+    /// What an entry says, cut down to what would be known without it. `None` when it does not say enough.
+    fn recall(&self, entry: Entry) -> Option<Known> {
+        let large = entry.statistics.large;
+        let extracts = entry.realizable && self.extracts(large);
+        let examines = entry.realizable && self.examines(large);
+        let explains = !entry.realizable && self.job.goal > Goal::Answer;
+        let explained = entry.lost.as_ref().is_some_and(|l| l.complete);
+        // An entry is about the specification itself, and so would be what it says of the assumptions.
+        let other = examines && self.job.own.is_some();
+        if other
+            || extracts && !entry.extracted
+            || examines && !entry.examined
+            || explains && (entry.core.is_none() || !explained)
+        {
+            return None;
+        }
+        let name = self.job.specification.name.clone();
+        let mut statistics = entry.statistics;
+        statistics.cached = true;
+        if !extracts && let Some(seconds) = &mut statistics.seconds {
+            (seconds.extract, seconds.verify) = (None, None);
+        }
+        Some(Known {
+            realizable: entry.realizable,
+            core: entry.core,
+            examined: examines,
+            environment: entry.environment.filter(|_| examines),
+            shape: entry.shape.filter(|_| examines),
+            lost: entry.lost.filter(|_| explains),
+            controller: match (entry.machine, entry.functions) {
+                _ if !extracts => Controller::Unasked,
+                (None, None) => Controller::Stopped(Reason::Limit(Limit::Size)),
+                (Some(machine), _) => Controller::Machine(mealy::Machine { name, ..machine }),
+                (None, Some(functions)) => {
+                    Controller::Functions(Box::new(Functions { name, ..*functions }))
+                }
+            },
+            ranking: None,
+            answers: Vec::new(),
+            peak_nodes: entry.peak_nodes,
+            statistics,
+        })
+    }
+
+    /// What there is to remember. `None` when a limit of time or memory had a part in it.
+    fn entry(&self, known: &Known) -> Option<Entry> {
+        let (extracted, machine, functions) = match &known.controller {
+            Controller::Unasked => (false, None, None),
+            Controller::Stopped(Reason::Limit(Limit::Size)) => (true, None, None),
+            Controller::Stopped(_) => return None,
+            Controller::Machine(machine) => (true, Some(machine.clone()), None),
+            Controller::Functions(functions) => (true, None, Some(functions.clone())),
+        };
+        let examines = known.realizable && self.examines(known.statistics.large);
+        let explains = !known.realizable && self.job.goal > Goal::Answer;
+        let explained = known.lost.as_ref().is_some_and(|l| l.complete);
+        if examines && (!known.examined || self.job.own.is_some())
+            || explains && (known.core.is_none() || !explained)
+        {
+            return None;
+        }
+        Some(Entry {
+            realizable: known.realizable,
+            core: known.core.clone(),
+            examined: known.examined,
+            environment: known.environment.clone(),
+            shape: known.shape.clone(),
+            lost: known.lost.clone(),
+            extracted,
+            machine,
+            functions,
+            peak_nodes: known.peak_nodes,
+            statistics: known.statistics.clone(),
+        })
+    }
+}

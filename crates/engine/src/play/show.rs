@@ -1,0 +1,345 @@
+//! A play as text and as JSON.
+
+use super::legal::Values;
+use super::session::Session;
+use super::values::{listed, shown};
+use linewright_core::gr1::{Domain, Formula, Owner, VarId, eval};
+use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+
+/// The schema of a line.
+pub(super) const SCHEMA: &str = "linewright/step/1";
+
+/// `state` shows so many steps.
+const COLUMNS: usize = 8;
+
+/// `moves` lists so many moves one by one; where there are more, the values of each variable.
+const LISTED: usize = 12;
+
+/// `moves` tries every value of a domain that is no larger.
+const TRIED: u64 = 400;
+
+pub(super) fn role(side: Owner) -> &'static str {
+    match side {
+        Owner::Environment => "plant",
+        Owner::System => "machine",
+    }
+}
+
+pub(super) fn other(side: Owner) -> Owner {
+    match side {
+        Owner::Environment => Owner::System,
+        Owner::System => Owner::Environment,
+    }
+}
+
+/// Who is who.
+pub(super) fn opening(session: &Session<'_>) -> String {
+    let name = &session.specification.name;
+    let mut text = match session.person() {
+        Owner::Environment => {
+            format!("`{name}` is realizable: you are the plant, its controller answers.\n")
+        }
+        Owner::System => format!(
+            "`{name}` is unrealizable: you are the machine, and the plant knows how to beat you.\n"
+        ),
+    };
+    let person = session.person();
+    for (who, side) in [("You give", person), ("It gives", other(person))] {
+        let variables = shown(session.specification, side).into_iter().map(|v| {
+            let variable = session.specification.variable(v);
+            format!("{}: {}", variable.name, variable.describe())
+        });
+        let variables: Vec<String> = variables.collect();
+        if variables.is_empty() {
+            let _ = writeln!(text, "{who} nothing.");
+        } else {
+            let _ = writeln!(text, "{who} {}.", variables.join("; "));
+        }
+    }
+    text + "`help` lists the commands.\n"
+}
+
+/// One side's values in a step: `  plant    command = turn`.
+fn line(session: &Session<'_>, side: Owner, values: impl Fn(VarId) -> Option<i64>) -> String {
+    let variables = shown(session.specification, side).into_iter();
+    let values: Values = variables.filter_map(|v| Some((v, values(v)?))).collect();
+    if values.is_empty() {
+        return String::new();
+    }
+    format!(
+        "  {:<7}  {}\n",
+        role(side),
+        listed(session.specification, &values)
+    )
+}
+
+/// The step that was just made. Where the other player began it, its values were shown already.
+pub(super) fn step(session: &Session<'_>, began: bool) -> String {
+    let Some(step) = session.steps.last() else {
+        return String::new();
+    };
+    let person = session.person();
+    let line = |side| line(session, side, |v| Some(step[v.index()]));
+    if began {
+        return line(person);
+    }
+    let number = session.steps.len() - 1;
+    format!("step {number}\n{}{}", line(person), line(other(person)))
+}
+
+/// The values that a step begins with.
+pub(super) fn begun(session: &Session<'_>, given: &[(VarId, i64)]) -> String {
+    let of = |v: VarId| given.iter().find(|(g, _)| *g == v).map(|(_, value)| *value);
+    let line = line(session, other(session.person()), of);
+    format!("step {}\n{line}", session.steps.len())
+}
+
+/// The last step for a program, with what the next one begins with.
+pub(super) fn step_object(session: &Session<'_>, over: Option<&str>) -> Value {
+    let step = session.steps.last().map_or(&[][..], Vec::as_slice);
+    let side = |side: Owner| {
+        let variables = shown(session.specification, side).into_iter();
+        let values: Values = variables.map(|v| (v, step[v.index()])).collect();
+        object(session, &values)
+    };
+    let mut line = json!({
+        "schema": SCHEMA,
+        "step": session.steps.len().saturating_sub(1),
+        "plant": side(Owner::Environment),
+        "machine": side(Owner::System),
+    });
+    if let Some(given) = session.given() {
+        line["next"] = object(session, &given);
+    }
+    if let Some(over) = over {
+        line["over"] = json!(over);
+    }
+    line
+}
+
+/// Values by name.
+fn object(session: &Session<'_>, values: &[(VarId, i64)]) -> Value {
+    let mut object = Map::new();
+    for (v, value) in values {
+        let variable = session.specification.variable(*v);
+        let value = match &variable.domain {
+            Domain::Bool => json!(*value != 0),
+            Domain::Range { .. } => json!(value),
+            Domain::Enum { .. } => json!(variable.domain.show(*value)),
+        };
+        if !variable.internal {
+            object.insert(variable.name.clone(), value);
+        }
+    }
+    Value::Object(object)
+}
+
+/// What the first step begins with, for a program.
+pub(super) fn opening_object(session: &Session<'_>) -> Value {
+    let mut line = json!({
+        "schema": SCHEMA,
+        "contract": session.specification.name,
+        "you": session.role(),
+    });
+    if let Some(given) = session.given() {
+        line["next"] = object(session, &given);
+    }
+    line
+}
+
+/// The values of the last steps as a table, and when each goal was last met.
+pub(super) fn state(session: &Session<'_>) -> String {
+    let made = session.steps.len();
+    let first = made.saturating_sub(COLUMNS);
+    let given = session.given().unwrap_or_default();
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut head = vec!["step".to_owned()];
+    head.extend((first..made).map(|s| s.to_string()));
+    if !given.is_empty() {
+        head.push(made.to_string());
+    }
+    rows.push(head);
+    for side in [Owner::Environment, Owner::System] {
+        for v in shown(session.specification, side) {
+            let variable = session.specification.variable(v);
+            let cell = |value: i64| variable.domain.show(value);
+            let mut row = vec![variable.name.clone()];
+            row.extend(session.steps[first..].iter().map(|s| cell(s[v.index()])));
+            if !given.is_empty() {
+                let value = given.iter().find(|(g, _)| *g == v);
+                row.push(value.map_or("?".to_owned(), |(_, value)| cell(*value)));
+            }
+            rows.push(row);
+        }
+    }
+    let mut text = if made == 0 && given.is_empty() {
+        "no step was made yet\n".to_owned()
+    } else {
+        aligned(&rows)
+    };
+    let specification = session.specification;
+    let goals = specification.assumptions.justice.iter();
+    for goal in goals.chain(&specification.guarantees.justice) {
+        let title = session.book.title(goal);
+        let _ = match last_met(session, goal) {
+            Some(step) => writeln!(text, "{title}\n  last met in step {step}"),
+            None => writeln!(text, "{title}\n  not met yet"),
+        };
+    }
+    text
+}
+
+/// The last step in which a formula of justice held.
+fn last_met(session: &Session<'_>, goal: &Formula) -> Option<usize> {
+    let steps = &session.steps;
+    let follows = goal.expr.mentions_next();
+    (0..steps.len()).rev().find(|step| {
+        let next = steps.get(step + 1);
+        match next {
+            None if follows => false,
+            next => eval::holds(&goal.expr, &steps[*step], next.map_or(&[], Vec::as_slice)),
+        }
+    })
+}
+
+fn aligned(rows: &[Vec<String>]) -> String {
+    let width = |c: usize| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let mut text = String::new();
+    for row in rows {
+        let mut line = String::new();
+        for (c, (cell, width)) in row.iter().zip(&widths).enumerate() {
+            let _ = if c == 0 {
+                write!(line, "{cell:<width$}")
+            } else {
+                write!(line, "  {cell:>width$}")
+            };
+        }
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    text
+}
+
+/// The legal moves, one by one or, where they are many, variable by variable.
+pub(super) fn moves(session: &Session<'_>) -> String {
+    if let Some(over) = session.over() {
+        return over;
+    }
+    let specification = session.specification;
+    let moves = session.legal();
+    let own = shown(specification, session.person());
+    let (bound, free): (Vec<VarId>, Vec<VarId>) = own.into_iter().partition(|v| moves.matters(*v));
+    let mut listing: Vec<Values> = Vec::new();
+    let ended = moves.each(&mut |values| {
+        let values = values.iter().copied();
+        let values: Values = values.filter(|(v, _)| bound.contains(v)).collect();
+        if !listing.contains(&values) {
+            listing.push(values);
+        }
+        if listing.len() > LISTED {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    });
+    let free = free.iter().map(|v| {
+        let variable = specification.variable(*v);
+        format!("{}: {}", variable.name, variable.describe())
+    });
+    let free: Vec<String> = free.collect();
+    let number = session.steps.len();
+    let mut text = String::new();
+    let mut last = String::new();
+    if ended.is_ok() && listing.len() <= LISTED {
+        if !bound.is_empty() {
+            let _ = writeln!(text, "legal in step {number}:");
+            for values in &listing {
+                let by = moves.last_by(values);
+                let mark = if by.is_empty() {
+                    ""
+                } else {
+                    let mut known = session.known();
+                    for (v, value) in values {
+                        known[v.index()] = Some(*value);
+                    }
+                    let _ = write!(
+                        last,
+                        "no step can follow {} that keeps\n{}",
+                        listed(specification, values),
+                        session.book.leaving(&by, &known)
+                    );
+                    match session.person() {
+                        Owner::System => "  (loses)",
+                        Owner::Environment => "  (gives up)",
+                    }
+                };
+                let _ = writeln!(text, "  {}{mark}", listed(specification, values));
+            }
+        }
+    } else {
+        if !moves.leaving.is_empty() {
+            let rules: Vec<_> = moves.leaving.iter().collect();
+            let _ = write!(
+                last,
+                "a move that breaks one of these {}, since no step can follow it:\n{}",
+                session.end_of_last_move(),
+                session.book.leaving(&rules, &session.known())
+            );
+        }
+        let _ = writeln!(
+            text,
+            "legal in step {number} are these values, though not all of them together:"
+        );
+        for v in &bound {
+            let variable = specification.variable(*v);
+            let _ = writeln!(text, "  {}: {}", variable.name, values_of(session, *v));
+        }
+    }
+    let _ = match (free.is_empty(), bound.is_empty()) {
+        (true, true) => writeln!(
+            text,
+            "there is nothing to give: `random` makes the next step"
+        ),
+        (true, false) => Ok(()),
+        (false, true) => writeln!(
+            text,
+            "any value is legal in step {number}: {}",
+            free.join("; ")
+        ),
+        (false, false) => writeln!(text, "with any value of {}", free.join("; ")),
+    };
+    text + &last
+}
+
+/// The values that a variable can have in some legal move, as ranges.
+fn values_of(session: &Session<'_>, v: VarId) -> String {
+    let variable = session.specification.variable(v);
+    let domain = &variable.domain;
+    let moves = session.legal();
+    if domain.size() > TRIED {
+        return format!("{} (too many to look at each)", variable.describe());
+    }
+    let mut ranges: Vec<(i64, i64)> = Vec::new();
+    for value in domain.low()..=domain.high() {
+        // What takes too long to find out is not left out.
+        if matches!(moves.find(&[(v, value)]), Ok(None)) {
+            continue;
+        }
+        match ranges.last_mut() {
+            Some((_, high)) if *high + 1 == value && matches!(domain, Domain::Range { .. }) => {
+                *high = value;
+            }
+            _ => ranges.push((value, value)),
+        }
+    }
+    let texts = ranges.iter().map(|(low, high)| {
+        if low == high {
+            domain.show(*low)
+        } else {
+            format!("{low}..{high}")
+        }
+    });
+    texts.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,90 @@
+//! Which enumerations keep their labels in a printed contract.
+//!
+//! In our language a label is compared, with a value of its own enumeration, and nothing else. A variable whose number a formula counts
+//! with, or whose labels cannot stand as names, is printed as a number.
+
+use linewright_core::gr1::{BinaryOp, Domain, Expr, Specification, VarId};
+
+/// For every variable the labels that its values are printed with; none for one that is a number or a truth value, or has to be printed as a
+/// number. `is_free` tells whether a label can stand as a name.
+pub(super) fn kept<'s>(
+    specification: &'s Specification,
+    is_free: &dyn Fn(&str) -> bool,
+) -> Vec<Option<&'s [String]>> {
+    let variables = &specification.variables;
+    let mut kept: Vec<Option<&[String]>> = variables
+        .iter()
+        .map(|v| match &v.domain {
+            Domain::Enum { labels, .. } => Some(labels.as_slice()),
+            _ => None,
+        })
+        .collect();
+    // One label means one value, wherever it stands.
+    let all = kept.clone();
+    let is_clear = |labels: &[String]| {
+        labels.iter().all(|l| {
+            let mut others = all.iter().flatten().filter(|other| **other != labels);
+            is_free(l) && !others.any(|other| other.contains(l))
+        })
+    };
+    for slot in &mut kept {
+        *slot = slot.filter(|labels| is_clear(labels));
+    }
+    // A variable that is a number makes those into numbers that it is compared with.
+    loop {
+        let before = kept.iter().flatten().count();
+        for side in [&specification.assumptions, &specification.guarantees] {
+            for formula in side.all() {
+                count_with(&formula.expr, &mut kept);
+            }
+        }
+        if kept.iter().flatten().count() == before {
+            return kept;
+        }
+    }
+}
+
+/// Takes the labels from variables that are used as numbers. The recursion is as deep as the expression.
+fn count_with(expr: &Expr, kept: &mut [Option<&[String]>]) {
+    let label = |v: &VarId| kept[v.index()];
+    match expr {
+        Expr::Var(v, _) => kept[v.index()] = None,
+        Expr::Const(_) => {}
+        Expr::Binary(BinaryOp::Eq | BinaryOp::Ne, a, b) => {
+            let compared = match (&**a, &**b) {
+                (Expr::Var(v, _), Expr::Const(value)) | (Expr::Const(value), Expr::Var(v, _)) => {
+                    label(v).is_some_and(|labels| nth(labels, *value).is_some())
+                }
+                (Expr::Var(v, _), Expr::Var(w, _)) => label(v).is_some() && label(v) == label(w),
+                _ => false,
+            };
+            if !compared {
+                count_with(a, kept);
+                count_with(b, kept);
+            }
+        }
+        Expr::Unary(_, a) => count_with(a, kept),
+        Expr::Binary(_, a, b) => {
+            count_with(a, kept);
+            count_with(b, kept);
+        }
+        Expr::If(c, a, b) => {
+            count_with(c, kept);
+            count_with(a, kept);
+            count_with(b, kept);
+        }
+    }
+}
+
+/// The label of a value.
+pub(super) fn nth(labels: &[String], value: i64) -> Option<&String> {
+    labels.get(usize::try_from(value).ok()?)
+}
+
+/// The labels that an expression is compared with, if it is a variable that keeps them.
+pub(super) fn of<'s>(expr: &Expr, kept: &[Option<&'s [String]>]) -> Option<&'s [String]> {
+    match expr {
+        Expr::Var(v, _) => kept[v.index()],
+        _ => None,
+    }
+}

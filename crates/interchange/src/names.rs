@@ -1,0 +1,471 @@
+//! What the formats have in common beside operators: variables that are declared once, and who may speak of what.
+//!
+//! | section | environment | machine |
+//! |---|---|---|
+//! | initial | current inputs | current values |
+//! | transition | current values, next inputs | all |
+//! | goal | all | all |
+
+use super::terms::{Kind, MAX_DEPTH, Term, Terms, TooMuch};
+use linewright_core::diagnostics::{Code, Diagnostic, codes, nearest};
+use linewright_core::gr1::interval::{Interval, interval};
+use linewright_core::gr1::{
+    BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
+};
+use linewright_core::source::{FileId, Span};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+/// A domain may have so many values, as in the language's own contracts.
+const MAX_DOMAIN: i64 = 1 << 20;
+/// Numbers in formulas are smaller than this.
+const MAX_NUMBER: i64 = 1 << 40;
+/// All formulas of a file may have so many operators and operands, written out, whatever its length.
+const MIN_BUDGET: u64 = 4 << 20;
+
+/// For so many unknown names a similar one is looked for: that takes time, and nobody reads more.
+const MAX_GUESSES: usize = 50;
+
+/// Which list a formula belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Part {
+    Initial,
+    Transition,
+    Goal,
+}
+
+/// A section of formulas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Section {
+    pub owner: Owner,
+    pub part: Part,
+    /// The section's name in the file: `SYSTRANS`.
+    pub name: &'static str,
+}
+
+/// A place at which a formula mentions a variable.
+#[derive(Debug, Clone)]
+struct Mention {
+    var: VarId,
+    time: Time,
+    range: Range<usize>,
+}
+
+/// A specification that grows while a file is read.
+pub(super) struct Names<'t> {
+    pub text: &'t str,
+    pub terms: Terms,
+    pub findings: Vec<Diagnostic>,
+    file: FileId,
+    specification: Specification,
+    by_name: BTreeMap<&'t str, VarId>,
+    /// Numbers whose domain was refused: nothing is concluded from how many values they seem to have.
+    refused: BTreeSet<VarId>,
+    /// What the formula at hand has mentioned so far.
+    mentions: Vec<Mention>,
+    counts: BTreeMap<Section, usize>,
+    budget: u64,
+    /// Notes that were given already.
+    noted: BTreeSet<String>,
+    /// Unknown names for which a similar one was looked for.
+    guessed: usize,
+}
+
+impl<'t> Names<'t> {
+    pub fn new(name: &str, file: FileId, text: &'t str) -> Self {
+        Self {
+            text,
+            terms: Terms::default(),
+            findings: Vec::new(),
+            file,
+            specification: Specification {
+                name: name.to_owned(),
+                timing: Timing::Mealy,
+                variables: Vec::new(),
+                assumptions: Side::default(),
+                guarantees: Side::default(),
+            },
+            by_name: BTreeMap::new(),
+            refused: BTreeSet::new(),
+            mentions: Vec::new(),
+            counts: BTreeMap::new(),
+            budget: MIN_BUDGET + 8 * text.len() as u64,
+            noted: BTreeSet::new(),
+            guessed: 0,
+        }
+    }
+
+    /// The specification, and what was found.
+    pub fn finish(self) -> (Specification, Vec<Diagnostic>) {
+        (self.specification, self.findings)
+    }
+
+    /// The specification so far, for lowering.
+    pub fn specification(&mut self) -> &mut Specification {
+        &mut self.specification
+    }
+
+    pub fn span(&self, range: Range<usize>) -> Span {
+        Span::new(self.file, range.start, range.end)
+    }
+
+    pub fn error(
+        &mut self,
+        code: Code,
+        range: Range<usize>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let span = self.span(range);
+        self.findings
+            .push(Diagnostic::error(code, span, message).with_help(help));
+    }
+
+    pub fn syntax(
+        &mut self,
+        range: Range<usize>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.error(codes::SYNTAX, range, message, help);
+    }
+
+    /// A note, once a message.
+    pub fn note(
+        &mut self,
+        code: Code,
+        range: Range<usize>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let (span, message) = (self.span(range), message.into());
+        if self.noted.insert(message.clone()) {
+            self.findings
+                .push(Diagnostic::note(code, span, message).with_help(help));
+        }
+    }
+
+    /// Declares a variable.
+    pub fn declare(&mut self, owner: Owner, name: &'t str, domain: Domain, range: Range<usize>) {
+        if let Some(first) = self.by_name.get(name) {
+            let first = self.specification.variable(*first).span;
+            let finding = Diagnostic::error(
+                codes::NAME_DOUBLE,
+                self.span(range),
+                format!("the variable `{}` is declared twice", quoted(name)),
+            )
+            .with_label(first, "declared here first")
+            .with_help("declare each variable once, as the environment's or as the system's");
+            self.findings.push(finding);
+            return;
+        }
+        let span = self.span(range);
+        self.by_name
+            .insert(name, VarId(self.specification.variables.len() as u32));
+        self.specification.variables.push(Variable {
+            name: name.to_owned(),
+            owner,
+            internal: false,
+            unit: String::new(),
+            domain,
+            span,
+        });
+    }
+
+    /// Declares a number whose domain was refused: its uses are not the mistake.
+    pub fn declare_refused(&mut self, owner: Owner, name: &'t str, range: Range<usize>) {
+        let id = VarId(self.specification.variables.len() as u32);
+        self.declare(owner, name, Domain::Range { low: 0, high: 1 }, range);
+        if self.specification.variables.len() > id.index() {
+            self.refused.insert(id);
+        }
+    }
+
+    /// Whether the domain of a variable was refused.
+    pub fn is_refused(&self, var: VarId) -> bool {
+        self.refused.contains(&var)
+    }
+
+    /// Whether the formula at hand speaks of a number whose domain was refused.
+    pub fn speaks_of_refused(&self) -> bool {
+        self.mentions.iter().any(|m| self.is_refused(m.var))
+    }
+
+    /// Declares a helper of the machine that stands in no file, and gives it a name that nothing has yet.
+    pub fn helper(&mut self, wanted: &str) -> VarId {
+        let mut name = wanted.to_owned();
+        while self.specification.variables.iter().any(|v| v.name == name) {
+            name.push('_');
+        }
+        self.specification.variables.push(Variable {
+            name,
+            owner: Owner::System,
+            internal: true,
+            unit: String::new(),
+            domain: Domain::Bool,
+            span: self.span(0..0),
+        });
+        VarId(self.specification.variables.len() as u32 - 1)
+    }
+
+    /// A domain `low..=high`, unless that is empty or too large.
+    pub fn domain(&mut self, low: i64, high: i64, range: Range<usize>) -> Option<Domain> {
+        if low > high {
+            self.error(
+                codes::DOMAIN_EMPTY,
+                range,
+                format!("no number is at least {low} and at most {high}"),
+                "write the smaller number first",
+            );
+            return None;
+        }
+        if high.saturating_sub(low) >= MAX_DOMAIN {
+            self.error(
+                codes::DOMAIN_EMPTY,
+                range,
+                format!("the domain has more than {MAX_DOMAIN} values"),
+                "use a coarser abstraction",
+            );
+            return None;
+        }
+        Some(Domain::Range { low, high })
+    }
+
+    /// A number in the text.
+    pub fn number(&mut self, digits: &str, range: Range<usize>) -> Option<i64> {
+        match digits.parse::<i64>() {
+            Ok(value) if value.unsigned_abs() < MAX_NUMBER.unsigned_abs() => Some(value),
+            _ => {
+                self.error(
+                    codes::NUMBER_RANGE,
+                    range,
+                    "this is not a whole number that can be counted with",
+                    format!("numbers have no fraction and are smaller than {MAX_NUMBER}"),
+                );
+                None
+            }
+        }
+    }
+
+    /// The variable of a name, and whether its values are numbers.
+    pub fn find(&self, name: &str) -> Option<(VarId, Kind)> {
+        let var = *self.by_name.get(name)?;
+        let kind = match self.specification.variable(var).domain {
+            Domain::Bool => Kind::Bool,
+            _ => Kind::Int,
+        };
+        Some((var, kind))
+    }
+
+    /// Smallest and largest value of a variable.
+    pub fn bounds(&self, var: VarId) -> (i64, i64) {
+        let domain = &self.specification.variable(var).domain;
+        (domain.low(), domain.high())
+    }
+
+    /// Who chooses a variable's value.
+    pub fn owner(&self, var: VarId) -> Owner {
+        self.specification.variable(var).owner
+    }
+
+    /// How many mentions the formula at hand has.
+    pub fn mark(&self) -> usize {
+        self.mentions.len()
+    }
+
+    /// A mention of a variable.
+    pub fn mention(&mut self, var: VarId, kind: Kind, time: Time, range: Range<usize>) -> Term {
+        self.mentions.push(Mention { var, time, range });
+        self.terms.var(var, time, kind)
+    }
+
+    /// A term with next values for its current ones; `mark` is from before its first mention.
+    pub fn primed(&mut self, term: Term, mark: usize) -> Term {
+        for mention in &mut self.mentions[mark..] {
+            mention.time = Time::Next;
+        }
+        self.terms.primed(term)
+    }
+
+    /// Reports a name that is not declared.
+    pub fn unknown(&mut self, name: &str, range: Range<usize>) {
+        let name = quoted(name);
+        let near = if self.guessed < MAX_GUESSES {
+            nearest(&name, self.by_name.keys().copied())
+        } else {
+            None
+        };
+        self.guessed += 1;
+        let help = match near {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "declare it as a variable of the environment or of the system".to_owned(),
+        };
+        let message = format!("`{name}` is not declared");
+        self.error(codes::NAME_UNKNOWN, range, message, help);
+    }
+
+    /// Drops the formula at hand.
+    pub fn forget(&mut self) {
+        self.mentions.clear();
+        self.terms.clear();
+    }
+
+    /// Adds the formula at hand to a section's list, unless it could not be read or speaks of something it may not, and ends it.
+    /// `range` is its text. Names count refused formulas too, as the author does.
+    pub fn formula(&mut self, section: Section, term: Option<Term>, range: Range<usize>) {
+        let count = self.counts.entry(section).or_default();
+        *count += 1;
+        let number = *count;
+        if let Some(term) = term
+            && self.permitted(section)
+            && let Some(expr) = self.tree(term, &range)
+        {
+            let formula = Formula {
+                name: format!("{} {number}", section.name),
+                requirement: None,
+                expr,
+                span: self.span(range.clone()),
+                text: one_line(&self.text[range]),
+            };
+            self.list(section).push(formula);
+        }
+        self.forget();
+    }
+
+    /// The list of a section.
+    pub fn list(&mut self, section: Section) -> &mut Vec<Formula> {
+        let side = match section.owner {
+            Owner::Environment => &mut self.specification.assumptions,
+            Owner::System => &mut self.specification.guarantees,
+        };
+        match section.part {
+            Part::Initial => &mut side.initial,
+            Part::Transition => &mut side.safety,
+            Part::Goal => &mut side.justice,
+        }
+    }
+
+    /// The term as a tree, if that is not too deep or large and its numbers can be counted with.
+    pub fn tree(&mut self, term: Term, range: &Range<usize>) -> Option<Expr> {
+        let size = self.terms.size(term);
+        let tree = match self.terms.tree(term) {
+            Ok(_) if size > self.budget => Err(TooMuch::Large),
+            other => other,
+        };
+        let expr = match tree {
+            Ok(expr) => expr,
+            Err(why) => {
+                let message = match why {
+                    TooMuch::Deep => {
+                        format!("this formula nests more than {MAX_DEPTH} levels deep")
+                    }
+                    TooMuch::Large => {
+                        "this formula becomes too large once its memory cells are written out"
+                            .to_owned()
+                    }
+                };
+                let help = "give parts of it variables of their own";
+                self.error(codes::TOO_LARGE, range.clone(), message, help);
+                return None;
+            }
+        };
+        self.budget -= size;
+        let domain = |v: VarId| Interval::of(&self.specification.variable(v).domain);
+        if interval(&expr, &domain).is_err() {
+            self.error(
+                codes::NUMBER_RANGE,
+                range.clone(),
+                "the numbers in this formula become too large to count with",
+                "multiply less",
+            );
+            return None;
+        }
+        Some(expr)
+    }
+
+    /// Whether the formula at hand speaks of nothing that its section may not; reports it otherwise.
+    fn permitted(&mut self, section: Section) -> bool {
+        let mut told: Vec<VarId> = Vec::new();
+        let mut findings = Vec::new();
+        for mention in &self.mentions {
+            let variable = self.specification.variable(mention.var);
+            let (name, span) = (quoted(&variable.name), self.span(mention.range.clone()));
+            let outputs = variable.owner == Owner::System;
+            let next = mention.time == Time::Next;
+            let finding = match (section.part, section.owner) {
+                (Part::Initial, _) if next => Diagnostic::error(
+                    codes::NOT_GR1,
+                    span,
+                    format!("an initial condition speaks of the next value of `{name}`"),
+                )
+                .with_help("describe step 0 without primes, and what follows among the transitions"),
+                (Part::Initial, Owner::Environment) if outputs => Diagnostic::error(
+                    codes::NOT_CONTROLLED,
+                    span,
+                    format!("this assumption constrains `{name}`, which the system chooses"),
+                )
+                .with_help("the environment chooses first: its initial condition speaks of its own variables only"),
+                (Part::Transition, Owner::Environment) if outputs && next => Diagnostic::error(
+                    codes::NEXT_OUTPUT_ASSUMED,
+                    span,
+                    format!("this assumption speaks of the next value of `{name}`, which the system chooses after the environment has moved"),
+                )
+                .with_help(format!(
+                    "the environment cannot keep such a promise: speak of `{name}` without the prime, a step later"
+                )),
+                _ => continue,
+            };
+            if !told.contains(&mention.var) {
+                told.push(mention.var);
+                findings.push(finding);
+            }
+        }
+        self.findings.append(&mut findings);
+        told.is_empty()
+    }
+}
+
+/// The beginning of a text, for messages.
+pub(super) fn quoted(text: &str) -> String {
+    const LENGTH: usize = 40;
+    match text.char_indices().nth(LENGTH) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// A text in one line, without the comments that reach to the ends of its lines.
+pub(super) fn one_line(text: &str) -> String {
+    let lines = text.lines().map(|l| l.split('#').next().unwrap_or(l));
+    let words: Vec<&str> = lines.flat_map(str::split_whitespace).collect();
+    words.join(" ")
+}
+
+/// `value - value mod 2^bits + low`: a number whose lowest bits are those of another one.
+pub(super) fn overwrite_low_bits(terms: &mut Terms, low: Term, value: Term, bits: u32) -> Term {
+    let power = terms.int(1 << bits);
+    let rest = terms.binary(BinaryOp::Mod, value, power);
+    let high = terms.binary(BinaryOp::Sub, value, rest);
+    terms.binary(BinaryOp::Add, high, low)
+}
+
+/// Bit `k` of a variable's number, counted from its smallest value.
+pub(super) fn bit(
+    names: &mut Names<'_>,
+    var: VarId,
+    k: u32,
+    time: Time,
+    range: Range<usize>,
+) -> Term {
+    let low = names.bounds(var).0;
+    let value = names.mention(var, Kind::Int, time, range);
+    let terms = &mut names.terms;
+    let base = terms.int(low);
+    let offset = terms.binary(BinaryOp::Sub, value, base);
+    let power = terms.int(1 << k);
+    let shifted = terms.binary(BinaryOp::Div, offset, power);
+    let two = terms.int(2);
+    let bit = terms.binary(BinaryOp::Mod, shifted, two);
+    let one = terms.int(1);
+    terms.binary(BinaryOp::Eq, bit, one)
+}

@@ -1,0 +1,254 @@
+//! Formulas: names are looked up, operators are applied, kinds are checked. What has its own rules has its own file.
+
+use super::reader::{Binding, Reader};
+use super::scope::Symbol;
+use super::syntax::{Define, Elements, Name, Node, Shape};
+use super::types::kind_of;
+use super::value::{Kind, Value};
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp};
+use linewright_core::source::Span;
+use std::rc::Rc;
+
+impl Reader {
+    /// The value of a formula; `None` where a mistake in it was reported.
+    pub fn value(&mut self, node: &Node) -> Option<Value> {
+        self.down(node.span)?;
+        let value = self.shape(node);
+        self.up();
+        value.and_then(|v| self.sized(v, node.span))
+    }
+
+    /// A formula that has to be true or false.
+    pub fn truth(&mut self, node: &Node) -> Option<Value> {
+        let value = self.value(node)?;
+        self.expect_kind(&value, &Kind::Bool, node.span)?;
+        Some(value)
+    }
+
+    pub fn expect_kind(&mut self, value: &Value, kind: &Kind, span: Span) -> Option<()> {
+        if value.kind == *kind {
+            return Some(());
+        }
+        self.error(
+            codes::TYPE_MISMATCH,
+            span,
+            format!(
+                "this is {}, where {} is needed",
+                value.kind.describe(),
+                kind.describe()
+            ),
+            match kind {
+                Kind::Bool => "compare it with a value: `x = 3`",
+                _ => "only numbers can be counted with",
+            },
+        );
+        None
+    }
+
+    fn shape(&mut self, node: &Node) -> Option<Value> {
+        let span = node.span;
+        match &node.shape {
+            Shape::Bool(value) => Some(Value::bool(*value)),
+            Shape::Number(value) => Some(Value::int(*value)),
+            Shape::Name(name, indices) => self.name(name, indices, span),
+            Shape::Call(name, arguments) => self.call(name, arguments, span),
+            Shape::Array(name, indices, function) => self.function(name, indices, function),
+            Shape::Not(inner) => Some(self.truth(inner)?.not()),
+            Shape::Negative(inner) => {
+                let value = self.value(inner)?;
+                self.expect_kind(&value, &Kind::Int, inner.span)?;
+                Some(match value.expr {
+                    Expr::Const(number) => Value::int(-number),
+                    _ => value.unary(UnaryOp::Neg),
+                })
+            }
+            Shape::Next(inner) => {
+                let value = self.value(inner)?;
+                self.primed(value, span)
+            }
+            Shape::Past(past, inner) => {
+                let value = self.truth(inner)?;
+                self.past(*past, &value, span)
+            }
+            Shape::Since(first, rest) => self.since(first, rest),
+            Shape::Chain(first, rest) => self.chain(first, rest),
+            Shape::Implies(a, b) => {
+                let (a, b) = (self.truth(a), self.truth(b));
+                Some(Value::binary(BinaryOp::Implies, a?, b?))
+            }
+            Shape::In {
+                value,
+                negated,
+                items,
+            } => {
+                let found = self.membership(value, items)?;
+                Some(if *negated { found.not() } else { found })
+            }
+            Shape::Quantified {
+                all,
+                name,
+                domain,
+                body,
+            } => self.quantified(*all, name, domain, body),
+            Shape::Matches(_) => {
+                self.error(
+                    codes::NOT_GR1,
+                    span,
+                    "a regular expression stands within a formula",
+                    "it may be all that `G` or `GF` holds: `gar G regexp(r);`; for what follows a match, write `gar trig r |=> e;`",
+                );
+                None
+            }
+        }
+    }
+
+    /// The same with next values for current ones.
+    fn primed(&mut self, mut value: Value, span: Span) -> Option<Value> {
+        if value.expr.mentions_next() {
+            self.error(
+                codes::NEXT_NESTED,
+                span,
+                "`next` stands inside `next`, perhaps through a define or a predicate",
+                "GR(1) knows this step and the next one: remember a value in a variable to look further",
+            );
+            return None;
+        }
+        value.expr = value.expr.substitute(&mut |v, _| Expr::Var(v, Time::Next));
+        Some(value)
+    }
+
+    fn chain(&mut self, first: &Node, rest: &[(BinaryOp, Node)]) -> Option<Value> {
+        use BinaryOp as B;
+        let spans: Vec<Span> = std::iter::once(first.span)
+            .chain(rest.iter().map(|(_, n)| n.span))
+            .collect();
+        let mut values = vec![self.value(first)];
+        for (_, node) in rest {
+            values.push(self.value(node));
+        }
+        let values: Option<Vec<Value>> = values.into_iter().collect();
+        let values = values?;
+        let op = rest.first().map_or(B::And, |(op, _)| *op);
+        let kind = match op {
+            B::And | B::Or => Kind::Bool,
+            B::Eq | B::Ne => return self.equations(values, rest, &spans),
+            B::Lt | B::Le | B::Gt | B::Ge if values.iter().any(|v| v.kind.is_of_enumeration()) => {
+                return self.by_places(op, values, first.span.to(spans[spans.len() - 1]));
+            }
+            _ => Kind::Int,
+        };
+        for (value, span) in values.iter().zip(&spans) {
+            // `xor` stands among `|`.
+            self.expect_kind(value, &kind, *span)?;
+        }
+        if matches!(op, B::And | B::Or | B::Add) && rest.iter().all(|(o, _)| *o == op) {
+            return Some(Value::chain(op, values));
+        }
+        let mut values = values.into_iter();
+        let first = values.next()?;
+        let operands = rest.iter().map(|(op, _)| *op).zip(values);
+        Some(operands.fold(first, |a, (op, b)| Value::binary(op, a, b)))
+    }
+
+    /// A name with its indices.
+    fn name(&mut self, name: &str, indices: &[Node], span: Span) -> Option<Value> {
+        match self.bound(name).cloned() {
+            Some(Binding::Value(value)) => {
+                self.no_indices(name, indices, span)?;
+                return Some(value);
+            }
+            Some(Binding::Cells(cells)) => return self.element(&cells, name, indices, span),
+            Some(Binding::Elements(define)) => return self.defined(&define, indices, span),
+            None => {}
+        }
+        match self.symbol(name, span).map(|(symbol, _)| symbol.clone()) {
+            Some(Symbol::Variable(cells)) => self.element(&cells, name, indices, span),
+            Some(Symbol::Define(define)) => self.defined(&define, indices, span),
+            Some(Symbol::Predicate(predicate)) if indices.is_empty() => {
+                self.predicate(&predicate, &[], span)
+            }
+            Some(_) => {
+                self.error(
+                    codes::TYPE_MISMATCH,
+                    span,
+                    format!("`{name}` has no value: it is a pattern or a regular expression"),
+                    "a pattern stands alone: `gar p(a, b);`; a regular expression in `regexp(r)` or `trig`",
+                );
+                None
+            }
+            None if self.labels.contains(name) => {
+                self.no_indices(name, indices, span)?;
+                Some(Value::leaf(Expr::Const(0), Kind::Label(name.to_owned())))
+            }
+            None => {
+                self.unknown("name", name, span);
+                None
+            }
+        }
+    }
+
+    pub fn no_indices(&mut self, name: &str, indices: &[Node], span: Span) -> Option<()> {
+        if indices.is_empty() {
+            return Some(());
+        }
+        self.error(
+            codes::TYPE_MISMATCH,
+            span,
+            format!("`{name}` is no array"),
+            "leave the index out",
+        );
+        None
+    }
+
+    /// The value of a define, or of an element of one that is an array.
+    fn defined(&mut self, define: &Rc<Define>, indices: &[Node], span: Span) -> Option<Value> {
+        let name = &define.name;
+        if let Elements::One(node) = &define.value {
+            self.no_indices(&name.text, indices, span)?;
+            if let Some((value, mentions)) = self.expanded.get(&name.span) {
+                let value = value.clone();
+                self.mentions.extend(mentions.iter().copied());
+                return value;
+            }
+            let mut before = std::mem::take(&mut self.mentions);
+            let value = self.expanded(name, span, |reader| reader.value(node));
+            let mentions = self.mentions.clone();
+            self.mentions.append(&mut before);
+            self.expanded.insert(name.span, (value.clone(), mentions));
+            return value;
+        }
+        self.defined_element(define, indices, span)
+    }
+
+    /// Expands a definition, in which names around it are not seen; it must not use itself.
+    pub fn expanded<T>(
+        &mut self,
+        name: &Name,
+        span: Span,
+        expand: impl FnOnce(&mut Self) -> Option<T>,
+    ) -> Option<T> {
+        if self.open.contains(&name.span) {
+            self.error(
+                codes::NOT_CONSTANT,
+                span,
+                format!("`{}` is defined by itself", name.text),
+                "a definition may use those that do not use it; what changes over time is a variable, a monitor or a counter",
+            );
+            return None;
+        }
+        self.open.push(name.span);
+        self.frames.push(Vec::new());
+        let found = expand(self);
+        self.frames.pop();
+        self.open.pop();
+        found
+    }
+
+    /// The value of a variable.
+    pub fn mention(&mut self, v: linewright_core::gr1::VarId, span: Span) -> Value {
+        self.mentions.insert((v, span));
+        let kind = kind_of(&self.variable(v).domain);
+        Value::leaf(Expr::now(v), kind)
+    }
+}

@@ -1,0 +1,127 @@
+//! Reads regular expressions over steps.
+
+use super::{Parsed, Parser};
+use crate::spectra::syntax::{Node, Regexp, RegexpShape, Shape};
+
+impl Parser<'_> {
+    /// Sequences, `&` and `|` bind alike, from left to right, as in the language's grammar.
+    pub fn regexp(&mut self) -> Parsed<Regexp> {
+        self.deeper()?;
+        let start = self.start();
+        let mut left = self.repeated()?;
+        let mut links = 0;
+        loop {
+            let make = if self.take("&") {
+                RegexpShape::And
+            } else if self.take("|") {
+                RegexpShape::Or
+            } else if self.begins_regexp() {
+                RegexpShape::Sequence
+            } else {
+                break;
+            };
+            // The chain grows to the left; its length counts as nesting.
+            self.deeper()?;
+            links += 1;
+            let right = self.repeated()?;
+            left = Regexp {
+                shape: make(Box::new(left), Box::new(right)),
+                span: self.since(start),
+            };
+        }
+        self.depth -= 1 + links;
+        Ok(left)
+    }
+
+    fn begins_regexp(&self) -> bool {
+        let word = self.word();
+        self.is("(")
+            || self.is("[")
+            || self.is("~")
+            || (!word.is_empty() && !matches!(word, "gar" | "asm" | "guarantee" | "assumption"))
+    }
+
+    fn repeated(&mut self) -> Parsed<Regexp> {
+        let start = self.start();
+        let inner = if self.take("~") {
+            self.deeper()?;
+            let inner = self.step()?;
+            self.depth -= 1;
+            Regexp {
+                shape: RegexpShape::Complement(Box::new(inner)),
+                span: self.since(start),
+            }
+        } else {
+            self.step()?
+        };
+        let number = |value| {
+            Box::new(Node {
+                shape: Shape::Number(value),
+                span: inner.span,
+            })
+        };
+        let (low, high) = if self.take("*") {
+            (number(0), None)
+        } else if self.take("+") {
+            (number(1), None)
+        } else if self.take("?") {
+            (number(0), Some(number(1)))
+        } else if self.take("{") {
+            let low = Box::new(self.size()?);
+            let high = if !self.take(",") {
+                Some(low.clone())
+            } else if self.is("}") {
+                None
+            } else {
+                Some(Box::new(self.size()?))
+            };
+            self.expect("}", "repeat with `r{3}`, `r{3,}` or `r{3,5}`")?;
+            (low, high)
+        } else {
+            return Ok(inner);
+        };
+        Ok(Regexp {
+            shape: RegexpShape::Repeat(Box::new(inner), low, high),
+            span: self.since(start),
+        })
+    }
+
+    fn step(&mut self) -> Parsed<Regexp> {
+        let start = self.start();
+        let shape = match self.word() {
+            "true" | "TRUE" => {
+                self.next();
+                RegexpShape::Constant(true)
+            }
+            "false" | "FALSE" => {
+                self.next();
+                RegexpShape::Constant(false)
+            }
+            "" if self.take("[") => {
+                let node = self.formula()?;
+                self.expect("]", "a step's condition stands in brackets: `[p]`")?;
+                RegexpShape::Step(Box::new(node))
+            }
+            "" if self.take("(") => {
+                if self.take(")") {
+                    RegexpShape::Empty
+                } else {
+                    let inner = self.regexp()?;
+                    self.expect(")", "the parenthesis is not closed")?;
+                    return Ok(inner);
+                }
+            }
+            "" => {
+                return self.unexpected(
+                    "a regular expression",
+                    "they are made of `[p]`, `true`, `false`, `()`, names and `* + ? {n} {n,m} & | ~`",
+                );
+            }
+            _ => RegexpShape::Named(self.name("a regular expression")?.text),
+        };
+        Ok(Regexp {
+            shape,
+            span: self.since(start),
+        })
+    }
+}

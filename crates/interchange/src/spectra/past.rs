@@ -1,0 +1,104 @@
+//! `PREV ONCE HISTORICALLY SINCE TRIGGERED`, by [`monitors`](linewright_core::gr1::monitors).
+//!
+//! | | in step t |
+//! |---|---|
+//! | `PREV p` | t > 0, and p in step t - 1 |
+//! | `ONCE p` | p in some step up to t |
+//! | `HISTORICALLY p` | p in all steps up to t |
+//! | `p SINCE q` | q in some step k up to t, and p in all steps after k up to t |
+//! | `p TRIGGERED q` | not (not p SINCE not q) |
+//!
+//! `PREV` may stand before what speaks of the next step: that is the step at hand. Where the formula also speaks of its own step, its
+//! variables are remembered one by one.
+
+use super::reader::Reader;
+use super::syntax::{Node, Past, SinceOp};
+use super::types::kind_of;
+use super::value::{Kind, Value};
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::{Expr, Time};
+use linewright_core::source::Span;
+
+impl Reader {
+    pub fn past(&mut self, past: Past, value: &Value, span: Span) -> Option<Value> {
+        if past == Past::Previous && value.expr.mentions_next() {
+            return Some(self.stepped_back(&value.expr));
+        }
+        self.about_present(value, span)?;
+        let origin = self.origin.clone();
+        let expr = match past {
+            Past::Previous => self.monitors.previous(&value.expr, &origin),
+            Past::Once => self.monitors.once(&value.expr, &origin),
+            Past::Historically => self.monitors.historically(&value.expr, &origin),
+        };
+        Some(Value::of(expr, Kind::Bool))
+    }
+
+    /// `PREV p`, where p speaks of two steps.
+    fn stepped_back(&mut self, expr: &Expr) -> Value {
+        let origin = self.origin.clone();
+        let started = self.monitors.previous(&Expr::TRUE, &origin);
+        let mut mentioned = Vec::new();
+        expr.for_each_var(&mut |v, time| {
+            if time == Time::Now && mentioned.iter().all(|(w, _)| *w != v) {
+                mentioned.push((v, Expr::TRUE));
+            }
+        });
+        for (v, before) in &mut mentioned {
+            let domain = self.variable(*v).domain.clone();
+            let low = domain.low();
+            let now = Expr::now(*v);
+            *before = match kind_of(&domain) {
+                Kind::Bool => self.monitors.previous(&now, &origin),
+                _ => self.monitors.previous_value(&now, domain, low, &origin),
+            };
+        }
+        let shifted = expr.substitute(&mut |v, time| match time {
+            Time::Next => Expr::now(v),
+            Time::Now => mentioned
+                .iter()
+                .find(|(w, _)| *w == v)
+                .map_or(Expr::now(v), |(_, before)| before.clone()),
+        });
+        Value::of(started.and(shifted), Kind::Bool)
+    }
+
+    pub fn since(&mut self, first: &Node, rest: &[(SinceOp, Node)]) -> Option<Value> {
+        let mut value = self.truth(first)?;
+        self.about_present(&value, first.span)?;
+        for (op, node) in rest {
+            let other = self.truth(node)?;
+            self.about_present(&other, node.span)?;
+            let origin = self.origin.clone();
+            let expr = match op {
+                SinceOp::Since => self.monitors.since(&value.expr, &other.expr, &origin),
+                SinceOp::Triggered => {
+                    self.note(
+                        codes::OWN_TOOL,
+                        node.span,
+                        "Spectra's tool takes `p TRIGGERED q` for `p SINCE q` from step 1 on, and for `p | q` in step 0; here it is what temporal logic means by it",
+                        "write `!(!p SINCE !q)`, which both read alike",
+                    );
+                    let (p, q) = (value.not(), other.not());
+                    let since = self.monitors.since(&p.expr, &q.expr, &origin);
+                    since.not().simplify()
+                }
+            };
+            value = self.sized(Value::of(expr, Kind::Bool), node.span)?;
+        }
+        Some(value)
+    }
+
+    fn about_present(&mut self, value: &Value, span: Span) -> Option<()> {
+        if !value.expr.mentions_next() {
+            return Some(());
+        }
+        self.error(
+            codes::PAST,
+            span,
+            "an operator over the past stands before what speaks of the next step, perhaps through a define",
+            "let it speak of the step at hand: `ONCE` of that, a step later, is the same",
+        );
+        None
+    }
+}

@@ -1,0 +1,128 @@
+//! Predicates: `predicate free(Int(0..3) room): !occupied[room];`, used as `free(2)`.
+//!
+//! Arguments are put in by value. As a formula's value is an expression, `next(free(r))` speaks of next values within the argument
+//! too.
+
+use super::reader::{Binding, Reader};
+use super::scope::Symbol;
+use super::syntax::{Name, Node, Parameter, Predicate};
+use super::types::kind_of;
+use super::value::{Kind, Value};
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::Expr;
+use linewright_core::source::Span;
+use std::rc::Rc;
+
+impl Reader {
+    /// `p(a, b)` within a formula.
+    pub fn call(&mut self, name: &Name, arguments: &[Node], span: Span) -> Option<Value> {
+        match self.symbol(&name.text, name.span).map(|(s, _)| s.clone()) {
+            Some(Symbol::Predicate(predicate)) => self.predicate(&predicate, arguments, span),
+            Some(Symbol::Pattern(_) | Symbol::Published(_)) => {
+                self.error(
+                    codes::NOT_GR1,
+                    span,
+                    format!("the pattern `{}` stands within a formula", name.text),
+                    "a pattern is an assumption or a guarantee of its own: `gar p(a, b);`",
+                );
+                None
+            }
+            Some(_) => {
+                self.error(
+                    codes::TYPE_MISMATCH,
+                    name.span,
+                    format!("`{}` takes no arguments", name.text),
+                    "leave the parentheses out",
+                );
+                None
+            }
+            None => {
+                self.unknown("predicate or pattern", &name.text, name.span);
+                None
+            }
+        }
+    }
+
+    pub fn predicate(
+        &mut self,
+        predicate: &Rc<Predicate>,
+        arguments: &[Node],
+        span: Span,
+    ) -> Option<Value> {
+        let name = &predicate.name;
+        self.counted(
+            &name.text,
+            predicate.parameters.len(),
+            arguments.len(),
+            span,
+        )?;
+        let mut bindings = Vec::new();
+        for (parameter, argument) in predicate.parameters.iter().zip(arguments) {
+            let binding = self.argument(parameter, argument)?;
+            bindings.push((parameter.name.text.clone(), binding));
+        }
+        self.expanded(name, span, |reader| {
+            if let Some(frame) = reader.frames.last_mut() {
+                frame.extend(bindings);
+            }
+            reader.truth(&predicate.body)
+        })
+    }
+
+    pub fn counted(&mut self, name: &str, wanted: usize, given: usize, span: Span) -> Option<()> {
+        if wanted == given {
+            return Some(());
+        }
+        self.error(
+            codes::ARGUMENT,
+            span,
+            format!("`{name}` takes {} and has {given} here", arguments(wanted)),
+            "write one argument for each parameter",
+        );
+        None
+    }
+
+    fn argument(&mut self, parameter: &Parameter, argument: &Node) -> Option<Binding> {
+        if let Some(array) = self.whole(argument) {
+            return Some(array);
+        }
+        let value = self.value(argument)?;
+        let (domain, _) = self.domain(&parameter.of)?;
+        let wanted = kind_of(&domain);
+        let fits = match (&wanted, &value.kind) {
+            (Kind::Labels(labels), Kind::Label(label)) => {
+                // From here on it is a value of the parameter's enumeration.
+                if let Some(index) = labels.iter().position(|l| l == label) {
+                    let index = Expr::Const(index as i64);
+                    return Some(Binding::Value(Value::leaf(index, wanted)));
+                }
+                false
+            }
+            (Kind::Labels(_), Kind::Labels(_)) => true,
+            (wanted, given) => wanted == given,
+        };
+        if !fits {
+            self.error(
+                codes::TYPE_MISMATCH,
+                argument.span,
+                format!(
+                    "the parameter `{}` is {}, and this is {}",
+                    parameter.name.text,
+                    wanted.describe(),
+                    value.kind.describe()
+                ),
+                "give an argument of the parameter's type",
+            );
+            return None;
+        }
+        Some(Binding::Value(value))
+    }
+}
+
+fn arguments(count: usize) -> String {
+    match count {
+        0 => "no arguments".to_owned(),
+        1 => "1 argument".to_owned(),
+        _ => format!("{count} arguments"),
+    }
+}

@@ -1,0 +1,235 @@
+//! What a Spectra file says, as it is written. Names are not looked up yet.
+
+use linewright_core::gr1::{BinaryOp, Owner};
+use linewright_core::source::Span;
+
+/// A name and its place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Name {
+    pub text: String,
+    pub span: Span,
+}
+
+/// A formula or a number.
+#[derive(Debug, Clone)]
+pub(super) struct Node {
+    pub shape: Shape,
+    pub span: Span,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Shape {
+    Bool(bool),
+    Number(i64),
+    /// A variable, define, parameter, constant ..., with the indices behind it.
+    Name(String, Vec<Node>),
+    /// A predicate or a pattern.
+    Call(Name, Vec<Node>),
+    /// `a.all`, `a.sum` ...
+    Array(Name, Vec<Node>, Name),
+    Not(Box<Node>),
+    Negative(Box<Node>),
+    Next(Box<Node>),
+    Past(Past, Box<Node>),
+    /// `p SINCE q` and `p TRIGGERED q`, from left to right.
+    Since(Box<Node>, Vec<(SinceOp, Node)>),
+    /// Operators of one rank, from left to right.
+    Chain(Box<Node>, Vec<(BinaryOp, Node)>),
+    Implies(Box<Node>, Box<Node>),
+    In {
+        value: Box<Node>,
+        negated: bool,
+        items: Vec<Item>,
+    },
+    Quantified {
+        all: bool,
+        name: Name,
+        domain: TypeName,
+        body: Box<Node>,
+    },
+    /// `regexp(...)`
+    Matches(Regexp),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Past {
+    Previous,
+    Once,
+    Historically,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SinceOp {
+    Since,
+    Triggered,
+}
+
+/// A value in `in { ... }`.
+#[derive(Debug, Clone)]
+pub(super) enum Item {
+    One(Node),
+    /// `from-to`
+    Range(i64, i64, Span),
+}
+
+/// A type where it is used.
+#[derive(Debug, Clone)]
+pub(super) struct TypeName {
+    pub base: Base,
+    /// Sizes of an array's dimensions.
+    pub sizes: Vec<Node>,
+    pub span: Span,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Base {
+    Bool,
+    Int(Box<Node>, Box<Node>),
+    Labels(Vec<Name>),
+    Named(String),
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Parameter {
+    pub of: TypeName,
+    pub name: Name,
+}
+
+/// A regular expression over the steps of a run.
+#[derive(Debug, Clone)]
+pub(super) struct Regexp {
+    pub shape: RegexpShape,
+    pub span: Span,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum RegexpShape {
+    /// `()`
+    Empty,
+    /// `true`, `false`
+    Constant(bool),
+    /// `[p]`: one step in which p holds.
+    Step(Box<Node>),
+    Named(String),
+    Complement(Box<Regexp>),
+    Sequence(Box<Regexp>, Box<Regexp>),
+    And(Box<Regexp>, Box<Regexp>),
+    Or(Box<Regexp>, Box<Regexp>),
+    /// `r* r+ r? r{n} r{n,} r{n,m}`; the upper number is missing where there is no bound.
+    Repeat(Box<Regexp>, Box<Node>, Option<Box<Node>>),
+}
+
+/// When a formula has to hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum When {
+    Initially,
+    /// `G`: from each step to the next.
+    Transition,
+    /// `alw`: in every step.
+    Always,
+    /// `GF`
+    Repeatedly,
+}
+
+/// What is assumed or guaranteed, or belongs to a monitor or a pattern.
+#[derive(Debug, Clone)]
+pub(super) struct Clause {
+    pub when: When,
+    /// Whether the operator was written.
+    pub explicit: bool,
+    pub node: Node,
+    /// With its operator.
+    pub span: Span,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Body {
+    Clause(Clause),
+    /// `trig r |=> e`
+    Trigger(Regexp, Regexp),
+    /// `GE`, `GEF`
+    Existential(Span),
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Statement {
+    pub side: Owner,
+    pub name: Option<Name>,
+    pub parameters: Vec<Parameter>,
+    pub body: Body,
+    /// Behind the name.
+    pub span: Span,
+}
+
+/// What a counter does at its ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Overflow {
+    Keep,
+    Refuse,
+    Modulo,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Counter {
+    pub name: Name,
+    pub low: Node,
+    pub high: Node,
+    pub initial: Vec<Node>,
+    pub reset: Vec<Node>,
+    pub up: Vec<Node>,
+    pub down: Vec<Node>,
+    pub overflow: Option<(Overflow, Span)>,
+    pub underflow: Option<(Overflow, Span)>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Pattern {
+    pub name: Name,
+    pub parameters: Vec<Name>,
+    pub variables: Vec<Parameter>,
+    pub clauses: Vec<Clause>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Predicate {
+    pub name: Name,
+    pub parameters: Vec<Parameter>,
+    pub body: Node,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Monitor {
+    pub variable: Parameter,
+    pub clauses: Vec<Clause>,
+}
+
+/// The elements of `define a[2][2] := {{..}, {..}}`.
+#[derive(Debug, Clone)]
+pub(super) enum Elements {
+    One(Node),
+    Many(Vec<Elements>, Span),
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Define {
+    pub name: Name,
+    pub sizes: Vec<Node>,
+    pub value: Elements,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Declaration {
+    Import(String, Span),
+    /// Whether it is an auxiliary one comes behind its owner.
+    Variable((Owner, bool), Parameter),
+    Type(Name, TypeName),
+    Define(Define),
+    Predicate(Predicate),
+    Pattern(Pattern),
+    Monitor(Monitor),
+    Counter(Box<Counter>),
+    Regexp(Name, Regexp),
+    Statement(Statement),
+    /// `weight`, `regtest`: said, not used.
+    Ignored(&'static str, Span),
+}

@@ -1,0 +1,303 @@
+//! Formulas of temporal logic as parts of GR(1).
+//!
+//! | formula (`a`, `b` about finitely many steps) | becomes |
+//! |---|---|
+//! | `a` | an initial condition, or one on the first steps |
+//! | `G a` | an invariant, or a condition from each step to the next, the past being remembered where `a` looks further ahead |
+//! | `W`, `R`, `G`, `X` in any nesting | an invariant over the state of an [automaton](super::automaton) |
+//! | `G F a` | recurrence |
+//! | `F a` | recurrence of "a held once" |
+//! | `G (a -> X X F b)` | recurrence of "nothing is unanswered"; answers from different steps on are brought to the last one, `F b = b \| X F b` |
+//! | what is denied by safety, `F (a & X (b U c))` | recurrence of "the denial is broken" |
+//! | `a U b` | `a W b` and `F b` |
+//! | `F G a` | persistence, which only some places can take |
+//! | a disjunction of these | what holds in the long run: `G F p` or `F G q` |
+
+use super::ltl::{F, Formulas, Op};
+use super::past::negated;
+use super::refusal::Refusal;
+use crate::terms::balanced;
+use linewright_core::gr1::monitors::{Monitors, Origin, Pattern, Scope};
+use linewright_core::gr1::{BinaryOp, Expr, VarId};
+use std::collections::BTreeMap;
+
+/// A part of a formula.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Piece {
+    /// Holds in step 0.
+    Initial(Expr),
+    /// Holds in every step, over current values.
+    Invariant(Expr),
+    /// Holds from every step to the next.
+    Step(Expr),
+    /// Holds again and again.
+    Recurrent(Expr),
+    /// Holds from some step on.
+    Persistent(Expr),
+    /// If the first ones hold again and again, then so does the last. The formulas are those that the first ones deny.
+    Pair(Vec<(F, Expr)>, Expr),
+}
+
+pub(super) struct Classifier<'f> {
+    pub formulas: &'f mut Formulas,
+    pub monitors: Monitors,
+    pub origin: Origin,
+    /// The variable that admits a broken promise.
+    pub broken: VarId,
+    /// The first monitor's variable.
+    pub first: u32,
+    /// Automata that are there already, by their updates.
+    pub machines: BTreeMap<String, Expr>,
+    /// A denial is not denied again.
+    denying: bool,
+}
+
+/// `X X F b`: how many `X`, and `b`.
+fn answered(formulas: &Formulas, f: F) -> Option<(u32, F)> {
+    let (mut f, mut steps) = (f, 0);
+    loop {
+        match formulas.op(f) {
+            Op::Next(a) => (f, steps) = (*a, steps + 1),
+            Op::Finally(a) if formulas.ahead(*a).is_some() => return Some((steps, *a)),
+            _ => return None,
+        }
+    }
+}
+
+impl<'f> Classifier<'f> {
+    pub fn new(formulas: &'f mut Formulas, monitors: Monitors, first: u32, broken: VarId) -> Self {
+        Self {
+            formulas,
+            monitors,
+            origin: Origin::default(),
+            broken,
+            first,
+            machines: BTreeMap::new(),
+            denying: false,
+        }
+    }
+
+    /// What one part comes to; see [`Formulas::parts`].
+    pub fn piece(&mut self, f: F) -> Result<Piece, Refusal> {
+        match self.direct(f) {
+            Err(refusal) => (self.reached(f)).or_else(|| self.denied(f)).ok_or(refusal),
+            found => found,
+        }
+    }
+
+    fn direct(&mut self, f: F) -> Result<Piece, Refusal> {
+        if let Some(ahead) = self.formulas.ahead(f)
+            && let Some(e) = self.seen(f, i64::from(ahead.max(1)) - 1)
+        {
+            if ahead == 0 {
+                return Ok(Piece::Initial(e.simplify()));
+            }
+            let now = self.begun(ahead - 1).and(self.begun(ahead).not());
+            return Ok(Piece::Step(now.implies(e).simplify()));
+        }
+        if let Op::Globally(a) = self.formulas.op(f).clone()
+            && let Some(ahead) = self.formulas.ahead(a)
+            && let Some(e) = self.seen(a, i64::from(ahead.max(1)) - 1)
+        {
+            if ahead == 0 {
+                return Ok(Piece::Invariant(e.simplify()));
+            }
+            let from = self.begun(ahead - 1);
+            return Ok(Piece::Step(from.implies(e).simplify()));
+        }
+        if self.formulas.is_safety(f) {
+            if let Some(ok) = self.watched(f).or_else(|| self.unless(f)) {
+                return Ok(Piece::Invariant(ok));
+            }
+            if !matches!(self.formulas.op(f), Op::Or(_)) {
+                return Err(Refusal {
+                    at: f,
+                    why: "what this formula has to remember is too much for a monitor".to_owned(),
+                    help: "split it into formulas of their own, or remember with an output what they depend on".to_owned(),
+                });
+            }
+        }
+        let (mut inner, mut from) = (f, 0);
+        while let Op::Next(a) = self.formulas.op(inner) {
+            (inner, from) = (*a, from + 1);
+        }
+        match self.formulas.op(inner).clone() {
+            Op::Globally(a) => {
+                if let Op::Finally(b) = *self.formulas.op(a)
+                    && let Some(e) = self.looked_back(b)
+                {
+                    return Ok(Piece::Recurrent(e));
+                }
+                self.response(a, from)
+            }
+            Op::Finally(a) => {
+                if let Some(ahead) = self.formulas.ahead(a)
+                    && let Some(e) = self.seen(a, i64::from(ahead))
+                {
+                    let from = self.begun(ahead + from);
+                    let origin = self.origin.clone();
+                    let once = self.monitors.once(&from.and(e).simplify(), &origin);
+                    return Ok(Piece::Recurrent(once));
+                }
+                if let Op::Globally(b) = *self.formulas.op(a)
+                    && let Some(e) = self.looked_back(b)
+                {
+                    return Ok(Piece::Persistent(e));
+                }
+                Err(self.nested(a, "`F`"))
+            }
+            Op::Or(list) => self.disjunction(&list),
+            Op::Weak(a, b) | Op::Release(a, b) | Op::Until(a, b) => {
+                let guilty = if self.formulas.is_safety(a) { b } else { a };
+                Err(self.nested(guilty, "`U`, `W` or `R`"))
+            }
+            _ => Err(self.nested(inner, "a larger formula")),
+        }
+    }
+
+    /// A formula about finitely many steps, once all of them are over; its value in the first ones does not matter.
+    fn looked_back(&mut self, f: F) -> Option<Expr> {
+        // Of a step and the next one, justice speaks as it is.
+        let ahead = self.formulas.ahead(f)?.max(1) - 1;
+        Some(self.seen(f, i64::from(ahead))?.simplify())
+    }
+
+    /// `G (a | X X F b)`: what is not a is answered by b two steps later or still later.
+    fn response(&mut self, body: F, from: u32) -> Result<Piece, Refusal> {
+        let list = match self.formulas.op(body).clone() {
+            Op::Or(list) => list,
+            _ => vec![body],
+        };
+        let (mut given, mut awaited, mut wait) = (Vec::new(), Vec::new(), 0);
+        for part in list {
+            if self.formulas.ahead(part).is_some() {
+                given.push(part);
+            } else if let Some((steps, answer)) = answered(self.formulas, part) {
+                awaited.push((steps, answer));
+                wait = wait.max(steps);
+            } else {
+                return Err(self.nested(part, "`G`"));
+            }
+        }
+        let place = self.formulas.place(body);
+        let mut answers = Vec::new();
+        for (steps, answer) in awaited {
+            // F b = b | X F b
+            for early in steps..wait {
+                let early = (0..early).fold(answer, |f, _| self.formulas.next(f, place));
+                given.push(early);
+            }
+            answers.push(answer);
+        }
+        let (given, answer) = (
+            self.formulas.or(given, place),
+            self.formulas.or(answers, place),
+        );
+        let (a, b) = (
+            self.formulas.ahead(given).unwrap_or(0),
+            self.formulas.ahead(answer).unwrap_or(0),
+        );
+        let back = b.max(a.saturating_sub(wait));
+        let begun = self.begun(back + wait + from);
+        let given = self.seen(given, i64::from(back + wait));
+        let (Some(given), Some(answer)) = (given, self.seen(answer, i64::from(back))) else {
+            return Err(self.nested(body, "`G`"));
+        };
+        let pattern = Pattern::Response {
+            trigger: begun.and(negated(&given)).simplify(),
+            answer: answer.simplify(),
+            within: None,
+        };
+        let origin = self.origin.clone();
+        let found = self.monitors.pattern(&pattern, &Scope::Globally, &origin);
+        let parts = found.into_iter().map(|o| o.expr).collect();
+        Ok(Piece::Recurrent(balanced(BinaryOp::And, parts)))
+    }
+
+    /// A formula that a run keeps by a finite beginning: its denial is safety, which breaks some day.
+    fn reached(&mut self, f: F) -> Option<Piece> {
+        let denial = self.formulas.positive(f, true);
+        if !self.formulas.is_safety(denial) {
+            return None;
+        }
+        let mut kept = Vec::new();
+        for part in self.formulas.parts(denial) {
+            let piece = self.piece(part).ok()?;
+            let e = self.past(&piece)?;
+            kept.push(e);
+        }
+        let kept = self.kept(&balanced(BinaryOp::And, kept));
+        Some(Piece::Recurrent(negated(&kept)))
+    }
+
+    /// A formula whose denial is made of parts about the long run: `F (a & X G !b)` denies `G (a -> X F b)`.
+    fn denied(&mut self, f: F) -> Option<Piece> {
+        if self.denying {
+            return None;
+        }
+        self.denying = true;
+        let found = self.denied_once(f);
+        self.denying = false;
+        found
+    }
+
+    fn denied_once(&mut self, f: F) -> Option<Piece> {
+        let denial = self.formulas.positive(f, true);
+        let (mut when, mut then) = (Vec::new(), Vec::new());
+        for part in self.formulas.parts(denial) {
+            match self.piece(part).ok()? {
+                Piece::Recurrent(e) => when.push((f, e)),
+                Piece::Persistent(e) => then.push(negated(&e)),
+                Piece::Pair(..) => return None,
+                safety => {
+                    let e = self.past(&safety)?;
+                    then.push(negated(&self.kept(&e)));
+                }
+            }
+        }
+        Some(match (when.as_slice(), then.as_slice()) {
+            ([(_, e)], []) => Piece::Persistent(negated(e)),
+            _ => long_run(when, then),
+        })
+    }
+
+    /// What a disjunction comes to in the long run.
+    fn disjunction(&mut self, list: &[F]) -> Result<Piece, Refusal> {
+        let (finite, other): (Vec<F>, Vec<F>) = list
+            .iter()
+            .partition(|g| self.formulas.ahead(**g).is_some());
+        let mut all = other;
+        if let Some(first) = finite.first() {
+            let place = self.formulas.place(*first);
+            let joined = self.formulas.or(finite, place);
+            all.push(joined);
+        }
+        let (mut when, mut then) = (Vec::new(), Vec::new());
+        for g in all {
+            match self.piece(g)? {
+                Piece::Recurrent(e) => then.push(e),
+                Piece::Persistent(e) => when.push((g, negated(&e))),
+                Piece::Pair(conditions, e) => {
+                    when.extend(conditions);
+                    then.push(e);
+                }
+                safety => {
+                    if let Some(e) = self.past(&safety) {
+                        then.push(self.kept(&e));
+                    }
+                }
+            }
+        }
+        Ok(long_run(when, then))
+    }
+}
+
+/// If all of the first ones hold again and again, then so does one of the others.
+fn long_run(when: Vec<(F, Expr)>, then: Vec<Expr>) -> Piece {
+    let then = balanced(BinaryOp::Or, then).simplify();
+    if when.is_empty() {
+        Piece::Recurrent(then)
+    } else {
+        Piece::Pair(when, then)
+    }
+}

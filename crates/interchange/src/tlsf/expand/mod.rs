@@ -1,0 +1,244 @@
+//! Expands definitions, big operators and sets: what is left are signals and operators of temporal logic.
+//!
+//! The expansion is bounded in steps, in depth and in the size of what it makes.
+
+mod big;
+mod coerce;
+mod compare;
+mod name;
+mod operator;
+mod pattern;
+mod site;
+
+use super::ast::{Definition, Enumeration, Kind, Tree};
+use super::ltl::{F, Formulas, Op, Place};
+use super::report::Report;
+use super::value::{Bound, Value};
+use crate::names::quoted;
+use linewright_core::diagnostics::{Code, Diagnostic, codes};
+pub(super) use site::{Site, bindings, located};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::rc::Rc;
+
+/// So many expressions are evaluated for one file.
+const MAX_STEPS: u64 = 4_000_000;
+/// Evaluations nest so deep; see [`super::STACK`].
+const MAX_DEPTH: u32 = 4_000;
+/// A set has at most so many elements.
+const MAX_SET: i64 = 1 << 16;
+/// `X[n]` looks at most so far ahead.
+const MAX_AHEAD: i64 = 256;
+
+/// What went wrong has been said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Said;
+
+type Result<T> = std::result::Result<T, Said>;
+
+/// What names stand for, outside of functions.
+#[derive(Debug)]
+pub(super) struct Globals<'f> {
+    pub definitions: BTreeMap<(&'f str, usize), &'f Definition>,
+    pub enumerations: &'f [Enumeration],
+    pub labels: BTreeMap<&'f str, (usize, usize)>,
+    /// Signals that are single, and buses.
+    pub signals: BTreeMap<&'f str, Value>,
+}
+
+pub(super) struct Expander<'f, 'r> {
+    pub globals: Globals<'f>,
+    pub formulas: Formulas,
+    pub report: &'r mut Report,
+    pub sites: Vec<Site>,
+    known: BTreeMap<&'f str, Value>,
+    steps: u64,
+    depth: u32,
+}
+
+type Scope<'a> = Option<&'a Bound<'a>>;
+
+impl<'f, 'r> Expander<'f, 'r> {
+    pub fn new(globals: Globals<'f>, report: &'r mut Report) -> Self {
+        Self {
+            globals,
+            formulas: Formulas::default(),
+            report,
+            sites: vec![Site {
+                range: 0..0,
+                outer: 0,
+                with: String::new(),
+            }],
+            known: BTreeMap::new(),
+            steps: 0,
+            depth: 0,
+        }
+    }
+
+    /// A formula of a section.
+    pub fn formula(&mut self, tree: &'f Tree) -> Result<F> {
+        let value = self.value(tree, None, 0)?;
+        self.as_formula(&value, tree, 0)
+    }
+
+    pub fn number(&mut self, tree: &'f Tree) -> Result<i64> {
+        self.numeric(tree, None, 0)
+    }
+
+    fn fail<T>(
+        &mut self,
+        code: Code,
+        range: &Range<usize>,
+        site: u32,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Result<T> {
+        let finding = Diagnostic::error(code, self.report.span(range), message).with_help(help);
+        let finding = located(finding, site, &self.sites, self.report);
+        self.report.push(finding);
+        Err(Said)
+    }
+
+    fn note(
+        &mut self,
+        code: Code,
+        range: &Range<usize>,
+        site: u32,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let finding = Diagnostic::note(code, self.report.span(range), message).with_help(help);
+        let finding = located(finding, site, &self.sites, self.report);
+        self.report.push(finding);
+    }
+
+    /// The recursion is bounded by [`MAX_DEPTH`].
+    fn value(&mut self, tree: &'f Tree, scope: Scope<'_>, site: u32) -> Result<Value> {
+        self.steps += 1;
+        if self.depth >= MAX_DEPTH {
+            return self.fail(
+                codes::TOO_LARGE,
+                &tree.range,
+                site,
+                format!("calls nest more than {MAX_DEPTH} levels deep here"),
+                "a function that calls itself needs a case in which it does not",
+            );
+        }
+        if self.steps > MAX_STEPS || self.formulas.too_large {
+            return self.fail(
+                codes::TOO_LARGE,
+                &tree.range,
+                site,
+                "the file becomes too large once its definitions are written out",
+                "give the parameters smaller values",
+            );
+        }
+        self.depth += 1;
+        let value = self.inner(tree, scope, site);
+        self.depth -= 1;
+        value
+    }
+
+    fn inner(&mut self, tree: &'f Tree, scope: Scope<'_>, site: u32) -> Result<Value> {
+        let place = Place::new(&tree.range, site);
+        Ok(match &tree.kind {
+            Kind::Number(n) => Value::Number(*n),
+            Kind::Truth(t) => Value::Formula(self.formulas.constant(*t, place)),
+            Kind::Otherwise => Value::Formula(self.formulas.constant(true, place)),
+            Kind::Wild => {
+                return self.fail(
+                    codes::SYNTAX,
+                    &tree.range,
+                    site,
+                    "`_` stands for anything in a pattern, and for nothing elsewhere",
+                    "patterns stand behind `~`",
+                );
+            }
+            Kind::Name(name) => return self.name(name, tree, scope, site),
+            Kind::Call(name, arguments) => return self.call(name, arguments, tree, scope, site),
+            Kind::Element(name, index) => {
+                let found = match Bound::find(scope, name) {
+                    Some(value) => value,
+                    None => self.named(name, tree, site)?,
+                };
+                let Value::Bus(bits) = found else {
+                    return self.fail(
+                        codes::TYPE_MISMATCH,
+                        &tree.range,
+                        site,
+                        format!("`{}` is {}, no bus", quoted(name), found.word()),
+                        "only buses have elements",
+                    );
+                };
+                let index = self.numeric(index, scope, site)?;
+                let Some(bit) = usize::try_from(index).ok().and_then(|i| bits.get(i)) else {
+                    return self.fail(
+                        codes::INDEX_RANGE,
+                        &tree.range,
+                        site,
+                        format!("`{}` has no element {index}", quoted(name)),
+                        format!("its elements are 0 to {}", bits.len() as i64 - 1),
+                    );
+                };
+                Value::Formula(self.formulas.make(Op::Atom(*bit), place))
+            }
+            Kind::Set(elements) => {
+                let mut set = BTreeSet::new();
+                for element in elements {
+                    set.insert(self.value(element, scope, site)?);
+                }
+                Value::Set(Rc::new(set))
+            }
+            Kind::Span(first, second, last) => {
+                let first = self.numeric(first, scope, site)?;
+                let second = self.numeric(second, scope, site)?;
+                let last = self.numeric(last, scope, site)?;
+                let step = second.saturating_sub(first);
+                if step <= 0 {
+                    return self.fail(
+                        codes::DOMAIN_EMPTY,
+                        &tree.range,
+                        site,
+                        "the second number of this set is not larger than the first",
+                        "write `{0,1..n}`: the first two numbers give the step",
+                    );
+                }
+                if last.saturating_sub(first) / step >= MAX_SET {
+                    return self.large_set(tree, site);
+                }
+                let numbers = (0..MAX_SET)
+                    .filter_map(|k| first.checked_add(k.checked_mul(step)?))
+                    .take_while(|n| *n <= last);
+                Value::Set(Rc::new(numbers.map(Value::Number).collect()))
+            }
+            Kind::Unary(op, a) => return self.unary(*op, a, tree, scope, site),
+            Kind::Bounded(op, bound, body) => {
+                return self.bounded(*op, bound, body, tree, scope, site);
+            }
+            Kind::Big(op, ranges, body) => {
+                let mut values = Vec::new();
+                self.rounds(ranges, body, scope, site, &mut values)?;
+                return self.gathered(*op, &values, tree, body, site);
+            }
+            Kind::And(list) | Kind::Or(list) => {
+                let and = matches!(tree.kind, Kind::And(_));
+                let mut parts = Vec::new();
+                for part in list {
+                    let f = self.condition(part, scope, site)?;
+                    // As guards do: what is decided needs no further look, which may be outside a bus.
+                    let decided = self.formulas.truth(f) == Some(!and);
+                    parts.push(f);
+                    if decided {
+                        break;
+                    }
+                }
+                Value::Formula(if and {
+                    self.formulas.and(parts, place)
+                } else {
+                    self.formulas.or(parts, place)
+                })
+            }
+            Kind::Binary(op, a, b) => return self.binary(*op, a, b, tree, scope, site),
+        })
+    }
+}

@@ -1,0 +1,267 @@
+//! Formulas of linear temporal logic, expanded: nodes that know where they were written, how large they are, and how far they look.
+
+use linewright_core::gr1::VarId;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// A formula may have so many operators and operands, written out.
+const MAX_SIZE: u64 = 1 << 16;
+/// Formulas may nest so deep.
+const MAX_DEPTH: u32 = 400;
+/// So many nodes may be made for a file.
+const MAX_NODES: usize = 1 << 21;
+
+/// A node of [`Formulas`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) struct F(u32);
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) enum Op {
+    True,
+    False,
+    Atom(VarId),
+    Not(F),
+    And(Vec<F>),
+    Or(Vec<F>),
+    Implies(F, F),
+    Iff(F, F),
+    Next(F),
+    Globally(F),
+    Finally(F),
+    Until(F, F),
+    Weak(F, F),
+    Release(F, F),
+}
+
+/// Where a formula was written, and in which call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Place {
+    pub start: u32,
+    pub end: u32,
+    /// An index into the sites, 0 for none.
+    pub site: u32,
+}
+
+impl Place {
+    pub fn new(range: &Range<usize>, site: u32) -> Self {
+        Self {
+            start: range.start as u32,
+            end: range.end as u32,
+            site,
+        }
+    }
+
+    pub fn range(self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+}
+
+#[derive(Debug, Clone)]
+struct Node {
+    op: Op,
+    place: Place,
+    size: u64,
+    depth: u32,
+    /// How many steps ahead it looks, if no other temporal operator than `X` is in it.
+    ahead: Option<u32>,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Formulas {
+    nodes: Vec<Node>,
+    /// What [`positive`](Self::positive) has made.
+    pub positives: BTreeMap<(F, bool), F>,
+    /// A bound was passed: what was made since is worth nothing.
+    pub too_large: bool,
+}
+
+impl Formulas {
+    pub fn op(&self, f: F) -> &Op {
+        &self.nodes[f.0 as usize].op
+    }
+
+    pub fn place(&self, f: F) -> Place {
+        self.nodes[f.0 as usize].place
+    }
+
+    /// How many steps ahead it looks, if no other temporal operator than `X` is in it.
+    pub fn ahead(&self, f: F) -> Option<u32> {
+        self.nodes[f.0 as usize].ahead
+    }
+
+    /// Whether it is about one step.
+    pub fn is_state(&self, f: F) -> bool {
+        self.ahead(f) == Some(0)
+    }
+
+    pub fn truth(&self, f: F) -> Option<bool> {
+        match self.op(f) {
+            Op::True => Some(true),
+            Op::False => Some(false),
+            _ => None,
+        }
+    }
+
+    pub fn constant(&mut self, value: bool, place: Place) -> F {
+        self.push(if value { Op::True } else { Op::False }, place)
+    }
+
+    pub fn not(&mut self, a: F) -> F {
+        let place = self.place(a);
+        self.make(Op::Not(a), place)
+    }
+
+    pub fn and(&mut self, list: Vec<F>, place: Place) -> F {
+        self.make(Op::And(list), place)
+    }
+
+    pub fn or(&mut self, list: Vec<F>, place: Place) -> F {
+        self.make(Op::Or(list), place)
+    }
+
+    /// The operands.
+    pub fn children(op: &Op) -> Vec<F> {
+        match op {
+            Op::True | Op::False | Op::Atom(_) => Vec::new(),
+            Op::Not(a) | Op::Next(a) | Op::Globally(a) | Op::Finally(a) => vec![*a],
+            Op::And(list) | Op::Or(list) => list.clone(),
+            Op::Implies(a, b)
+            | Op::Iff(a, b)
+            | Op::Until(a, b)
+            | Op::Weak(a, b)
+            | Op::Release(a, b) => vec![*a, *b],
+        }
+    }
+
+    /// A node, with constants folded and chains joined.
+    pub fn make(&mut self, op: Op, place: Place) -> F {
+        let t = |s: &Self, f: F| s.truth(f);
+        match op {
+            Op::Not(a) => match self.op(a).clone() {
+                Op::True => self.constant(false, place),
+                Op::False => self.constant(true, place),
+                Op::Not(inner) => inner,
+                _ => self.push(Op::Not(a), place),
+            },
+            Op::And(list) => self.chain(list, place, true),
+            Op::Or(list) => self.chain(list, place, false),
+            Op::Implies(a, b) => match (t(self, a), t(self, b)) {
+                (Some(true), _) => b,
+                (Some(false), _) | (_, Some(true)) => self.constant(true, place),
+                (_, Some(false)) => self.make(Op::Not(a), place),
+                _ => self.push(Op::Implies(a, b), place),
+            },
+            Op::Iff(a, b) => match (t(self, a), t(self, b)) {
+                (Some(true), _) => b,
+                (_, Some(true)) => a,
+                (Some(false), _) => self.make(Op::Not(b), place),
+                (_, Some(false)) => self.make(Op::Not(a), place),
+                _ => self.push(Op::Iff(a, b), place),
+            },
+            Op::Next(a) | Op::Globally(a) | Op::Finally(a) if t(self, a).is_some() => a,
+            Op::Globally(a) if matches!(self.op(a), Op::Globally(_)) => a,
+            Op::Finally(a) if matches!(self.op(a), Op::Finally(_)) => a,
+            Op::Until(a, b) => match (t(self, a), t(self, b)) {
+                (Some(false), _) | (_, Some(_)) => b,
+                (Some(true), _) => self.make(Op::Finally(b), place),
+                _ => self.push(Op::Until(a, b), place),
+            },
+            Op::Weak(a, b) => match (t(self, a), t(self, b)) {
+                (Some(false), _) | (_, Some(true)) => b,
+                (Some(true), _) => self.constant(true, place),
+                (_, Some(false)) => self.make(Op::Globally(a), place),
+                _ => self.push(Op::Weak(a, b), place),
+            },
+            Op::Release(a, b) => match (t(self, a), t(self, b)) {
+                (Some(true), _) | (_, Some(_)) => b,
+                (Some(false), _) => self.make(Op::Globally(b), place),
+                _ => self.push(Op::Release(a, b), place),
+            },
+            op => self.push(op, place),
+        }
+    }
+
+    fn chain(&mut self, list: Vec<F>, place: Place, and: bool) -> F {
+        let mut flat = Vec::new();
+        for f in list {
+            match (self.op(f), and) {
+                (Op::And(inner), true) | (Op::Or(inner), false) => {
+                    flat.extend(inner.iter().copied());
+                }
+                (Op::True, true) | (Op::False, false) => {}
+                (Op::False, true) | (Op::True, false) => return f,
+                _ => flat.push(f),
+            }
+            if flat.len() as u64 > MAX_SIZE {
+                self.too_large = true;
+                break;
+            }
+        }
+        match flat.len() {
+            0 => self.constant(and, place),
+            1 => flat[0],
+            _ => self.push(if and { Op::And(flat) } else { Op::Or(flat) }, place),
+        }
+    }
+
+    fn push(&mut self, op: Op, place: Place) -> F {
+        let (mut size, mut depth) = (1_u64, 0);
+        let step = u32::from(matches!(op, Op::Next(_)));
+        let mut ahead = Some(0);
+        for child in Self::children(&op) {
+            let child = &self.nodes[child.0 as usize];
+            size = size.saturating_add(child.size);
+            depth = depth.max(child.depth);
+            ahead = ahead.zip(child.ahead).map(|(a, b)| a.max(b + step));
+        }
+        if matches!(
+            op,
+            Op::Globally(_) | Op::Finally(_) | Op::Until(..) | Op::Weak(..) | Op::Release(..)
+        ) {
+            ahead = None;
+        }
+        let full = size > MAX_SIZE || depth >= MAX_DEPTH || self.nodes.len() >= MAX_NODES;
+        let node = Node {
+            op: if full { Op::True } else { op },
+            place,
+            size: if full { 1 } else { size },
+            depth: if full { 1 } else { depth + 1 },
+            ahead: if full { Some(0) } else { ahead },
+        };
+        self.too_large |= full;
+        // Past the bound one node stands for all: memory is bounded.
+        if self.nodes.len() > MAX_NODES {
+            return F(self.nodes.len() as u32 - 1);
+        }
+        self.nodes.push(node);
+        F(self.nodes.len() as u32 - 1)
+    }
+
+    /// Whether all of its variables are chosen.
+    pub fn all_atoms(&self, f: F, chosen: &dyn Fn(VarId) -> bool) -> bool {
+        match self.op(f) {
+            Op::Atom(v) => chosen(*v),
+            op => Self::children(op)
+                .iter()
+                .all(|g| self.all_atoms(*g, chosen)),
+        }
+    }
+
+    pub(super) fn mapped(&mut self, op: Op, map: &mut dyn FnMut(&mut Self, F) -> F) -> Op {
+        let mut m = |f: F| map(self, f);
+        match op {
+            Op::True | Op::False | Op::Atom(_) => op,
+            Op::Not(a) => Op::Not(m(a)),
+            Op::And(list) => Op::And(list.into_iter().map(m).collect()),
+            Op::Or(list) => Op::Or(list.into_iter().map(m).collect()),
+            Op::Implies(a, b) => Op::Implies(m(a), m(b)),
+            Op::Iff(a, b) => Op::Iff(m(a), m(b)),
+            Op::Next(a) => Op::Next(m(a)),
+            Op::Globally(a) => Op::Globally(m(a)),
+            Op::Finally(a) => Op::Finally(m(a)),
+            Op::Until(a, b) => Op::Until(m(a), m(b)),
+            Op::Weak(a, b) => Op::Weak(m(a), m(b)),
+            Op::Release(a, b) => Op::Release(m(a), m(b)),
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! Promises of the form "if again and again, then again and again": Streett pairs.
+
+use super::classify::Piece;
+use super::ltl::{F, Op};
+use super::meaning::{Found, Meaning, formula};
+use super::refusal::Refusal;
+use linewright_core::gr1::{Expr, Formula};
+
+impl Meaning<'_, '_, '_> {
+    /// What promises of the form "if again and again, then again and again" assume; all have to assume the same.
+    pub(super) fn pairs(
+        &mut self,
+        assert: &[Found],
+        guarantee: &[Found],
+        soft_safety: bool,
+    ) -> Vec<Formula> {
+        let mut first: Option<(&Found, &Vec<(F, Expr)>)> = None;
+        let same = |a: &[(F, Expr)], b: &[(F, Expr)]| {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.1 == b.1)
+        };
+        let mut refusals = Vec::new();
+        for found in assert.iter().chain(guarantee) {
+            match &found.piece {
+                Piece::Persistent(_) => refusals.push(for_ever(self.for_ever_part(found.at))),
+                Piece::Pair(when, _) => match first {
+                    None => first = Some((found, when)),
+                    Some((_, known)) if same(known, when) => {}
+                    Some(_) => refusals.push(pair(found, "another promise has another condition")),
+                },
+                _ => {}
+            }
+        }
+        if let Some((found, _)) = first {
+            let other = assert
+                .iter()
+                .chain(guarantee)
+                .any(|f| matches!(f.piece, Piece::Recurrent(_)));
+            if other {
+                refusals.push(pair(
+                    found,
+                    "other promises of `F` or `G F` have no such condition",
+                ));
+            } else if soft_safety {
+                refusals.push(pair(found, "the promises of safety have no such condition"));
+            }
+        }
+        for refusal in &refusals {
+            self.refuse(refusal);
+        }
+        let Some((found, when)) = first else {
+            return Vec::new();
+        };
+        when.iter().map(|(_, e)| formula(found, e)).collect()
+    }
+
+    /// What is to hold for ever in `F (a & G b)`.
+    fn for_ever_part(&self, at: F) -> F {
+        let formulas = &*self.classifier.formulas;
+        let lasting = |f: &F| matches!(formulas.op(*f), Op::Globally(_));
+        match formulas.op(at) {
+            Op::Finally(a) => match formulas.op(*a) {
+                Op::And(list) => list.iter().copied().find(lasting).unwrap_or(at),
+                _ => at,
+            },
+            _ => at,
+        }
+    }
+}
+
+fn for_ever(at: F) -> Refusal {
+    Refusal {
+        at,
+        why: "`F G` (from some step on for ever) is promised, which is outside GR(1)".to_owned(),
+        help: "let an output say when it begins: `G (settled -> X settled)`, `G (settled -> a)` and `G F settled`".to_owned(),
+    }
+}
+
+fn pair(found: &Found, why: &str) -> Refusal {
+    // `F G a | F G b` is "if not a and not b again and again, then never".
+    if let Piece::Pair(when, Expr::Const(0)) = &found.piece {
+        return for_ever(when.first().map_or(found.at, |w| w.0));
+    }
+    let at = match &found.piece {
+        Piece::Pair(when, _) => when.first().map_or(found.at, |w| w.0),
+        _ => found.at,
+    };
+    Refusal {
+        at,
+        why: format!("a promise depends on this happening again and again, and {why}: a Streett pair beyond GR(1)"),
+        help: "GR(1) is one implication, from all assumptions `G F a` to all promises `G F b`: put the condition under ASSUME, if all may depend on it".to_owned(),
+    }
+}
+
+/// "If again and again c, then" says nothing where c is assumed to happen again and again.
+pub(super) fn under_assumptions(require: &[Found], assume: &[Found], promises: &mut [Found]) {
+    let known: Vec<&Expr> = require
+        .iter()
+        .chain(assume)
+        .filter_map(|f| match &f.piece {
+            Piece::Recurrent(e) => Some(e),
+            _ => None,
+        })
+        .collect();
+    for found in promises {
+        let Piece::Pair(when, then) = &mut found.piece else {
+            continue;
+        };
+        when.retain(|(_, e)| !known.contains(&e));
+        if when.is_empty() {
+            found.piece = Piece::Recurrent(then.clone());
+        }
+    }
+}

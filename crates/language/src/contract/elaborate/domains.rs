@@ -1,0 +1,235 @@
+//! Finite types.
+
+use super::{Elaborator, MAX_DOMAIN, MAX_EXPANSION, nearest};
+use crate::contract::shape::Shape;
+use crate::contract::units::Unit;
+use crate::contract::value::{Term, Type};
+use crate::syntax::ast::{self, ExprKind};
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::{Domain, Time};
+use std::collections::BTreeSet;
+
+/// A variable is made of at most so many scalars.
+const MAX_LEAVES: usize = 1 << 16;
+
+impl<'a> Elaborator<'a> {
+    /// A finite domain without a unit, and the length of the array if it is one.
+    pub fn domain(&mut self, domain: &'a ast::Domain) -> Option<(Domain, Option<usize>)> {
+        let (base, unit, length) = self.measured_domain(domain)?;
+        if let Some(unit) = unit {
+            self.error_with(
+                codes::TYPE_MISMATCH,
+                domain.span,
+                format!(
+                    "whole numbers without a unit are counted here, and these are `{}`",
+                    unit.name()
+                ),
+                "leave the unit out",
+            );
+            return None;
+        }
+        Some((base, length))
+    }
+
+    /// A finite domain, its unit, and the length of the array if it is one.
+    pub fn measured_domain(
+        &mut self,
+        domain: &'a ast::Domain,
+    ) -> Option<(Domain, Option<Unit>, Option<usize>)> {
+        match self.shape(domain)? {
+            Shape::Scalar(base, unit) => Some((base, unit, None)),
+            Shape::Array(of, n) if matches!(*of, Shape::Scalar(..)) => match *of {
+                Shape::Scalar(base, unit) => Some((base, unit, Some(n))),
+                _ => None,
+            },
+            Shape::Array(..) | Shape::Record(_) => {
+                self.error_with(
+                    codes::TYPE_MISMATCH,
+                    domain.span,
+                    "records, and arrays of arrays, stand in contracts only",
+                    "declare each member by itself, or one array with `rows * columns` elements",
+                );
+                None
+            }
+        }
+    }
+
+    /// A finite type, of whatever shape.
+    pub fn shape(&mut self, domain: &'a ast::Domain) -> Option<Shape> {
+        match &domain.kind {
+            ast::DomainKind::Labels(names) => {
+                let mut labels: Vec<String> = Vec::new();
+                for name in names {
+                    if labels.contains(&name.text) {
+                        self.error_with(
+                            codes::NAME_DOUBLE,
+                            name.span,
+                            format!("the label `{}` is there already", name.text),
+                            "leave it out, or give it another name",
+                        );
+                    } else {
+                        labels.push(name.text.clone());
+                    }
+                }
+                Some(Shape::Scalar(Domain::Enum { name: None, labels }, None))
+            }
+            ast::DomainKind::Range(low, high, unit) => {
+                self.range(domain, low, high, unit.as_deref())
+            }
+            ast::DomainKind::Array(length, of) => {
+                let length_value = self.constant_int(length)?;
+                if !(1..=MAX_EXPANSION).contains(&length_value) {
+                    self.error_with(
+                        codes::DOMAIN_EMPTY,
+                        length.span,
+                        format!("an array has 1 to {MAX_EXPANSION} elements, not {length_value}"),
+                        "give the array a length in that range",
+                    );
+                    return None;
+                }
+                let of = self.shape(of)?;
+                let length = length_value as usize;
+                if of.leaves().saturating_mul(length) > MAX_LEAVES {
+                    self.error_with(
+                        codes::DOMAIN_EMPTY,
+                        domain.span,
+                        format!("this is made of more than {MAX_LEAVES} values"),
+                        "use smaller arrays",
+                    );
+                    return None;
+                }
+                Some(Shape::Array(Box::new(of), length))
+            }
+            ast::DomainKind::Record(members) => self.record_shape(members),
+            ast::DomainKind::Named(name) if name.text == "bool" => {
+                Some(Shape::Scalar(Domain::Bool, None))
+            }
+            ast::DomainKind::Named(name) => {
+                if let Some(shape) = self.shapes.get(&name.text) {
+                    return Some(shape.clone());
+                }
+                if self.broken.contains(&name.text) {
+                    self.tainted = true;
+                    return None;
+                }
+                let known: Vec<String> = self
+                    .shapes
+                    .keys()
+                    .cloned()
+                    .chain(["bool".to_owned()])
+                    .collect();
+                let help = if matches!(name.text.as_str(), "int" | "integer" | "real" | "number") {
+                    "a contract's numbers are bounded: write a range such as `0..9`".to_owned()
+                } else {
+                    match nearest(&name.text, known.iter().map(String::as_str)) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None => "declare it with `type`, or import the file that does".to_owned(),
+                    }
+                };
+                self.error_with(
+                    codes::NAME_UNKNOWN,
+                    name.span,
+                    format!("there is no type `{}`", name.text),
+                    help,
+                );
+                None
+            }
+            ast::DomainKind::Unit(unit) => {
+                self.error_with(
+                    codes::TYPE_MISMATCH,
+                    domain.span,
+                    format!("`{unit}` alone is a real number of the plant; a contract counts in whole numbers"),
+                    format!("write a range such as `0..9 {unit}`"),
+                );
+                None
+            }
+        }
+    }
+
+    fn range(
+        &mut self,
+        domain: &ast::Domain,
+        low: &'a ast::Expr,
+        high: &'a ast::Expr,
+        written: Option<&str>,
+    ) -> Option<Shape> {
+        // Of two units the finer one counts.
+        let named = |name: Option<&str>| name.and_then(Unit::named);
+        let unit = match (named(written), named(unit_in(low)), named(unit_in(high))) {
+            (Some(unit), ..) | (None, Some(unit), None) | (None, None, Some(unit)) => Some(unit),
+            (None, Some(a), Some(b)) if b.in_terms_of(a).is_some() => Some(a),
+            (None, _, b) => b,
+        };
+        let (l, h) = (self.bound_of(low, unit), self.bound_of(high, unit));
+        let (low, high) = (l?, h?);
+        if low > high {
+            self.error_with(
+                codes::DOMAIN_EMPTY,
+                domain.span,
+                format!("{low}..{high} is empty"),
+                "write the smaller number first",
+            );
+            return None;
+        }
+        if high.saturating_sub(low) >= MAX_DOMAIN {
+            self.error_with(
+                codes::DOMAIN_EMPTY,
+                domain.span,
+                format!("{low}..{high} has more than {MAX_DOMAIN} values"),
+                "use a coarser abstraction",
+            );
+            return None;
+        }
+        Some(Shape::Scalar(Domain::Range { low, high }, unit))
+    }
+
+    /// An end of a range: a bare number counts in the range's unit.
+    fn bound_of(&mut self, e: &'a ast::Expr, unit: Option<Unit>) -> Option<i64> {
+        let Some(unit) = unit else {
+            return self.constant_int(e);
+        };
+        let (term, ty) = self.any_scalar(e, Some(&Type::Int), Time::Now)?;
+        let term = match (&term, &ty) {
+            (Term::Int(_), Type::Int) => term,
+            (Term::Real(x), Type::Number(d)) if *d == crate::contract::units::Dimension::None => {
+                unit.count(*x * unit.factor()).map(Term::Int)?
+            }
+            _ => self.fitted(e.span, (term, ty), &Type::Measured(unit))?,
+        };
+        if let Term::Int(i) = term {
+            return Some(i);
+        }
+        self.error_with(
+            codes::NOT_CONSTANT,
+            e.span,
+            "this has to be known before the machine runs",
+            "use numbers, constants and parameters only",
+        );
+        None
+    }
+
+    fn record_shape(&mut self, members: &'a [(ast::Name, ast::Domain)]) -> Option<Shape> {
+        let mut seen: BTreeSet<&str> = BTreeSet::new();
+        let mut shapes = Vec::with_capacity(members.len());
+        for (name, domain) in members {
+            if !seen.insert(&name.text) {
+                self.error_with(
+                    codes::NAME_DOUBLE,
+                    name.span,
+                    format!("the record has a member `{}` already", name.text),
+                    "leave it out, or give it another name",
+                );
+            }
+            shapes.push(self.shape(domain).map(|s| (name.text.clone(), s)));
+        }
+        Some(Shape::Record(shapes.into_iter().collect::<Option<_>>()?))
+    }
+}
+
+/// The unit that is written in an expression; the first one, where there are several.
+pub(super) fn unit_in(e: &ast::Expr) -> Option<&str> {
+    match &e.kind {
+        ExprKind::Quantity(_, unit) if !unit.is_empty() => Some(unit),
+        _ => e.children().into_iter().find_map(unit_in),
+    }
+}

@@ -1,0 +1,165 @@
+//! Past operators and counters: a look back becomes an expression over monitors.
+
+use super::Elaborator;
+use crate::contract::value::{Term, Type, Value};
+use crate::syntax::ast::{self, PastOp};
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::monitors::{Monitors, Origin};
+use linewright_core::gr1::{Domain, Expr, Time};
+use linewright_core::source::Span;
+
+/// Looks back over more steps are refused: each one is a value of a monitor.
+const MAX_STEPS: i64 = 1 << 16;
+
+impl<'a> Elaborator<'a> {
+    /// `previous p`, `once p`, `historically p`, with a bound or without.
+    pub(super) fn past(
+        &mut self,
+        span: Span,
+        op: PastOp,
+        body: &'a ast::Expr,
+        bound: Option<&'a ast::Expr>,
+        time: Time,
+    ) -> Option<Value> {
+        let operand = self.state(body, op.word())?;
+        let steps = match bound {
+            Some(bound) => Some(self.steps(bound)?),
+            None => None,
+        };
+        if let (PastOp::Previous, Some(bound)) = (op, bound) {
+            self.error_with(
+                codes::TYPE_MISMATCH,
+                bound.span,
+                "`previous` looks back one step, and has no bound",
+                "write `once P within n steps`, or `historically P within n steps`",
+            );
+            return None;
+        }
+        self.look_back(span, time, |monitors, origin| match (op, steps) {
+            (PastOp::Previous, _) => monitors.previous(&operand, origin),
+            (PastOp::Once, None) => monitors.once(&operand, origin),
+            (PastOp::Once, Some(n)) => monitors.once_within(&operand, n, origin),
+            (PastOp::Historically, None) => monitors.historically(&operand, origin),
+            (PastOp::Historically, Some(n)) => monitors.historically_within(&operand, n, origin),
+        })
+    }
+
+    /// `p since q`
+    pub(super) fn since(
+        &mut self,
+        span: Span,
+        p: &'a ast::Expr,
+        q: &'a ast::Expr,
+        time: Time,
+    ) -> Option<Value> {
+        let (p, q) = (self.state(p, "since"), self.state(q, "since"));
+        let (p, q) = (p?, q?);
+        self.look_back(span, time, |monitors, origin| {
+            monitors.since(&p, &q, origin)
+        })
+    }
+
+    /// A declared counter's value.
+    pub(super) fn counter(&mut self, counter: &'a ast::Counter, time: Time) -> Option<Value> {
+        let name = &counter.name;
+        let (domain, length) = self.domain(&counter.domain)?;
+        let high = match (&domain, length) {
+            (Domain::Range { low: 0, high }, None) if (1..=MAX_STEPS).contains(high) => *high,
+            _ => {
+                self.error_with(
+                    codes::DOMAIN_EMPTY,
+                    counter.domain.span,
+                    format!("a counter counts from 0 up to a number of at most {MAX_STEPS}"),
+                    "write a range such as `0..20`; where it ends the counter stays",
+                );
+                return None;
+            }
+        };
+        let counts = self.state(&counter.counts, "counter");
+        let resets = match &counter.resets {
+            Some(resets) => self.state(resets, "counter"),
+            None => Some(Expr::FALSE),
+        };
+        let (counts, resets) = (counts?, resets?);
+        let text = name.text.clone();
+        let value = self.look_back(name.span, time, |monitors, origin| {
+            let value = monitors.counter(&counts, &resets, high as u32, origin);
+            monitors.call(&value, &text);
+            value
+        })?;
+        Some(match value {
+            Value::Scalar(term, _) => Value::Scalar(term, Type::Int),
+            other => other,
+        })
+    }
+
+    /// A condition on the values of one step, for an operator that looks at other steps itself.
+    pub(in crate::contract) fn state(&mut self, e: &'a ast::Expr, word: &str) -> Option<Expr> {
+        let allowed = std::mem::replace(&mut self.next, false);
+        let speaks = self.looking_back.replace(word.to_owned());
+        let term = self.boolean(e, Time::Now);
+        self.next = allowed;
+        self.looking_back = speaks;
+        let term = term?;
+        self.formula(&term, e.span)
+    }
+
+    /// A number of steps.
+    pub(in crate::contract) fn steps(&mut self, bound: &'a ast::Expr) -> Option<u32> {
+        let steps = self.constant_int(bound)?;
+        if (1..=MAX_STEPS).contains(&steps) {
+            return Some(steps as u32);
+        }
+        self.error_with(
+            codes::NUMBER_RANGE,
+            bound.span,
+            format!("a bound is a number of steps from 1 to {MAX_STEPS}"),
+            "write for instance `within 5 steps`",
+        );
+        None
+    }
+
+    /// Takes note of the domains of monitors that were made since.
+    pub(in crate::contract) fn see_monitors(&mut self) {
+        let Some(monitors) = &self.monitors else {
+            return;
+        };
+        let made = monitors.made();
+        let first = made.first().map_or(0, |m| m.id.index());
+        let seen = self.domains.len().saturating_sub(first).min(made.len());
+        let unseen = made[seen..].iter();
+        self.domains
+            .extend(unseen.map(|m| Some(m.variable.domain.clone())));
+    }
+
+    /// What monitors give, as a value of this step or of the next one.
+    fn look_back(
+        &mut self,
+        span: Span,
+        time: Time,
+        make: impl FnOnce(&mut Monitors, &Origin) -> Expr,
+    ) -> Option<Value> {
+        let Some(monitors) = &mut self.monitors else {
+            self.error_with(
+                codes::PAST,
+                span,
+                "nothing can be remembered here",
+                "past operators, patterns and counters stand in a contract; a machine or line sees the outputs of its contracts",
+            );
+            return None;
+        };
+        let origin = Origin {
+            span,
+            ..self.origin.clone()
+        };
+        let now = make(monitors, &origin);
+        let value = match time {
+            Time::Now => now,
+            Time::Next => monitors.one_step_later(&now),
+        };
+        self.see_monitors();
+        let term = Term::from_expr(&value);
+        self.spend(span, term.size())?;
+        Some(Value::Scalar(term, Type::Bool))
+    }
+}

@@ -1,0 +1,193 @@
+//! Defines: names for expressions, with parameters or without.
+//!
+//! A define means the same wherever it is used. So it sees its own parameters and what stands around it, never what is quantified
+//! where it is called; and one that stands outside of all contracts sees nothing of the contract that calls it.
+
+use super::{Elaborator, Entry};
+use crate::contract::value::{Term, Type, Value};
+use crate::syntax::ast;
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::{Expr, Time};
+use linewright_core::source::Span;
+
+impl<'a> Elaborator<'a> {
+    /// The value of a define without parameters.
+    pub(super) fn defined(
+        &mut self,
+        span: Span,
+        define: &'a ast::Define,
+        expected: Option<&Type>,
+        time: Time,
+    ) -> Option<Value> {
+        if let Some(first) = define.formals.first() {
+            let names: Vec<&str> = define
+                .formals
+                .iter()
+                .map(|f| f.name.text.as_str())
+                .collect();
+            self.error_with(
+                codes::ARGUMENT,
+                span,
+                format!(
+                    "`{}` needs a value for `{}`",
+                    define.name.text, first.name.text
+                ),
+                format!("write `{}({})`", define.name.text, names.join(", ")),
+            );
+            return None;
+        }
+        self.expanded(span, define, Vec::new(), expected, time)
+    }
+
+    /// The value of a define with parameters.
+    pub(super) fn predicate(
+        &mut self,
+        span: Span,
+        name: &ast::Name,
+        arguments: &'a [ast::Expr],
+        expected: Option<&Type>,
+        time: Time,
+    ) -> Option<Value> {
+        let define = self.defines.get(&name.text).copied()?;
+        let formals = &define.formals;
+        if formals.len() != arguments.len() {
+            let names: Vec<&str> = formals.iter().map(|f| f.name.text.as_str()).collect();
+            let help = if names.is_empty() {
+                format!("write `{}`", name.text)
+            } else {
+                format!("write `{}({})`", name.text, names.join(", "))
+            };
+            self.error_with(
+                codes::ARGUMENT,
+                span,
+                format!(
+                    "`{}` takes {}, not {}",
+                    name.text,
+                    counted(formals.len()),
+                    arguments.len()
+                ),
+                help,
+            );
+            return None;
+        }
+        let mut values = Vec::with_capacity(arguments.len());
+        for (formal, argument) in formals.iter().zip(arguments) {
+            values.push(self.argument(formal, argument, time));
+        }
+        let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+        self.expanded(span, define, values, expected, time)
+    }
+
+    /// An argument, of the type of its parameter where that has one. It is a value of this step: under `next` all of the define
+    /// is taken one step on.
+    fn argument(
+        &mut self,
+        formal: &'a ast::Formal,
+        argument: &'a ast::Expr,
+        time: Time,
+    ) -> Option<Value> {
+        let wanted = match &formal.domain {
+            Some(domain) => Some(self.shape(domain)?.ty()),
+            None => None,
+        };
+        let value = self.value(argument, wanted.as_ref(), Time::Now)?;
+        if time == Time::Next {
+            self.later(argument.span, value.clone())?;
+        }
+        match wanted {
+            Some(ty) => self.fitted_value(argument.span, value, &ty),
+            None => Some(value),
+        }
+    }
+
+    fn expanded(
+        &mut self,
+        span: Span,
+        define: &'a ast::Define,
+        values: Vec<Value>,
+        expected: Option<&Type>,
+        time: Time,
+    ) -> Option<Value> {
+        let name = &define.name.text;
+        if self.defining.contains(name) {
+            self.error_with(
+                codes::NAME_DOUBLE,
+                span,
+                format!("`{name}` is defined by itself"),
+                "break the circle; a value that depends on itself needs an internal variable and `next`",
+            );
+            return None;
+        }
+        self.defining.push(name.clone());
+        let outer = self
+            .outside
+            .defines
+            .get(name)
+            .is_some_and(|d| std::ptr::eq(*d, define));
+        let body = |e: &mut Self| {
+            let names = define.formals.iter().map(|f| f.name.text.clone());
+            for (name, value) in names.zip(values) {
+                let hidden = e.constants.insert(name.clone(), value);
+                e.bound.push((name, hidden));
+            }
+            let value = e.value(&define.value, expected, time);
+            for _ in &define.formals {
+                if let Some((name, hidden)) = e.bound.pop() {
+                    e.replace_constant(name, hidden);
+                }
+            }
+            value
+        };
+        let value = self.unbound(|e| if outer { e.outside(body) } else { body(e) });
+        self.defining.pop();
+        value
+    }
+
+    /// A bound value, one step later.
+    pub(super) fn later(&mut self, span: Span, value: Value) -> Option<Value> {
+        let mut twice = false;
+        let monitors = self.monitors.as_ref();
+        let value = value.map(&mut |term, ty| {
+            if !term.is_variable() {
+                return Some((term, ty));
+            }
+            let expr = term.to_expr()?;
+            twice |= expr.mentions_next();
+            if twice {
+                return Some((term, ty));
+            }
+            let next = match monitors {
+                Some(monitors) => monitors.one_step_later(&expr),
+                None => expr.substitute(&mut |v, _| Expr::next(v)),
+            };
+            Some((Term::from_expr(&next), ty))
+        });
+        if twice {
+            self.error_with(
+                codes::NEXT_NESTED,
+                span,
+                "`next` stands within `next`",
+                "GR(1) looks one step ahead; hold the value in an internal variable to look further",
+            );
+            return None;
+        }
+        value
+    }
+
+    /// The values of an array's indices, if the name is that of an array.
+    pub(super) fn indices(&self, name: &str) -> Option<usize> {
+        match (self.constants.get(name), self.variables.get(name)) {
+            (Some(Value::Array(values)), _) => Some(values.len()),
+            (None, Some(Entry::Many(list))) => Some(list.len()),
+            _ => None,
+        }
+    }
+}
+
+fn counted(values: usize) -> String {
+    match values {
+        0 => "no value".to_owned(),
+        1 => "1 value".to_owned(),
+        n => format!("{n} values"),
+    }
+}

@@ -1,0 +1,154 @@
+//! Records, and arrays of what is no scalar: members, literals, choices.
+
+use super::{Elaborator, comparable, nearest};
+use crate::contract::shape::Entry;
+use crate::contract::value::{Term, Type, Value};
+use crate::syntax::ast;
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::Time;
+use linewright_core::source::Span;
+
+impl<'a> Elaborator<'a> {
+    /// A variable's value, of whatever shape.
+    pub(super) fn entry(&self, entry: &Entry, time: Time) -> Value {
+        match entry {
+            Entry::One(id) => self.variable(*id, time),
+            Entry::Many(list) => Value::Array(list.iter().map(|e| self.entry(e, time)).collect()),
+            Entry::Record(members) => Value::Record(
+                members
+                    .iter()
+                    .map(|(name, e)| (name.clone(), self.entry(e, time)))
+                    .collect(),
+            ),
+        }
+    }
+
+    /// A member of a record.
+    pub(super) fn member(&mut self, span: Span, value: Value, name: &ast::Name) -> Option<Value> {
+        let Value::Record(members) = value else {
+            self.error_with(
+                codes::TYPE_MISMATCH,
+                span,
+                format!("this is {}, and has no members", value.ty().describe()),
+                "leave the member out, or declare it as `record {...}`",
+            );
+            return None;
+        };
+        let known: Vec<String> = members.iter().map(|(n, _)| n.clone()).collect();
+        let found = members.into_iter().find(|(n, _)| *n == name.text);
+        if found.is_none() {
+            let help = match nearest(&name.text, known.iter().map(String::as_str)) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("its members are {}", known.join(", ")),
+            };
+            self.error_with(
+                codes::NAME_UNKNOWN,
+                name.span,
+                format!("the record has no member `{}`", name.text),
+                help,
+            );
+        }
+        found.map(|(_, v)| v)
+    }
+
+    /// `{x = 0, y = 1}`: in the order of the expected type, where there is one.
+    pub(super) fn record(
+        &mut self,
+        span: Span,
+        members: &'a [ast::Argument],
+        expected: Option<&Type>,
+        time: Time,
+    ) -> Option<Value> {
+        let types = match expected {
+            Some(Type::Record(types)) => types.as_slice(),
+            _ => &[],
+        };
+        let mut values: Vec<(String, Value)> = Vec::with_capacity(members.len());
+        let mut complete = true;
+        for member in members {
+            let name = &member.name;
+            if values.iter().any(|(n, _)| *n == name.text) {
+                self.error_with(
+                    codes::NAME_DOUBLE,
+                    name.span,
+                    format!("the member `{}` stands here twice", name.text),
+                    "leave one of the two out",
+                );
+                complete = false;
+                continue;
+            }
+            let ty = types.iter().find(|(n, _)| *n == name.text).map(|(_, t)| t);
+            if ty.is_none() && !types.is_empty() {
+                let known: Vec<&str> = types.iter().map(|(n, _)| n.as_str()).collect();
+                self.error_with(
+                    codes::NAME_UNKNOWN,
+                    name.span,
+                    format!("the record has no member `{}`", name.text),
+                    match nearest(&name.text, known.iter().copied()) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None => format!("its members are {}", known.join(", ")),
+                    },
+                );
+                complete = false;
+            }
+            match self.value(&member.value, ty, time) {
+                Some(value) => values.push((name.text.clone(), value)),
+                None => complete = false,
+            }
+        }
+        for (name, _) in types {
+            if !members.iter().any(|m| m.name.text == *name) {
+                self.error_with(
+                    codes::ARGUMENT,
+                    span,
+                    format!("the member `{name}` has no value"),
+                    format!("add `{name} = ...`"),
+                );
+                complete = false;
+            }
+        }
+        let place = |name: &str| types.iter().position(|(n, _)| n == name);
+        values.sort_by_key(|(name, _)| place(name));
+        complete.then_some(Value::Record(values))
+    }
+
+    /// `if c then a else b` for values of whatever shape.
+    pub(super) fn choose(
+        &mut self,
+        condition: &Term,
+        (a, a_span): (Value, Span),
+        (b, b_span): (Value, Span),
+    ) -> Option<Value> {
+        match (a, b) {
+            (Value::Scalar(l, lt), Value::Scalar(r, rt)) if comparable(&lt, &rt) => {
+                self.spend(a_span, condition.size())?;
+                let (l, r, ty) = if lt.is_numeric() && !self.real {
+                    self.aligned(b_span, (l, lt), (r, rt))?
+                } else {
+                    let ty = if lt == Type::Int { rt } else { lt };
+                    (l, r, ty)
+                };
+                Some(Value::Scalar(Term::choose(condition.clone(), l, r), ty))
+            }
+            (Value::Array(l), Value::Array(r)) if l.len() == r.len() => {
+                let pairs = l.into_iter().zip(r);
+                let chosen = pairs.map(|(l, r)| self.choose(condition, (l, a_span), (r, b_span)));
+                Some(Value::Array(chosen.collect::<Option<_>>()?))
+            }
+            (Value::Record(l), Value::Record(r))
+                if l.len() == r.len() && l.iter().zip(&r).all(|((a, _), (b, _))| a == b) =>
+            {
+                let pairs = l.into_iter().zip(r);
+                let chosen = pairs.map(|((name, l), (_, r))| {
+                    let value = self.choose(condition, (l, a_span), (r, b_span))?;
+                    Some((name, value))
+                });
+                Some(Value::Record(chosen.collect::<Option<_>>()?))
+            }
+            (l, r) => {
+                self.mismatch(b_span, &l.ty().describe(), &r.ty());
+                None
+            }
+        }
+    }
+}

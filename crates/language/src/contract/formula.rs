@@ -1,0 +1,339 @@
+//! Which part of a GR(1) specification a formula is.
+//!
+//! Conjunctions are pulled apart, also under `always` (`G (p & G F q)` is `G p & G F q`), `forall` over temporal formulas is
+//! written out, repeated operators are dropped. Patterns and responses (`always (p -> eventually q)`) become monitors and formulas
+//! about them. What is then not an initial condition, `always P` or `always eventually P` is refused ([`refusal`]), pointing at the
+//! smallest formula that cannot be taken, and saying the same in GR(1) where that can be done ([`ltl`], [`forms`]).
+
+mod control;
+mod forms;
+mod ltl;
+mod refusal;
+
+use super::elaborate::Elaborator;
+use super::patterns;
+use super::value::Value;
+use crate::syntax::ast::{self, BinaryOp, ExprKind, Quantifier};
+use linewright_core::gr1::monitors::{Kind, Obligation, Origin};
+use linewright_core::gr1::{Side, Time, Variable};
+use linewright_core::source::{SourceMap, Span};
+use refusal::Around;
+
+/// What a formula's parts are called in reports.
+pub(super) struct Label<'t> {
+    pub name: String,
+    pub requirement: Option<String>,
+    pub guarantee: bool,
+    pub sources: &'t SourceMap,
+    pub variables: &'t [Variable],
+}
+
+/// Where a formula stands with respect to temporal operators.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Top,
+    Always,
+    Justice,
+}
+
+/// Where a formula stands.
+#[derive(Clone)]
+struct At<'a> {
+    place: Place,
+    /// The values of the quantifiers around it, for its text.
+    instance: String,
+    /// These quantifiers.
+    around: Vec<Around<'a>>,
+}
+
+impl At<'_> {
+    fn under(&self, place: Place) -> Self {
+        Self {
+            place,
+            ..self.clone()
+        }
+    }
+}
+
+/// A formula as a rule: with the operators that it stands under.
+fn whole(formula: &ast::Expr, place: Place) -> ast::Expr {
+    let under = |kind: fn(Box<ast::Expr>) -> ExprKind, inner: ast::Expr| ast::Expr {
+        span: inner.span,
+        kind: kind(Box::new(inner)),
+    };
+    match place {
+        Place::Top => formula.clone(),
+        Place::Always => under(ExprKind::Always, formula.clone()),
+        Place::Justice => under(
+            ExprKind::Always,
+            under(ExprKind::Eventually, formula.clone()),
+        ),
+    }
+}
+
+/// Adds the parts of a formula to a side.
+pub(super) fn classify<'a>(
+    e: &mut Elaborator<'a>,
+    formula: &'a ast::Expr,
+    label: &Label<'_>,
+    side: &mut Side,
+) {
+    e.origin = Origin {
+        name: label.name.clone(),
+        requirement: label.requirement.clone(),
+        span: formula.span,
+        text: label.text(formula.span),
+    };
+    let at = At {
+        place: Place::Top,
+        instance: String::new(),
+        around: Vec::new(),
+    };
+    visit(e, formula, &at, label, side);
+}
+
+impl Label<'_> {
+    /// What stands in the file, in one line.
+    fn text(&self, span: Span) -> String {
+        one_line(self.sources.text(span))
+    }
+}
+
+/// The words of a formula in one line, without comments: one that ends with its line would take what follows for its own. Formulas
+/// hold no texts in quotes.
+pub(super) fn one_line(text: &str) -> String {
+    let mut words = String::new();
+    let mut rest = text;
+    while let Some(start) = rest.find("//").into_iter().chain(rest.find("/*")).min() {
+        words.push_str(&rest[..start]);
+        words.push(' ');
+        let comment = &rest[start..];
+        let end = if comment.starts_with("//") {
+            comment.find(['\n', '\r'])
+        } else {
+            comment[2..].find("*/").map(|end| end + 4)
+        };
+        rest = end.map_or("", |end| &comment[end..]);
+    }
+    words.push_str(rest);
+    let words: Vec<&str> = words.split_whitespace().collect();
+    words.join(" ")
+}
+
+/// Adds what a formula says; whether its shape has a place in GR(1). One that has none is refused for all values of its quantifiers alike.
+fn visit<'a>(
+    e: &mut Elaborator<'a>,
+    formula: &'a ast::Expr,
+    at: &At<'a>,
+    label: &Label<'_>,
+    side: &mut Side,
+) -> bool {
+    let place = at.place;
+    if !temporal(formula) {
+        return leaf(e, formula, at, label, side);
+    }
+    match (&formula.kind, place) {
+        (ExprKind::Binary(BinaryOp::And, a, b), Place::Top | Place::Always) => {
+            let first = visit(e, a, at, label, side);
+            visit(e, b, at, label, side) && first
+        }
+        (ExprKind::Always(inner), Place::Top | Place::Always) => {
+            visit(e, inner, &at.under(Place::Always), label, side)
+        }
+        (ExprKind::Pattern(pattern), Place::Top) => {
+            let origin = origin(formula, at, label);
+            let obligations = patterns::lower(e, pattern, &origin);
+            promise(e, obligations, (formula, place), &origin, label, side);
+            true
+        }
+        (ExprKind::Eventually(inner), Place::Top) if !temporal(inner) => {
+            let origin = origin(formula, at, label);
+            let obligations = patterns::promised(e, None, inner, &origin);
+            promise(e, obligations, (formula, place), &origin, label, side);
+            true
+        }
+        (ExprKind::Binary(BinaryOp::Implies, p, q), Place::Always)
+            if !temporal(p)
+                && matches!(&q.kind, ExprKind::Eventually(inner) if !temporal(inner)) =>
+        {
+            if let ExprKind::Eventually(q) = &q.kind {
+                let origin = origin(formula, at, label);
+                let obligations = patterns::promised(e, Some(p), q, &origin);
+                promise(e, obligations, (formula, place), &origin, label, side);
+            }
+            true
+        }
+        (ExprKind::Eventually(inner), Place::Always | Place::Justice) if !matches!(&inner.kind, ExprKind::Always(x) if !matches!(x.kind, ExprKind::Eventually(_))) => {
+            visit(e, inner, &at.under(Place::Justice), label, side)
+        }
+        // `G F G F p` is `G F p`.
+        (ExprKind::Always(inner), Place::Justice)
+            if matches!(inner.kind, ExprKind::Eventually(_)) =>
+        {
+            visit(e, inner, at, label, side)
+        }
+        (
+            ExprKind::Quantifier(Quantifier::Forall, name, domain, body),
+            Place::Top | Place::Always,
+        ) => {
+            let Some(values) = e.quantified(domain) else {
+                return true;
+            };
+            for value in values {
+                let shown = match &value {
+                    Value::Scalar(super::value::Term::Int(i), _) => i.to_string(),
+                    _ => String::new(),
+                };
+                let mut at = at.clone();
+                at.instance = format!("{} [{} = {shown}]", at.instance, name.text);
+                at.around.push((name, domain));
+                if !e.with_bound(&name.text, value, |e| visit(e, body, &at, label, side)) {
+                    return false;
+                }
+            }
+            true
+        }
+        _ => {
+            let finding = refusal::refusal(e, formula, place, &at.around, label);
+            e.findings.push(finding);
+            false
+        }
+    }
+}
+
+/// Whether `always`, `eventually`, `until` or a pattern occurs.
+fn temporal(e: &ast::Expr) -> bool {
+    is_temporal(e) || e.children().into_iter().any(temporal)
+}
+
+fn is_temporal(e: &ast::Expr) -> bool {
+    matches!(
+        e.kind,
+        ExprKind::Always(_) | ExprKind::Eventually(_) | ExprKind::Pattern(_) | ExprKind::Until(..)
+    )
+}
+
+/// Whether `next` is written in it, of whatever.
+fn speaks_of_next(e: &ast::Expr) -> bool {
+    let mut open = vec![e];
+    while let Some(e) = open.pop() {
+        if matches!(e.kind, ExprKind::Next(_)) {
+            return true;
+        }
+        open.extend(e.children());
+    }
+    false
+}
+
+/// The outermost temporal operator within.
+fn smallest(e: &ast::Expr) -> &ast::Expr {
+    if is_temporal(e) {
+        return e;
+    }
+    let mut children = e.children().into_iter();
+    children.find(|c| temporal(c)).map_or(e, smallest)
+}
+
+fn leaf<'a>(
+    e: &mut Elaborator<'a>,
+    formula: &'a ast::Expr,
+    at: &At<'a>,
+    label: &Label<'_>,
+    side: &mut Side,
+) -> bool {
+    let place = at.place;
+    let Some(term) = e.boolean(formula, Time::Now) else {
+        return true;
+    };
+    let Some(expr) = e.formula(&term, formula.span) else {
+        return true;
+    };
+    // `always (next true -> P)` holds in every step that another one follows: a transition, and no invariant.
+    let primed = expr.mentions_next() || place == Place::Always && speaks_of_next(formula);
+    if place == Place::Top && primed {
+        let finding = refusal::without_always(e, formula, &at.around, label);
+        e.findings.push(finding);
+        return false;
+    }
+    let (kind, temporal) = match place {
+        Place::Top => (Kind::Initial, ""),
+        Place::Always if primed => (Kind::Safety, "always "),
+        Place::Always => (Kind::Invariant, "always "),
+        Place::Justice => (Kind::Justice, "always eventually "),
+    };
+    let origin = Origin {
+        text: format!("{temporal}{}{}", label.text(formula.span), at.instance),
+        ..origin(formula, at, label)
+    };
+    let obligation = Obligation { kind, expr };
+    promise(
+        e,
+        Some(vec![obligation]),
+        (formula, place),
+        &origin,
+        label,
+        side,
+    );
+    true
+}
+
+/// The name, place and text of a formula.
+fn origin(formula: &ast::Expr, at: &At<'_>, label: &Label<'_>) -> Origin {
+    Origin {
+        name: label.name.clone(),
+        requirement: label.requirement.clone(),
+        span: formula.span,
+        text: format!("{}{}", label.text(formula.span), at.instance),
+    }
+}
+
+/// Adds formulas to a side, if it controls what they constrain. An assumption about monitors is first taken apart.
+fn promise(
+    e: &mut Elaborator<'_>,
+    obligations: Option<Vec<Obligation>>,
+    (formula, place): (&ast::Expr, Place),
+    origin: &Origin,
+    label: &Label<'_>,
+    side: &mut Side,
+) {
+    for obligation in obligations.unwrap_or_default() {
+        let parts = match &e.monitors {
+            Some(monitors) if !label.guarantee && monitors.occur_in(&obligation.expr) => {
+                monitors.assumed(&obligation)
+            }
+            _ => vec![obligation],
+        };
+        let looks_back = parts.len() > 1;
+        for part in parts {
+            // What was taken apart is told of as one.
+            if !control::controls(e, (formula, place), &part, looks_back, label) {
+                return;
+            }
+            part.add_to(side, origin);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_line;
+
+    #[test]
+    fn a_text_in_one_line_has_no_comments() {
+        for (text, wanted) in [
+            ("a -> b", "a -> b"),
+            ("(a\n    -> b)\tand  c", "(a -> b) and c"),
+            ("a // not ) b\n or b", "a or b"),
+            ("a // all\r\nor b // (", "a or b"),
+            ("a /* ( // */ or /**/ b", "a or b"),
+            ("a/*)*/or/*(*/b", "a or b"),
+            ("a or /* never closed", "a or"),
+            ("x / 2 * y / z", "x / 2 * y / z"),
+            ("x // /* y\n * 2", "x * 2"),
+            ("x /*/ y */ * 2", "x * 2"),
+            ("", ""),
+        ] {
+            assert_eq!(one_line(text), wanted, "{text}");
+        }
+    }
+}

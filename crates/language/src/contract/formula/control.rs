@@ -1,0 +1,238 @@
+//! LW202: a formula that constrains what its side does not control, pointed at where it does.
+
+use super::{Label, Place};
+use crate::contract::elaborate::Elaborator;
+use crate::contract::shape::way;
+use crate::syntax::ast::{self, BinaryOp, ExprKind};
+use crate::syntax::format;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::monitors::{Kind, Obligation};
+use linewright_core::gr1::{Expr, Owner, Time, VarId};
+use linewright_core::source::Span;
+
+/// Whether the formula constrains what its side controls; reports it otherwise.
+pub(super) fn controls(
+    e: &mut Elaborator<'_>,
+    (formula, place): (&ast::Expr, Place),
+    obligation: &Obligation,
+    looks_back: bool,
+    label: &Label<'_>,
+) -> bool {
+    let Obligation { kind, expr } = obligation;
+    let kind = *kind;
+    if label.guarantee {
+        if !speaks_of_outputs(e, expr, label)
+            && kind != Kind::Justice
+            && !matches!(expr, Expr::Const(_))
+        {
+            let finding = inputs_only(e, &super::whole(formula, place), expr, label);
+            e.findings.push(finding);
+        }
+        return true;
+    }
+    let (now, next) = outputs(expr, label);
+    let (bad, time) = match kind {
+        Kind::Safety if looks_back => (next, Time::Next),
+        Kind::Justice => return true,
+        _ if looks_back && now.is_empty() => (next, Time::Next),
+        _ if looks_back => (now, Time::Now),
+        Kind::Initial | Kind::Invariant => (now, Time::Now),
+        Kind::Safety => (next, Time::Next),
+    };
+    let Some(first) = bad.first().cloned() else {
+        return true;
+    };
+    let whole = &super::whole(formula, place);
+    let text = format::expression(whole);
+    let help = match kind {
+        _ if looks_back => format!(
+            "the plant gives its inputs before it sees `{first}` of the same step; speak of `previous {first}`, or write `guarantee {text}` if the machine is to see to it"
+        ),
+        Kind::Initial => {
+            format!(
+                "an initial assumption speaks of inputs only; write `guarantee {text}` to say how the machine starts"
+            )
+        }
+        Kind::Safety => format!(
+            "the plant chooses its next inputs without seeing `next {first}`; speak of `{first}` in the step before, or write `guarantee {text}` if the machine is to see to it"
+        ),
+        _ => format!(
+            "write `guarantee {text}` if the machine is to see to it; what the plant does after it has seen `{first}` is `assume always ({first} ... -> next input ...)`"
+        ),
+    };
+    let span = atom(e, whole, &bad, time).unwrap_or(whole.span);
+    let message = format!(
+        "this assumption constrains {}, which the machine chooses",
+        listed(&bad)
+    );
+    let finding = Diagnostic::error(codes::NOT_CONTROLLED, span, message).with_help(help);
+    e.findings.push(finding);
+    false
+}
+
+/// The warning about a guarantee without an output: it can only be kept if the plant happens to.
+fn inputs_only(
+    e: &Elaborator<'_>,
+    whole: &ast::Expr,
+    expr: &Expr,
+    label: &Label<'_>,
+) -> Diagnostic {
+    let mut names: Vec<String> = Vec::new();
+    expr.for_each_var(&mut |v, _| {
+        if let Some(variable) = label.variables.get(v.index()) {
+            add(&mut names, way(&variable.name).0);
+        }
+    });
+    // What stands behind the last arrow is what is demanded.
+    let mut demanded = whole;
+    loop {
+        demanded = match &demanded.kind {
+            ExprKind::Always(a) | ExprKind::Eventually(a) => a,
+            ExprKind::Binary(BinaryOp::Implies, _, b) => b,
+            _ => break,
+        };
+    }
+    let span = atom(e, demanded, &names, Time::Now)
+        .filter(|_| !names.is_empty())
+        .unwrap_or(demanded.span);
+    let message = if names.is_empty() {
+        "this guarantee speaks of inputs only, which the machine does not control".to_owned()
+    } else {
+        format!(
+            "this guarantee speaks of inputs only: {}, which the machine does not control",
+            listed(&names)
+        )
+    };
+    let text = format::expression(whole);
+    Diagnostic::warning(codes::NOT_CONTROLLED, span, message).with_help(format!(
+        "if the plant promises it, write `assume {text}`; if the machine is to do something, name an output"
+    ))
+}
+
+fn listed(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
+    match quoted.as_slice() {
+        [most @ .., last] if !most.is_empty() => format!("{} and {last}", most.join(", ")),
+        other => other.concat(),
+    }
+}
+
+fn add(names: &mut Vec<String>, name: &str) {
+    if !names.iter().any(|n| n == name) {
+        names.push(name.to_owned());
+    }
+}
+
+/// The outputs whose current values, and those whose next values occur.
+fn outputs(expr: &Expr, label: &Label<'_>) -> (Vec<String>, Vec<String>) {
+    let (mut now, mut next) = (Vec::new(), Vec::new());
+    expr.for_each_var(&mut |v, time| {
+        if let Some(variable) = label.variables.get(v.index())
+            && variable.owner == Owner::System
+        {
+            let list = if time == Time::Next {
+                &mut next
+            } else {
+                &mut now
+            };
+            add(list, &variable.name);
+        }
+    });
+    (now, next)
+}
+
+/// The first condition without connectives that mentions one of these variables; with [`Time::Next`], its next value.
+fn atom(e: &Elaborator<'_>, formula: &ast::Expr, names: &[String], time: Time) -> Option<Span> {
+    let bases: Vec<&str> = names.iter().map(|n| way(n).0).collect();
+    find(e, formula, &bases, time == Time::Now)
+}
+
+/// `reached`: whether what stands here counts, because it is of the wanted step.
+fn find(e: &Elaborator<'_>, formula: &ast::Expr, bases: &[&str], reached: bool) -> Option<Span> {
+    let logic = match &formula.kind {
+        ExprKind::Next(a) if connects(a) => return find(e, a, bases, true),
+        _ => connects(formula),
+    };
+    if logic {
+        let mut children = formula.children().into_iter();
+        return children.find_map(|c| find(e, c, bases, reached));
+    }
+    mentions(e, formula, bases, reached, 0).then_some(formula.span)
+}
+
+fn connects(e: &ast::Expr) -> bool {
+    use BinaryOp::{And, Iff, Implies, Or, Xor};
+    matches!(
+        e.kind,
+        ExprKind::Not(_)
+            | ExprKind::Binary(And | Or | Implies | Iff | Xor, ..)
+            | ExprKind::If(..)
+            | ExprKind::Quantifier(..)
+            | ExprKind::Always(_)
+            | ExprKind::Eventually(_)
+            | ExprKind::Past(..)
+            | ExprKind::Since(..)
+            | ExprKind::Pattern(_)
+    )
+}
+
+fn mentions(
+    e: &Elaborator<'_>,
+    formula: &ast::Expr,
+    bases: &[&str],
+    reached: bool,
+    depth: usize,
+) -> bool {
+    let here = match &formula.kind {
+        ExprKind::Next(a) => return mentions(e, a, bases, true, depth),
+        ExprKind::Path(names) => Some(&names[0]),
+        ExprKind::Call(name, _) => Some(name),
+        _ => None,
+    };
+    if let Some(name) = here {
+        if reached && bases.contains(&name.text.as_str()) {
+            return true;
+        }
+        // Circles of defines were reported; none is followed for long.
+        if depth < 16
+            && let Some(define) = e.defines.get(&name.text)
+            && mentions(e, &define.value, bases, reached, depth + 1)
+        {
+            return true;
+        }
+        if depth < 16
+            && let Some(counter) = e.counters.get(&name.text)
+            && std::iter::once(&counter.counts)
+                .chain(&counter.resets)
+                .any(|c| mentions(e, c, bases, reached, depth + 1))
+        {
+            return true;
+        }
+    }
+    let mut children = formula.children().into_iter();
+    children.any(|c| mentions(e, c, bases, reached, depth))
+}
+
+/// Whether an output occurs, be it in what a monitor follows.
+fn speaks_of_outputs(e: &Elaborator<'_>, expr: &Expr, label: &Label<'_>) -> bool {
+    let mut found = false;
+    let mut seen: Vec<VarId> = Vec::new();
+    let mut open = Vec::new();
+    let visit = |expr: &Expr, open: &mut Vec<VarId>, found: &mut bool| {
+        expr.for_each_var(&mut |v, _| match label.variables.get(v.index()) {
+            Some(variable) => *found |= variable.owner == Owner::System,
+            None => open.push(v),
+        });
+    };
+    visit(expr, &mut open, &mut found);
+    while let Some(v) = open.pop() {
+        let monitor = e.monitors.as_ref().and_then(|m| m.get(v));
+        if let Some(monitor) = monitor
+            && !seen.contains(&v)
+        {
+            seen.push(v);
+            visit(&monitor.update, &mut open, &mut found);
+        }
+    }
+    found
+}

@@ -1,0 +1,252 @@
+//! LW201: which part of a formula stands outside GR(1), why, and how to write it within.
+
+use super::forms::{self, Form};
+use super::ltl::make;
+use super::{Label, Place, smallest, speaks_of_next, temporal};
+use crate::contract::elaborate::Elaborator;
+use crate::contract::shape::Entry;
+use crate::syntax::ast::{BinaryOp, Domain, Expr, ExprKind, Name, Quantifier, UntilOp};
+use crate::syntax::format;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::Owner;
+use linewright_core::source::Span;
+
+/// A quantifier that a formula stands under.
+pub(super) type Around<'a> = (&'a Name, &'a Domain);
+
+/// The finding about a formula that is none of GR(1) in its place.
+pub(super) fn refusal(
+    e: &Elaborator<'_>,
+    formula: &Expr,
+    place: Place,
+    around: &[Around<'_>],
+    label: &Label<'_>,
+) -> Diagnostic {
+    let (span, why) = culprit(formula, place);
+    let help = match form(e, formula, place, around, label) {
+        Some(help) => help,
+        None => match place {
+            Place::Top => "write it as an initial condition, `always P`, `always eventually P` or a pattern; `linewright explain LW201` shows what there is",
+            _ => "give each promise a line of its own, or remember with `once`, `since` or an internal variable what it depends on",
+        }
+        .to_owned(),
+    };
+    // `always eventually a -> always eventually b` is not what it looks like.
+    let help = match (&formula.kind, place) {
+        (ExprKind::Binary(BinaryOp::Implies, a, b), Place::Justice) if temporal(b) => format!(
+            "{help}; `always` takes all that follows it: put brackets around `always eventually {}` if it ends before the arrow",
+            format::expression(a)
+        ),
+        _ => help,
+    };
+    Diagnostic::error(codes::NOT_GR1, span, why).with_help(help)
+}
+
+/// What to write instead, in words.
+fn form(
+    e: &Elaborator<'_>,
+    formula: &Expr,
+    place: Place,
+    around: &[Around<'_>],
+    label: &Label<'_>,
+) -> Option<String> {
+    let whole = super::whole(formula, place);
+    let input = |e_: &Expr| speaks_of_inputs(e, e_, label);
+    let free = fresh(e);
+    let fresh = around.is_empty().then_some(free.as_str());
+    let of = |formula: &Expr| {
+        let form = forms::of(formula, label.guarantee, &input, fresh)?;
+        Some(under(form, around))
+    };
+    let exact = of(&whole)?;
+    // Without `always`, a formula about steps is mostly meant for all of them.
+    if place == Place::Top && first_step_only(formula) {
+        let meant = of(&make(ExprKind::Always(Box::new(formula.clone()))));
+        if let Some(meant) = meant.filter(|m| m.strength == forms::Strength::Same) {
+            let rules = |f: &Form| {
+                let text = f.text();
+                text.trim_end_matches(", which says the same").to_owned()
+            };
+            return Some(format!(
+                "for every step, write {}; for the first step alone, {}",
+                rules(&meant),
+                rules(&exact)
+            ));
+        }
+    }
+    Some(format!("write {}", exact.text()))
+}
+
+/// Whether a formula is about the first step, and perhaps only by oversight.
+fn first_step_only(formula: &Expr) -> bool {
+    match &formula.kind {
+        ExprKind::Binary(BinaryOp::Implies, a, b) => {
+            !temporal(a) && (temporal(b) || speaks_of_next(b))
+        }
+        _ => !temporal(formula),
+    }
+}
+
+fn under(mut form: Form, around: &[Around<'_>]) -> Form {
+    for (_, rule) in &mut form.rules {
+        for (name, domain) in around.iter().rev() {
+            *rule = make(ExprKind::Quantifier(
+                Quantifier::Forall,
+                (*name).clone(),
+                Box::new((*domain).clone()),
+                Box::new(rule.clone()),
+            ));
+        }
+    }
+    form
+}
+
+/// The part that is in the way, and why.
+fn culprit(e: &Expr, place: Place) -> (Span, String) {
+    let inner = |e: &Expr, why: &str| {
+        let at = smallest(e);
+        (
+            at.span,
+            format!("{} {why}, which is outside GR(1)", word(at)),
+        )
+    };
+    match (&e.kind, place) {
+        (ExprKind::Until(op, ..), _) => (
+            e.span,
+            format!("`{}` between two conditions is outside GR(1)", op.word()),
+        ),
+        (ExprKind::Eventually(inner), _) if matches!(inner.kind, ExprKind::Always(_)) => (
+            e.span,
+            "`eventually always` (persistence) is outside GR(1)".to_owned(),
+        ),
+        (ExprKind::Eventually(a), _) if temporal(a) => inner(a, "stands within `eventually`"),
+        (ExprKind::Always(a), Place::Justice) if temporal(a) => culprit(a, Place::Always),
+        (ExprKind::Always(_), Place::Justice) => (
+            e.span,
+            "`eventually always` (persistence) is outside GR(1)".to_owned(),
+        ),
+        (ExprKind::Binary(BinaryOp::Implies, a, _), _) if temporal(a) => {
+            inner(a, "stands before `->`: a condition on the whole run")
+        }
+        (ExprKind::Binary(BinaryOp::Implies, _, b), _) => match &b.kind {
+            ExprKind::Until(..) => culprit(b, place),
+            ExprKind::Eventually(x) if temporal(x) => culprit(b, place),
+            ExprKind::Eventually(_) => inner(b, "stands behind `->` without `always` before it"),
+            _ => inner(b, "stands behind `->`"),
+        },
+        (ExprKind::Pattern(_), _) => (
+            e.span,
+            "this pattern stands within a larger formula, which is outside GR(1)".to_owned(),
+        ),
+        (ExprKind::Binary(BinaryOp::Or, ..), _) => inner(e, "stands beside `or`"),
+        (ExprKind::Not(a), _) => inner(a, "stands behind `not`"),
+        (ExprKind::Next(a), _) => inner(a, "stands behind `next`"),
+        (ExprKind::If(..), _) => inner(e, "stands within `if`"),
+        (ExprKind::Binary(op, ..), _) if *op != BinaryOp::And => {
+            inner(e, &format!("stands beside `{}`", op.sign()))
+        }
+        (ExprKind::Quantifier(kind, ..), _) => {
+            let outer = match kind {
+                Quantifier::Exists => "exists",
+                Quantifier::Forall => "forall",
+                _ => "a sum",
+            };
+            inner(e, &format!("stands within `{outer}`"))
+        }
+        (_, Place::Justice) => inner(e, "stands within `eventually`"),
+        _ => inner(e, "stands within a larger formula"),
+    }
+}
+
+/// What a temporal operator is called.
+fn word(e: &Expr) -> &'static str {
+    match &e.kind {
+        ExprKind::Always(a) if matches!(a.kind, ExprKind::Eventually(_)) => "`always eventually`",
+        ExprKind::Always(_) => "`always`",
+        ExprKind::Eventually(a) if matches!(a.kind, ExprKind::Always(_)) => "`eventually always`",
+        ExprKind::Eventually(_) => "`eventually`",
+        ExprKind::Until(UntilOp::Strong, ..) => "`until`",
+        ExprKind::Until(UntilOp::Weak, ..) => "`unless`",
+        ExprKind::Until(UntilOp::Release, ..) => "`release`",
+        _ => "a pattern",
+    }
+}
+
+/// The finding about a formula of the next step that has no `always`.
+pub(super) fn without_always(
+    e: &Elaborator<'_>,
+    formula: &Expr,
+    around: &[Around<'_>],
+    label: &Label<'_>,
+) -> Diagnostic {
+    let help = form(e, formula, Place::Top, around, label)
+        .unwrap_or_else(|| "write `always (...)`, or describe step 0 without `next`".to_owned());
+    let span = first_next(formula).unwrap_or(formula).span;
+    Diagnostic::error(
+        codes::NOT_GR1,
+        span,
+        "`next` without `always` is outside GR(1)",
+    )
+    .with_help(help)
+}
+
+fn first_next(e: &Expr) -> Option<&Expr> {
+    if matches!(e.kind, ExprKind::Next(_)) {
+        return Some(e);
+    }
+    e.children().into_iter().find_map(first_next)
+}
+
+/// Whether all variables in it are inputs, also those of defines.
+fn speaks_of_inputs(e: &Elaborator<'_>, formula: &Expr, label: &Label<'_>) -> bool {
+    fn outputs(entry: &Entry, label: &Label<'_>) -> bool {
+        match entry {
+            Entry::One(id) => label
+                .variables
+                .get(id.index())
+                .is_none_or(|v| v.owner == Owner::System),
+            Entry::Many(list) => list.iter().any(|e| outputs(e, label)),
+            Entry::Record(members) => members.iter().any(|(_, e)| outputs(e, label)),
+        }
+    }
+    let mut open = vec![formula];
+    let mut seen: Vec<&str> = Vec::new();
+    while let Some(formula) = open.pop() {
+        let mut fine = true;
+        formula.for_each_path(&mut |names| {
+            let name = names[0].text.as_str();
+            if let Some(define) = e.defines.get(name) {
+                if !seen.contains(&name) {
+                    seen.push(name);
+                    open.push(&define.value);
+                }
+            } else if let Some(counter) = e.counters.get(name) {
+                open.extend(std::iter::once(&counter.counts).chain(&counter.resets));
+            } else if let Some(entry) = e.variables.get(name) {
+                fine &= !outputs(entry, label);
+            }
+        });
+        if !fine {
+            return false;
+        }
+    }
+    true
+}
+
+/// A name that nothing has.
+fn fresh(e: &Elaborator<'_>) -> String {
+    let taken = |name: &str| {
+        e.variables.contains_key(name)
+            || e.constants.contains_key(name)
+            || e.defines.contains_key(name)
+            || e.counters.contains_key(name)
+    };
+    let names = (1..).map(|n| match n {
+        1 => "settled".to_owned(),
+        n => format!("settled_{n}"),
+    });
+    names
+        .into_iter()
+        .find(|n| !taken(n))
+        .unwrap_or_else(|| "settled".to_owned())
+}

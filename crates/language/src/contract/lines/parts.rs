@@ -1,0 +1,180 @@
+//! Part types: what they carry, and what they are joined from.
+
+use super::{Builder, Part};
+use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::line::{InitialValue, PartProperty, PartType};
+use crate::contract::machines::{
+    PropertyType, element_names, property_type, property_values, see_property,
+};
+use crate::syntax::ast::{self, ExprKind, LineItem};
+use linewright_core::diagnostics::codes;
+
+impl<'a> Builder<'a, '_> {
+    pub(super) fn declare_parts(&mut self, decl: &'a ast::Line) {
+        // Types first: a product's values may come from parts that are declared after it.
+        for item in &decl.items {
+            let LineItem::Part {
+                name,
+                bill,
+                properties,
+            } = item
+            else {
+                continue;
+            };
+            let mut types: Vec<(String, usize, PropertyType)> = Vec::new();
+            let mut first = 0;
+            for p in properties {
+                if let Some((_, _, _)) = types.iter().find(|(n, ..)| *n == p.name.text) {
+                    self.e.error_with(
+                        codes::NAME_DOUBLE,
+                        p.name.span,
+                        format!("`{}` is declared twice", p.name.text),
+                        "give one of the two another name",
+                    );
+                    continue;
+                }
+                if let Some(ty) = property_type(&mut self.e, &p.domain) {
+                    let n = ty.length.unwrap_or(1);
+                    types.push((p.name.text.clone(), first, ty));
+                    first += n;
+                }
+            }
+            let mut resolved = Vec::new();
+            for counted in bill {
+                if counted.count == 0 || counted.count > 10_000 {
+                    self.e.error_with(
+                        codes::ARGUMENT,
+                        counted.name.span,
+                        "a bill of materials counts from 1 to 10000",
+                        "write how many of this part go into one: `from 2 Brick`",
+                    );
+                }
+                if let Some(part) = self.find_part(&counted.name) {
+                    resolved.push((part, counted.count as u32));
+                }
+            }
+            self.parts.push(Part {
+                model: PartType {
+                    name: name.text.clone(),
+                    properties: Vec::new(),
+                    bill: resolved,
+                    span: name.span,
+                },
+                types,
+            });
+        }
+        let mut index = 0;
+        for item in &decl.items {
+            let LineItem::Part { properties, .. } = item else {
+                continue;
+            };
+            for p in properties {
+                let Some((_, _, ty)) = self.parts[index]
+                    .types
+                    .iter()
+                    .find(|(n, ..)| *n == p.name.text)
+                    .cloned()
+                else {
+                    continue;
+                };
+                let initial = self.initial(index, &ty, p.values.first());
+                for (i, name) in element_names(&p.name.text, &ty).into_iter().enumerate() {
+                    let initial = initial
+                        .as_ref()
+                        .and_then(|v| v.get(i).copied())
+                        .unwrap_or(InitialValue::Number(0.0));
+                    self.parts[index].model.properties.push(PartProperty {
+                        name,
+                        unit: ty.unit.clone(),
+                        domain: ty.domain.clone(),
+                        initial,
+                    });
+                }
+            }
+            index += 1;
+        }
+    }
+
+    /// `= 0`, `= [0, 1]`, or `= Printed.heights`.
+    pub(super) fn initial(
+        &mut self,
+        part: usize,
+        ty: &PropertyType,
+        value: Option<&'a ast::Expr>,
+    ) -> Option<Vec<InitialValue>> {
+        if let Some(ast::Expr {
+            kind: ExprKind::Path(names),
+            span,
+        }) = value
+            && let [component, property] = names.as_slice()
+            && let Some(from) = self.part_index.get(&component.text).copied()
+        {
+            if !self.parts[part].model.bill.iter().any(|(p, _)| *p == from) {
+                self.e.error_with(
+                    codes::PROPERTY,
+                    *span,
+                    format!(
+                        "`{}` is not in the bill of materials of `{}`",
+                        component.text, self.parts[part].model.name
+                    ),
+                    format!(
+                        "name a part that it is joined from, or add `{}` after `from`",
+                        component.text
+                    ),
+                );
+                return None;
+            }
+            let found = self.parts[from]
+                .types
+                .iter()
+                .find(|(n, ..)| *n == property.text)
+                .cloned();
+            let Some((_, first, found)) = found else {
+                let known = self.parts[from].types.iter().map(|(n, ..)| n.as_str());
+                let help = match nearest(&property.text, known) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("declare it in `part {}`", component.text),
+                };
+                self.e.error_with(
+                    codes::PROPERTY,
+                    property.span,
+                    format!("`{}` has no property `{}`", component.text, property.text),
+                    help,
+                );
+                return None;
+            };
+            if found.unit != ty.unit || found.length != ty.length || found.domain != ty.domain {
+                self.e.error_with(
+                    codes::TYPE_MISMATCH,
+                    *span,
+                    "this property has another type",
+                    "declare both with the same unit, range or labels",
+                );
+                return None;
+            }
+            return Some(
+                (0..ty.length.unwrap_or(1))
+                    .map(|i| InitialValue::Component(from, first + i))
+                    .collect(),
+            );
+        }
+        let numbers = property_values(&mut self.e, ty, value)?;
+        Some(numbers.into_iter().map(InitialValue::Number).collect())
+    }
+
+    /// An elaborator that sees a part's properties, with ids in their order.
+    pub(super) fn part_scope(&self, part: usize) -> Elaborator<'a> {
+        let mut e = Elaborator::new();
+        e.real = true;
+        e.constants.clone_from(&self.e.constants);
+        e.types.clone_from(&self.e.types);
+        e.shapes.clone_from(&self.e.shapes);
+        e.broken.clone_from(&self.e.broken);
+        e.defines.clone_from(&self.e.defines);
+        e.outside.clone_from(&self.e.outside);
+        for (name, _, ty) in &self.parts[part].types {
+            see_property(&mut e, name, ty);
+        }
+        e
+    }
+}

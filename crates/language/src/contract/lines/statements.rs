@@ -1,0 +1,259 @@
+//! Routes, requirements, shifts, limits and the end product.
+
+use super::Builder;
+use crate::contract::elaborate::nearest;
+use crate::contract::line::{Comparison, Limit, Line, Metric, Requirement, Route, Shift};
+use crate::contract::machines::positive;
+use crate::contract::scope::{double, stands_twice};
+use crate::contract::value::Dimension;
+use crate::syntax::ast::{self, LineItem};
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::Time;
+use linewright_core::source::Span;
+use std::collections::BTreeMap;
+
+/// The shortest shift, in seconds.
+const SHORTEST_SHIFT: f64 = 1.0;
+
+impl<'a> Builder<'a, '_> {
+    pub(super) fn product(&mut self, decl: &'a ast::Line, model: &mut Line) {
+        let mut named = decl.items.iter().filter_map(|i| match i {
+            LineItem::Product(name) => Some(name),
+            _ => None,
+        });
+        let joined: Vec<usize> = (0..self.parts.len())
+            .filter(|i| !self.parts[*i].model.bill.is_empty())
+            .collect();
+        match (named.next(), joined.as_slice()) {
+            (Some(name), _) => {
+                if let Some(p) = self.find_part(name) {
+                    model.product = p;
+                }
+            }
+            (None, [one]) => model.product = *one,
+            (None, []) if self.parts.len() == 1 => model.product = 0,
+            _ => self.e.error_with(
+                codes::LINE_UNKNOWN,
+                decl.name.span,
+                "which part is the end product?",
+                "add `product P`",
+            ),
+        }
+    }
+
+    /// Statements that may stand once only: of two, one would be left out without a word.
+    pub(super) fn no_doubles(&mut self, decl: &'a ast::Line) {
+        let mut once: BTreeMap<&str, Span> = BTreeMap::new();
+        let mut requirements: BTreeMap<&str, Span> = BTreeMap::new();
+        for item in &decl.items {
+            let (word, span, help) = match item {
+                LineItem::Product(name) => {
+                    ("product", name.span, "keep the one that the run counts")
+                }
+                LineItem::Limit(value, _) => {
+                    ("limit", value.span, "keep the one at which a run ends")
+                }
+                LineItem::Shift(from, to) => (
+                    "shift",
+                    from.span.to(to.span),
+                    "a line works one shift a day: join the two where they meet, or leave one out",
+                ),
+                LineItem::Requirement { name, .. } => {
+                    if let Some(first) = requirements.insert(&name.text, name.span) {
+                        self.e.findings.push(double(name, first));
+                    }
+                    continue;
+                }
+                _ => continue,
+            };
+            if let Some(first) = once.insert(word, span) {
+                self.e.findings.push(stands_twice(word, span, first, help));
+            }
+        }
+    }
+
+    pub(super) fn statement(&mut self, item: &'a LineItem, model: &mut Line) {
+        match item {
+            LineItem::Route { part, stops, when } => self.route(part, stops, when.as_ref(), model),
+            LineItem::Shift(from, to) => {
+                let a = positive(&mut self.e, from, Dimension::Time);
+                let b = positive(&mut self.e, to, Dimension::Time);
+                if let (Some(from_s), Some(to_s)) = (a, b) {
+                    if from_s >= to_s || to_s > 86_400.0 {
+                        self.e.error_with(
+                            codes::ARGUMENT,
+                            from.span.to(to.span),
+                            "a shift begins before it ends, within one day",
+                            "write `shift 6 h to 14 h`",
+                        );
+                    }
+                    if from_s < to_s && to_s - from_s < SHORTEST_SHIFT {
+                        self.e.error_with(
+                            codes::ARGUMENT,
+                            from.span.to(to.span),
+                            "a shift lasts at least a second",
+                            "write `shift 6 h to 14 h`",
+                        );
+                    }
+                    model.shift = Some(Shift {
+                        from: from_s,
+                        to: to_s,
+                    });
+                }
+            }
+            LineItem::Limit(value, true) => {
+                if let Some(n) = self.e.constant_int(value) {
+                    if n < 1 {
+                        self.e.error_with(
+                            codes::ARGUMENT,
+                            value.span,
+                            "at least one product",
+                            "write after how many end products a run ends: `limit 50 products`",
+                        );
+                    }
+                    model.limit = Some(Limit::Products(n.max(1) as u64));
+                }
+            }
+            LineItem::Limit(value, false) => {
+                if let Some(s) = positive(&mut self.e, value, Dimension::Time) {
+                    model.limit = Some(Limit::Seconds(s));
+                }
+            }
+            LineItem::Requirement {
+                name,
+                metric,
+                of,
+                op,
+                bound,
+                per_hour,
+                span,
+            } => {
+                let Some((metric, dimension, factor)) = self.metric(metric, of.as_ref()) else {
+                    return;
+                };
+                if *per_hour != (metric == Metric::ThroughputPerHour) {
+                    self.e.error_with(
+                        codes::TYPE_MISMATCH,
+                        *span,
+                        if *per_hour {
+                            "`per hour` belongs to `throughput`"
+                        } else {
+                            "the throughput of what time?"
+                        },
+                        "write `throughput >= 20 per hour`",
+                    );
+                }
+                let comparison = match op {
+                    ast::BinaryOp::Lt => Comparison::Lt,
+                    ast::BinaryOp::Le => Comparison::Le,
+                    ast::BinaryOp::Eq => Comparison::Eq,
+                    ast::BinaryOp::Ge => Comparison::Ge,
+                    ast::BinaryOp::Gt => Comparison::Gt,
+                    _ => {
+                        self.e.error_with(
+                            codes::TYPE_MISMATCH,
+                            *span,
+                            "a requirement compares with <, <=, =, >= or >",
+                            "turn it into one of these",
+                        );
+                        return;
+                    }
+                };
+                if let Some(value) = self.e.constant_quantity(bound, dimension) {
+                    model.requirements.push(Requirement {
+                        name: name.text.clone(),
+                        metric,
+                        comparison,
+                        bound: value / factor,
+                        span: *span,
+                    });
+                }
+            }
+            _ => {}
+        }
+    }
+
+    pub(super) fn metric(
+        &mut self,
+        name: &ast::Name,
+        of: Option<&ast::Name>,
+    ) -> Option<(Metric, Dimension, f64)> {
+        const NAMES: [&str; 8] = [
+            "throughput",
+            "makespan",
+            "lead_time",
+            "energy",
+            "rejected",
+            "products",
+            "violations",
+            "busy",
+        ];
+        Some(match (name.text.as_str(), of) {
+            ("throughput", None) => (Metric::ThroughputPerHour, Dimension::None, 1.0),
+            ("makespan", None) => (Metric::MakespanSeconds, Dimension::Time, 1.0),
+            ("lead_time", None) => (Metric::LeadTimeMeanSeconds, Dimension::Time, 1.0),
+            ("energy", None) => (Metric::EnergyKwh, Dimension::Energy, 3.6e6),
+            ("rejected", None) => (Metric::Rejected, Dimension::None, 1.0),
+            ("products", None) => (Metric::Products, Dimension::None, 1.0),
+            ("violations", None) => (Metric::Violations, Dimension::None, 1.0),
+            ("busy", Some(station)) => {
+                let node = self.find_node(station)?;
+                if !self.stations.contains(&node) {
+                    self.e.error_with(
+                        codes::LINE_UNKNOWN,
+                        station.span,
+                        format!("`{}` is not a station", station.text),
+                        "only stations are busy; name one of them",
+                    );
+                    return None;
+                }
+                (Metric::Busy(node), Dimension::None, 1.0)
+            }
+            (other, _) => {
+                let help = match nearest(other, NAMES.into_iter()) {
+                    Some("busy") => "write `busy(station)`".to_owned(),
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("the measures are {}(station)", NAMES.join(", ")),
+                };
+                self.e.error_with(
+                    codes::NAME_UNKNOWN,
+                    name.span,
+                    format!("`{other}` is not measured"),
+                    help,
+                );
+                return None;
+            }
+        })
+    }
+
+    pub(super) fn route(
+        &mut self,
+        part: &'a ast::Name,
+        stops: &'a [ast::Name],
+        when: Option<&'a ast::Expr>,
+        model: &mut Line,
+    ) {
+        let index = self.find_part(part);
+        let nodes: Vec<Option<usize>> = stops.iter().map(|s| self.find_node(s)).collect();
+        let Some(index) = index else { return };
+        let condition = when.and_then(|c| {
+            let mut scope = self.part_scope(index);
+            let term = scope.boolean(c, Time::Now);
+            self.e.tainted |= scope.tainted;
+            self.e.findings.append(&mut scope.findings);
+            Some(term?.to_real(self.parts[index].model.properties.len()))
+        });
+        for (i, pair) in nodes.windows(2).enumerate() {
+            let (Some(from), Some(to)) = (pair[0], pair[1]) else {
+                continue;
+            };
+            model.routes.push(Route {
+                part: index,
+                from,
+                to,
+                condition: if i == 0 { condition.clone() } else { None },
+                span: stops[i].span.to(stops[i + 1].span),
+            });
+        }
+    }
+}

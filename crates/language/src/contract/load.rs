@@ -1,0 +1,358 @@
+//! From files to a library: imports followed, every file resolved in its own scope.
+
+use super::instantiate::{Arguments, instantiate, taxonomy_codes};
+use super::scope::Scope;
+use super::uses::{self, Doubt};
+use super::{Library, Loader, lines, machines, skills};
+use crate::order::Skills;
+use crate::syntax::{self, ast};
+use linewright_core::diagnostics::{Diagnostic, Severity, codes};
+use linewright_core::source::{FileId, SourceMap, Span};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+struct File {
+    id: FileId,
+    tree: ast::File,
+    /// Indices of the files that it imports.
+    imports: Vec<usize>,
+    /// Where its text does not follow the grammar.
+    syntax: Vec<Span>,
+    /// Whether it was asked for, and not only imported.
+    asked: bool,
+}
+
+struct Reader<'l> {
+    sources: SourceMap,
+    files: Vec<File>,
+    by_name: BTreeMap<String, usize>,
+    loader: &'l Loader<'l>,
+    findings: Vec<Diagnostic>,
+}
+
+/// Parses and resolves files (name and text) and all that they import. Never fails: what could not be understood is in the
+/// findings, and the library holds the rest.
+pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Diagnostic>) {
+    let mut reader = Reader {
+        sources: SourceMap::new(),
+        files: Vec::new(),
+        by_name: BTreeMap::new(),
+        loader,
+        findings: Vec::new(),
+    };
+    for (name, text) in files {
+        reader.read(name, text, &mut Vec::new());
+    }
+    let Reader {
+        sources,
+        files,
+        mut findings,
+        ..
+    } = reader;
+    let mut library = Library::default();
+    let sets: Vec<Vec<Option<Arc<Skills>>>> = files
+        .iter()
+        .map(|file| sets(&file.tree, &sources, &mut findings))
+        .collect();
+    for index in 0..files.len() {
+        let mut scope = Scope::default();
+        let mut own = Vec::new();
+        for file in closure(&files, index) {
+            scope.add(&files[file].tree, &sets[file], &mut own);
+        }
+        scope.settle(&mut own);
+        findings.append(&mut own);
+        resolve(&files[index], &scope, &sources, &mut library, &mut findings);
+        keep_sets(&files[index].tree, &sets[index], &mut library);
+    }
+    for index in 0..files.len() {
+        let mut found = unused(&files, index, &sources, &findings);
+        findings.append(&mut found);
+    }
+    // What is odd about a comparison that is wrong in itself only follows from that.
+    let wrong: Vec<Span> = findings
+        .iter()
+        .filter(|f| f.severity == Severity::Error)
+        .filter_map(|f| f.span)
+        .collect();
+    findings.retain(|f| {
+        let odd = [codes::COMPARISON_DECIDED, codes::NEXT_BOTH_SIDES].contains(&f.code);
+        let holds = |span: Span| wrong.iter().any(|w| span.holds(*w));
+        !(odd && f.span.is_some_and(holds))
+    });
+    library.sources = sources;
+    let unsound = files.iter().filter(|f| !f.syntax.is_empty());
+    library.unsound = unsound.map(|f| f.id).collect();
+    // A file that several others import, or a contract that several machines use, says everything once.
+    let mut seen = BTreeSet::new();
+    let mut unique: Vec<Diagnostic> = findings
+        .into_iter()
+        .filter(|f| seen.insert((f.span, f.code, f.message.clone())))
+        .collect();
+    unique.sort_by_key(|f| f.span);
+    (library, unique)
+}
+
+impl Reader<'_> {
+    /// Reads a file and its imports, unless it is there already. `path` holds the files on the way here.
+    fn read(&mut self, name: &str, text: &str, path: &mut Vec<usize>) -> usize {
+        if let Some(index) = self.by_name.get(name) {
+            return *index;
+        }
+        let id = self.sources.add(name, text);
+        let (tree, mut found) = syntax::parse(id, text);
+        let errors = found.iter().filter(|f| f.severity == Severity::Error);
+        let whole = Span::new(id, 0, text.len());
+        let syntax = errors.map(|f| f.span.unwrap_or(whole)).collect();
+        self.findings.append(&mut found);
+        let index = self.files.len();
+        self.by_name.insert(name.to_owned(), index);
+        let wanted: Vec<ast::Import> = tree
+            .items
+            .iter()
+            .filter_map(|i| match i {
+                ast::Item::Import(i) => Some(i.clone()),
+                _ => None,
+            })
+            .collect();
+        self.files.push(File {
+            id,
+            tree,
+            imports: Vec::new(),
+            syntax,
+            asked: path.is_empty(),
+        });
+        path.push(index);
+        for import in wanted {
+            if let Some(target) = self.import(name, &import, path) {
+                self.files[index].imports.push(target);
+            }
+        }
+        path.pop();
+        index
+    }
+
+    fn import(&mut self, from: &str, import: &ast::Import, path: &mut Vec<usize>) -> Option<usize> {
+        let wanted = if import.dotted {
+            if import.path.starts_with("std.") {
+                import.path.clone()
+            } else {
+                self.findings.push(
+                    Diagnostic::error(
+                        codes::IMPORT_MISSING,
+                        import.span,
+                        format!("`{}` is not in the bundled library", import.path),
+                    )
+                    .with_help(
+                        "library names begin with `std.`; a file of your own stands in quotes",
+                    ),
+                );
+                return None;
+            }
+        } else {
+            import.path.clone()
+        };
+        match (self.loader)(&wanted, from) {
+            Ok((name, text)) => {
+                if let Some(position) = path
+                    .iter()
+                    .position(|i| self.sources.file(self.files[*i].id).name == name)
+                {
+                    let circle: Vec<String> = path[position..]
+                        .iter()
+                        .map(|i| self.sources.file(self.files[*i].id).name.clone())
+                        .chain([name])
+                        .collect();
+                    self.findings.push(
+                        Diagnostic::error(
+                            codes::IMPORT_CIRCULAR,
+                            import.span,
+                            format!("these files import each other: {}", circle.join(" -> ")),
+                        )
+                        .with_help("move what both need into a third file"),
+                    );
+                    return None;
+                }
+                Some(self.read(&name, &text, path))
+            }
+            Err(why) => {
+                self.findings.push(
+                    Diagnostic::error(
+                        codes::IMPORT_MISSING,
+                        import.span,
+                        format!("cannot import `{}`: {why}", import.path),
+                    )
+                    .with_help(if import.dotted {
+                        "`std.handling.turn` is `handling/turn.lw` of the library; `linewright din coverage` lists what there is"
+                    } else {
+                        "the path is relative to the file that imports"
+                    }),
+                );
+                None
+            }
+        }
+    }
+}
+
+/// What a file declares and nothing uses.
+fn unused(
+    files: &[File],
+    index: usize,
+    sources: &SourceMap,
+    findings: &[Diagnostic],
+) -> Vec<Diagnostic> {
+    let file = &files[index];
+    let words = |code| {
+        let of_code = findings.iter().filter(move |f| f.code == code);
+        let spans = of_code.filter_map(|f| f.span);
+        spans.map(|span| (sources.text(span), span)).collect()
+    };
+    let errors = findings.iter().filter(|f| f.severity == Severity::Error);
+    let mut doubt = Doubt {
+        syntax: file.syntax.clone(),
+        unknown: words(codes::NAME_UNKNOWN),
+        double: words(codes::NAME_DOUBLE),
+        errors: errors.filter_map(|f| f.span).collect(),
+    };
+    let end = sources.file(file.id).text.len();
+    let starts: Vec<usize> = file.tree.items.iter().map(start).collect();
+    let everything = files.iter().flat_map(|f| &f.tree.items);
+    let machines: Vec<&ast::Machine> = everything
+        .clone()
+        .filter_map(|i| match i {
+            ast::Item::Machine(m) => Some(m),
+            _ => None,
+        })
+        .collect();
+    let contracts: Vec<&ast::Contract> = everything
+        .filter_map(|i| match i {
+            ast::Item::Contract(c) => Some(c),
+            _ => None,
+        })
+        .collect();
+    let mut found = Vec::new();
+    for (i, item) in file.tree.items.iter().enumerate() {
+        // What is wrong behind an item, and belongs to none, may have been a part of it.
+        let next = starts.get(i + 1).copied().unwrap_or(end);
+        let extent = Span::new(file.id, starts[i].min(next), next);
+        found.extend(match item {
+            ast::Item::Contract(c) => uses::contract(c, extent, sources, &doubt),
+            ast::Item::Machine(m) => uses::machine(m, &contracts, &machines, extent, &doubt),
+            _ => Vec::new(),
+        });
+    }
+    let importers: Vec<usize> = (0..files.len())
+        .filter(|other| *other != index && closure(files, *other).contains(&index))
+        .collect();
+    // A mistake in the syntax of a file that imports this one may hide a use as well.
+    let hidden = importers.iter().any(|i| !files[*i].syntax.is_empty());
+    if file.asked && !hidden {
+        let trees: Vec<&ast::File> = importers.iter().map(|i| &files[*i].tree).collect();
+        let whole = Span::new(file.id, 0, end);
+        for (_, span) in &mut doubt.unknown {
+            // A name that an importing file misses may be meant for here.
+            let importer = importers.iter().any(|i| files[*i].id == span.file);
+            *span = if importer { whole } else { *span };
+        }
+        found.extend(uses::file(&file.tree, &trees, whole, &doubt));
+    }
+    found
+}
+
+/// Where an item begins, as far as it has a name.
+fn start(item: &ast::Item) -> usize {
+    let span = match item {
+        ast::Item::Import(i) => i.span,
+        ast::Item::Type(t) => t.name.span,
+        ast::Item::Const(c) => c.name.span,
+        ast::Item::Define(d) => d.name.span,
+        ast::Item::Contract(c) => c.header.name.span,
+        ast::Item::Machine(m) => m.header.name.span,
+        ast::Item::Line(l) => l.name.span,
+        ast::Item::Skills(s) => s.name.span,
+    };
+    span.start as usize
+}
+
+/// A file and everything that it imports, imports first.
+fn closure(files: &[File], index: usize) -> Vec<usize> {
+    fn visit(files: &[File], index: usize, order: &mut Vec<usize>) {
+        if order.contains(&index) {
+            return;
+        }
+        for import in &files[index].imports {
+            visit(files, *import, order);
+        }
+        if !order.contains(&index) {
+            order.push(index);
+        }
+    }
+    let mut order = Vec::new();
+    visit(files, index, &mut order);
+    order
+}
+
+fn resolve(
+    file: &File,
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+    library: &mut Library,
+    findings: &mut Vec<Diagnostic>,
+) {
+    let none = Arguments::new();
+    for item in &file.tree.items {
+        match item {
+            ast::Item::Contract(c) => {
+                taxonomy_codes(&c.header.codes, findings);
+                match instantiate(scope, sources, c, &none, None, findings) {
+                    Some(contract) => library.contracts.push(contract),
+                    None => library.refused.push(refused(&c.header)),
+                }
+            }
+            ast::Item::Machine(m) => {
+                taxonomy_codes(&m.header.codes, findings);
+                match machines::machine(scope, sources, m, &none, None, findings) {
+                    Some(machine) => library.machines.push(machine),
+                    None => library.refused_machines.push(refused(&m.header)),
+                }
+            }
+            ast::Item::Line(l) => match lines::line(scope, sources, l, findings) {
+                Some(line) => library.lines.push(line),
+                None => library
+                    .refused_lines
+                    .push((l.name.text.clone(), l.name.span)),
+            },
+            _ => {}
+        }
+    }
+}
+
+/// What becomes of a file's sets of skills, in their order.
+fn sets(
+    tree: &ast::File,
+    sources: &SourceMap,
+    findings: &mut Vec<Diagnostic>,
+) -> Vec<Option<Arc<Skills>>> {
+    let declared = tree.items.iter().filter_map(|item| match item {
+        ast::Item::Skills(set) => Some(skills::skills(set, sources, findings)),
+        _ => None,
+    });
+    declared.collect()
+}
+
+fn keep_sets(tree: &ast::File, sets: &[Option<Arc<Skills>>], library: &mut Library) {
+    let declared = tree.items.iter().filter_map(|item| match item {
+        ast::Item::Skills(set) => Some(&set.name),
+        _ => None,
+    });
+    for (name, set) in declared.zip(sets) {
+        match set {
+            Some(set) => library.skills.push(Arc::clone(set)),
+            None => library.refused_skills.push((name.text.clone(), name.span)),
+        }
+    }
+}
+
+fn refused(header: &ast::Header) -> (String, Span) {
+    (header.name.text.clone(), header.name.span)
+}

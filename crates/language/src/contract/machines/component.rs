@@ -1,0 +1,513 @@
+//! Components in their places: every input bound, no loop within a step.
+
+use super::{Parts, jobs, nested, plant, same_step};
+use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::machine::{ActionTime, Component, RealExpr, Role};
+use crate::contract::shape::{Segment, entries, measured, way};
+use crate::contract::units::Unit;
+use crate::contract::value::{Dimension, Term, Type, Value};
+use crate::syntax::ast;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::interval::{Interval, interval};
+use linewright_core::gr1::{Domain, Expr, Specification, Time, VarId};
+use linewright_core::source::Span;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// An elaborator for bindings: whole-number expressions over wires.
+pub(super) fn scope_of_wires<'a>(e: &Elaborator<'a>, parts: &Parts<'a>) -> Elaborator<'a> {
+    let mut w = Elaborator::new();
+    w.constants.clone_from(&e.constants);
+    w.types.clone_from(&e.types);
+    w.shapes.clone_from(&e.shapes);
+    w.broken.clone_from(&e.broken);
+    w.defines.clone_from(&e.defines);
+    w.outside.clone_from(&e.outside);
+    let see = |w: &mut Elaborator<'a>, domain: &Domain, unit: &str| {
+        let wire = VarId(w.domains.len() as u32);
+        w.domains.push(Some(domain.clone()));
+        if let Some(unit) = Unit::named(unit) {
+            w.measures.insert(wire, unit);
+        }
+        wire
+    };
+    let mut leaves = Vec::new();
+    for input in &parts.plant {
+        leaves.push((input.name.as_str(), see(&mut w, &input.domain, &input.unit)));
+    }
+    for (name, entry) in entries(leaves) {
+        // A wire hides what has its name outside.
+        w.constants.remove(&name);
+        w.defines.remove(&name);
+        w.variables.insert(name, entry);
+    }
+    for (c, s) in &parts.components {
+        let mut leaves = Vec::new();
+        for id in s.outputs() {
+            let v = s.variable(id);
+            leaves.push((v.name.as_str(), see(&mut w, &v.domain, &v.unit)));
+        }
+        for (name, entry) in entries(leaves) {
+            w.variables.insert(format!("{}.{name}", c.name.text), entry);
+        }
+    }
+    w
+}
+
+/// One component: every input bound, no same-step loop, its times and powers.
+pub(super) fn component<'a>(
+    e: &mut Elaborator<'a>,
+    wires: &mut Elaborator<'a>,
+    parts: &mut Parts<'a>,
+    index: usize,
+    firsts: &[usize],
+) -> Option<Component> {
+    if let Some(mut nested) = parts.nested[index].take() {
+        let decl = parts.components[index].0;
+        nested::no_settings(e, decl);
+        nested.properties = nested::bind_properties(e, parts, decl, &nested);
+        parts.nested[index] = Some(nested);
+    }
+    let parts = &*parts;
+    let (decl, specification) = &parts.components[index];
+    let mut known: Vec<&str> = specification
+        .inputs()
+        .map(|id| specification.variable(id).name.as_str())
+        .map(|name| way(name).0)
+        .collect();
+    known.dedup();
+    if let Some(nested) = &parts.nested[index] {
+        known.extend(nested.level.properties.keys().map(String::as_str));
+    }
+    for b in &decl.bindings {
+        if !known.contains(&way(&b.name.text).0) {
+            let help = match nearest(&b.name.text, known.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("its inputs are {}", known.join(", ")),
+            };
+            wires.error_with(
+                codes::NAME_UNKNOWN,
+                b.name.span,
+                format!("`{}` has no input `{}`", decl.contract.text, b.name.text),
+                help,
+            );
+        }
+    }
+    bindings_once(wires, decl, specification);
+    let active = match (&decl.when, decl.is_coordinator()) {
+        (Some(when), false) => wires
+            .boolean(when, Time::Now)
+            .and_then(|t| wires.formula(&t, when.span)),
+        (Some(when), true) => {
+            wires.error_with(
+                codes::OPERATION,
+                when.span,
+                "a coordinator is never active itself; `when` belongs to actions",
+                "leave it out here, and write it with each action",
+            );
+            None
+        }
+        (None, _) => None,
+    };
+    let mut bindings = Vec::new();
+    for id in specification.inputs() {
+        let variable = specification.variable(id);
+        if let Some(expr) = binding(wires, parts, decl, specification, variable) {
+            bindings.push(expr);
+        }
+    }
+    if bindings.len() != specification.inputs().count() {
+        return None;
+    }
+    same_step::check(wires, parts, index, firsts, &bindings);
+    let properties = parts.properties.len();
+    let time = decl.time.as_ref().and_then(|(value, per_step)| {
+        let term = e.quantity(value, Dimension::Time)?;
+        let real = term.to_real(properties);
+        Some(if *per_step {
+            ActionTime::PerStep(real)
+        } else {
+            ActionTime::PerExecution(real)
+        })
+    });
+    let watts = decl
+        .power
+        .as_ref()
+        .and_then(|value| e.quantity(value, Dimension::Power))
+        .map_or(RealExpr::Number(0.0), |t| t.to_real(properties));
+    if (decl.time.is_some() || decl.power.is_some())
+        && decl.when.is_none()
+        && !decl.is_coordinator()
+    {
+        wires.error_with(
+            codes::OPERATION,
+            decl.name.span,
+            format!(
+                "`{}` has a time or a power, but does not say when it is active",
+                decl.name.text
+            ),
+            "add `when`: `action turn: Turn when cell.command = turn { ... }`",
+        );
+    }
+    Some(Component {
+        name: decl.name.text.clone(),
+        contract: decl.contract.text.clone(),
+        role: if decl.is_coordinator() {
+            Role::Coordinator
+        } else {
+            Role::Action
+        },
+        specification: Arc::clone(specification),
+        bindings,
+        active,
+        time,
+        watts,
+        span: decl.name.span,
+    })
+}
+
+/// Every input is bound once, and an index or member names one that there is.
+fn bindings_once(wires: &mut Elaborator<'_>, decl: &ast::Component, specification: &Specification) {
+    let mut seen: BTreeMap<String, Span> = BTreeMap::new();
+    let inputs: Vec<&str> = specification
+        .inputs()
+        .map(|id| specification.variable(id).name.as_str())
+        .collect();
+    for b in &decl.bindings {
+        let name = &b.name;
+        let target = target(b);
+        if let Some(first) = seen.insert(target.clone(), name.span) {
+            let message = format!("`{target}` is bound twice");
+            wires.findings.push(
+                Diagnostic::error(codes::NAME_DOUBLE, name.span, message)
+                    .with_label(first, "first here")
+                    .with_help("leave one of the two out"),
+            );
+        }
+        let (root, path) = way(&target);
+        let own: Vec<&&str> = inputs.iter().filter(|v| way(v).0 == root).collect();
+        let met = own.iter().any(|v| way(v).1.starts_with(&path));
+        if own.is_empty() || met {
+            continue;
+        }
+        let scalar = own.len() == 1 && *own[0] == root;
+        let elements = own
+            .iter()
+            .filter(|v| matches!(way(v).1.first(), Some(Segment::Element(_))));
+        let count = elements.count();
+        match (b.index, b.index.is_some() && scalar) {
+            (Some(_), true) => wires.error_with(
+                codes::TYPE_MISMATCH,
+                name.span,
+                format!("the input `{root}` is not an array"),
+                format!("write `{root} = ...`"),
+            ),
+            (Some(index), false) if b.member.is_none() && count == own.len() => wires.error_with(
+                codes::INDEX_RANGE,
+                name.span,
+                format!("`{root}` has no element {index}"),
+                format!("its elements are 0..{}", own.len() - 1),
+            ),
+            _ => wires.error_with(
+                codes::NAME_UNKNOWN,
+                name.span,
+                format!("the input `{root}` has no `{target}`"),
+                format!(
+                    "it is made of {}",
+                    own.iter()
+                        .map(|v| format!("`{v}`"))
+                        .collect::<Vec<_>>()
+                        .join(", ")
+                ),
+            ),
+        }
+    }
+}
+
+/// What a binding binds, as a leaf or the beginning of leaves is called.
+fn target(b: &ast::Binding) -> String {
+    let mut text = b.name.text.clone();
+    if let Some(index) = b.index {
+        let _ = write!(text, "[{index}]");
+    }
+    if let Some(member) = &b.member {
+        let _ = write!(text, ".{}", member.text);
+    }
+    text
+}
+
+/// How an array or record is bound, for messages.
+const PARTS: &str = "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`; a record to one with the same members, or member by member: `target.x = ...`";
+
+/// What an input is bound to: what the file says, else the plant's wire of its name, else the coordinator's output of its name.
+pub(super) fn binding<'a>(
+    wires: &mut Elaborator<'a>,
+    parts: &Parts<'a>,
+    decl: &'a ast::Component,
+    specification: &Specification,
+    variable: &linewright_core::gr1::Variable,
+) -> Option<Expr> {
+    let (name, path) = way(&variable.name);
+    let mut jobs = Vec::new();
+    let mut missing = None;
+    for job in jobs::jobs(parts.machine, &decl.name.text) {
+        match job.arguments.iter().find(|a| a.name.text == name) {
+            Some(argument) => jobs.push((job.operation, &argument.value)),
+            None => missing = Some(job.operation),
+        }
+    }
+    let bound = match otherwise(wires, parts, decl, specification, variable)? {
+        None if jobs.is_empty() || missing.is_some() => {
+            unbound(wires, decl, variable, missing.filter(|_| !jobs.is_empty()));
+            return None;
+        }
+        bound => bound,
+    };
+    let whole = expected(specification, name, &[]);
+    let mut chosen = bound;
+    for (operation, value) in jobs.into_iter().rev() {
+        let term = part_of(wires, value, whole.as_ref(), variable, &path, name)?;
+        chosen = Some(match chosen {
+            None => (term, value.span),
+            Some((other, _)) => {
+                let runs = jobs::runs(wires, &operation.text)?;
+                (Term::choose(runs, term, other), value.span)
+            }
+        });
+    }
+    let (term, span) = chosen?;
+    let expr = wires.formula(&term, span)?;
+    let range = interval(&expr, &|v| {
+        wires.domains[v.index()]
+            .as_ref()
+            .map_or(Interval::BOOL, Interval::of)
+    })
+    .unwrap_or(Interval::BOOL);
+    if range.low < variable.domain.low() || range.high > variable.domain.high() {
+        wires.error_with(
+            codes::TYPE_MISMATCH,
+            span,
+            format!(
+                "this {}, but the input `{}` takes {} only",
+                if range.low == range.high {
+                    format!("is {}", range.low)
+                } else {
+                    format!("can be {}..{}", range.low, range.high)
+                },
+                variable.name,
+                variable.describe()
+            ),
+            "hold it there with `min` and `max`, or give both the same range",
+        );
+        return None;
+    }
+    Some(expr)
+}
+
+/// The type of an input, or of a part of it.
+fn expected(specification: &Specification, name: &str, path: &[Segment<'_>]) -> Option<Type> {
+    let own = specification.inputs().filter_map(|id| {
+        let (root, leaf) = way(&specification.variable(id).name);
+        (root == name).then_some((id, leaf))
+    });
+    let leaves: Vec<(VarId, Vec<Segment<'_>>)> = own
+        .filter_map(|(id, leaf)| Some((id, leaf.strip_prefix(path)?.to_vec())))
+        .collect();
+    type_of(specification, &leaves)
+}
+
+fn type_of(specification: &Specification, leaves: &[(VarId, Vec<Segment<'_>>)]) -> Option<Type> {
+    let (id, first) = leaves.first()?;
+    let below = |segment: Segment<'_>| -> Vec<(VarId, Vec<Segment<'_>>)> {
+        let inner = leaves.iter().filter(|(_, l)| l.first() == Some(&segment));
+        inner.map(|(id, l)| (*id, l[1..].to_vec())).collect()
+    };
+    match first.first() {
+        None => {
+            let variable = specification.variable(*id);
+            Some(measured(&variable.domain, Unit::named(&variable.unit)))
+        }
+        Some(first @ Segment::Element(_)) => {
+            let indices = leaves.iter().filter_map(|(_, l)| match l.first() {
+                Some(Segment::Element(i)) => Some(*i),
+                _ => None,
+            });
+            let length = indices.max().map_or(0, |i| i + 1);
+            let of = type_of(specification, &below(*first))?;
+            Some(Type::Array(Box::new(of), length))
+        }
+        Some(Segment::Member(_)) => {
+            let mut members: Vec<(String, Type)> = Vec::new();
+            for (_, leaf) in leaves {
+                if let Some(Segment::Member(name)) = leaf.first()
+                    && !members.iter().any(|(n, _)| n == name)
+                {
+                    let ty = type_of(specification, &below(Segment::Member(name)))?;
+                    members.push(((*name).to_owned(), ty));
+                }
+            }
+            Some(Type::Record(members))
+        }
+    }
+}
+
+/// The scalar at the end of a way into a value. Where an array is wanted, a scalar stands for all its elements.
+fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
+    match (value, path) {
+        (Value::Scalar(term, ty), path)
+            if path.iter().all(|s| matches!(s, Segment::Element(_))) =>
+        {
+            Some((term, ty))
+        }
+        (Value::Array(values), [Segment::Element(i), rest @ ..]) => {
+            leaf(values.into_iter().nth(*i)?, rest)
+        }
+        (Value::Record(members), [Segment::Member(name), rest @ ..]) => {
+            let (_, value) = members.into_iter().find(|(n, _)| n == name)?;
+            leaf(value, rest)
+        }
+        _ => None,
+    }
+}
+
+/// What an input is bound to where no job says otherwise. The outer `None`: what is wrong was reported; the inner: nothing.
+#[expect(clippy::option_option, reason = "bound to nothing, or wrongly")]
+fn otherwise<'a>(
+    wires: &mut Elaborator<'a>,
+    parts: &Parts<'a>,
+    decl: &'a ast::Component,
+    specification: &Specification,
+    variable: &linewright_core::gr1::Variable,
+) -> Option<Option<(Term, Span)>> {
+    let (name, path) = way(&variable.name);
+    let ty = measured(&variable.domain, Unit::named(&variable.unit));
+    // The binding that says most about this leaf.
+    let explicit = decl
+        .bindings
+        .iter()
+        .rev()
+        .filter_map(|b| {
+            let target = target(b);
+            let (root, part) = way(&target);
+            (root == name && path.starts_with(&part)).then_some((part.len(), b))
+        })
+        .max_by_key(|(length, _)| *length);
+    if let Some((length, b)) = explicit {
+        let whole = expected(specification, name, &path[..length]);
+        let rest = &path[length..];
+        let term = part_of(wires, &b.value, whole.as_ref(), variable, rest, &target(b))?;
+        return Some(Some((term, b.value.span)));
+    }
+    // Of several coordinators with an output of that name none is meant.
+    let led = parts.components.iter().filter(|(c, _)| c.is_coordinator());
+    let mut outputs = led
+        .filter(|(c, _)| c.name.text != decl.name.text)
+        .filter_map(|(c, _)| wires.variables.get(&format!("{}.{name}", c.name.text)));
+    let entry = match (wires.variables.get(name), outputs.next(), outputs.next()) {
+        (Some(entry), ..) | (None, Some(entry), None) => Some(entry.clone()),
+        _ => None,
+    };
+    let Some(id) = entry.and_then(|e| e.at(&path)) else {
+        return Some(None);
+    };
+    let domain = wires.domains[id.index()].clone()?;
+    let found = measured(&domain, wires.measures.get(&id).copied());
+    if found != ty {
+        wires.error_with(
+            codes::TYPE_MISMATCH,
+            decl.name.span,
+            format!(
+                "the input `{}` of `{}` is {}, but what has its name is {}",
+                variable.name,
+                decl.name.text,
+                ty.describe(),
+                found.describe()
+            ),
+            format!("bind it: `{name} = ...`"),
+        );
+        return None;
+    }
+    Some(Some((Term::Var(id, Time::Now), decl.name.span)))
+}
+
+/// The part of a value that a leaf of an input gets: `way` leads to it. `whole` is the type of all of it, `target` what it is called.
+fn part_of<'a>(
+    wires: &mut Elaborator<'a>,
+    value: &'a ast::Expr,
+    whole: Option<&Type>,
+    variable: &linewright_core::gr1::Variable,
+    way: &[Segment<'_>],
+    target: &str,
+) -> Option<Term> {
+    let ty = measured(&variable.domain, Unit::named(&variable.unit));
+    if plant::is_operation(value)
+        && let Some(term) = jobs::job_of(wires, &ty)
+    {
+        return Some(term);
+    }
+    let given = wires.value(value, whole, Time::Now)?;
+    let Some((term, found)) = leaf(given.clone(), way) else {
+        let message = format!(
+            "`{target}` is {}, and this is {}",
+            whole.map_or_else(|| ty.describe(), Type::describe),
+            given.ty().describe()
+        );
+        wires.error_with(codes::TYPE_MISMATCH, value.span, message, PARTS);
+        return None;
+    };
+    if way.is_empty() || found.is_numeric() && ty.is_numeric() {
+        return wires.fitted(value.span, (term, found), &ty);
+    }
+    if found == ty {
+        return Some(term);
+    }
+    let message = format!(
+        "`{}` is {}, not {}",
+        variable.name,
+        ty.describe(),
+        found.describe()
+    );
+    wires.error_with(codes::TYPE_MISMATCH, value.span, message, PARTS);
+    None
+}
+
+/// Reports that an input is bound to nothing, at all or while an operation runs.
+fn unbound(
+    wires: &mut Elaborator<'_>,
+    decl: &ast::Component,
+    variable: &linewright_core::gr1::Variable,
+    operation: Option<&ast::Name>,
+) {
+    if decl.broken {
+        // It may be bound by what could not be understood.
+        wires.tainted = true;
+        return;
+    }
+    let (name, action) = (way(&variable.name).0, &decl.name.text);
+    let (span, during, help) = match operation {
+        Some(operation) => (
+            operation.span,
+            format!(" while `{}` runs", operation.text),
+            format!(
+                "write `{action}({name} = ...)` in the operation, or `{name} = ...` in `{action}`"
+            ),
+        ),
+        None => (
+            decl.name.span,
+            String::new(),
+            format!(
+                "write `{name} = ...` in `{action}`: another component's output, a `signal`, an `abstract` of a property, or `operation`"
+            ),
+        ),
+    };
+    wires.error_with(
+        codes::INPUT_UNBOUND,
+        span,
+        format!(
+            "the input `{}` of `{action}` is bound to nothing{during}",
+            variable.name
+        ),
+        help,
+    );
+}

@@ -1,0 +1,579 @@
+//! From layers to one flat machine.
+//!
+//! A machine is resolved as it is written: an inner machine stands in its place as a component whose outputs are all that can be seen of
+//! it ([`Nested`]). Here such components are replaced, in one of two ways:
+//!
+//! - *flat*, for whatever runs: by the inner machine's components, called `left.pick`;
+//! - *abstracted*, for proofs: by one component with the contract that the inner machine refines. What others read of it and the contract
+//!   does not speak of becomes an output of that component about which nothing is said. An inner machine that refines nothing is replaced
+//!   by its components here, too.
+//!
+//! Both are the same walk: wires are numbered anew, and every expression is put over the new numbers.
+
+use super::nested::{Level, Nested, Seen};
+use crate::contract::machine::{
+    Component, Inner, Layers, Machine, Orders, Promised, RealExpr, Role, Rules,
+};
+use linewright_core::gr1::{
+    Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
+};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// How inner machines are replaced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum How {
+    /// By all that they are made of.
+    Flat,
+    /// By what they promise.
+    Abstracted,
+}
+
+/// A machine without layers.
+pub(super) struct Expanded {
+    /// The machine.
+    pub machine: Machine,
+    /// What every wire of the level is, over the machine's wires; `None` for what nobody asked for.
+    pub values: Vec<Option<Expr>>,
+}
+
+/// What stands in the place of a component.
+enum Piece<'l> {
+    /// The component itself.
+    Own(&'l Component),
+    /// A machine, as the contract that it refines.
+    Promise {
+        component: Box<Component>,
+        /// Which output of the component each output of the view is.
+        outputs: Vec<Option<usize>>,
+    },
+    /// A machine, as its components.
+    Parts {
+        inner: &'l Nested,
+        expanded: Box<Expanded>,
+    },
+}
+
+impl Piece<'_> {
+    fn components(&self) -> &[Component] {
+        match self {
+            Self::Own(component) => std::slice::from_ref(component),
+            Self::Promise { component, .. } => std::slice::from_ref(&**component),
+            Self::Parts { expanded, .. } => &expanded.machine.components,
+        }
+    }
+}
+
+/// The machine of a level, with its layers taken apart; what a machine without inner ones is already.
+pub(super) fn finish(level: Level) -> Machine {
+    if level.nested.iter().all(Option::is_none) {
+        return level.machine;
+    }
+    let mut flat = expand(&level, How::Flat, &BTreeSet::new()).machine;
+    let abstracted = expand(&level, How::Abstracted, &BTreeSet::new()).machine;
+    let spans: Vec<_> = level.machine.components.iter().map(|c| c.span).collect();
+    let nested = level.nested.into_iter().zip(spans);
+    let inner = nested.filter_map(|(nested, span)| {
+        let nested = nested?;
+        Some(Inner {
+            name: nested.name,
+            machine: Arc::new(finish(nested.level)),
+            span,
+        })
+    });
+    flat.layers = Layers {
+        inner: inner.collect(),
+        abstracted: Some(Arc::new(abstracted)),
+    };
+    flat
+}
+
+/// Takes the layers apart. `wanted` are wires of the level that are read from outside of it.
+pub(super) fn expand(level: &Level, how: How, wanted: &BTreeSet<usize>) -> Expanded {
+    let mut read = mentioned(&level.machine, how);
+    read.extend(wanted);
+    let components = level.machine.components.iter().zip(&level.nested);
+    let pieces: Vec<Piece<'_>> = components
+        .enumerate()
+        .map(|(index, (component, nested))| match nested {
+            None => Piece::Own(component),
+            Some(inner) => {
+                let first = level.machine.first_wire(index);
+                let outputs = 0..inner.seen.len();
+                let read = outputs.filter(|o| read.contains(&(first + o))).collect();
+                piece(inner, component, how, &read)
+            }
+        })
+        .collect();
+    let places = Places::new(level, &pieces);
+    let count = level.machine.wire_count();
+    let values: Vec<Option<Expr>> = (0..count).map(|w| places.wire(w)).collect();
+    Expanded {
+        machine: assemble(level, how, &places, &values),
+        values,
+    }
+}
+
+fn piece<'l>(
+    inner: &'l Nested,
+    component: &Component,
+    how: How,
+    read: &BTreeSet<usize>,
+) -> Piece<'l> {
+    if let (How::Abstracted, Some(promised)) = (how, inner.flat.refines.first()) {
+        return promise(inner, promised, component, read);
+    }
+    let mut wanted = BTreeSet::new();
+    for output in read {
+        if let Seen::Wire(wire) = inner.seen[*output] {
+            wanted.insert(wire);
+        }
+    }
+    Piece::Parts {
+        inner,
+        expanded: Box::new(expand(&inner.level, how, &wanted)),
+    }
+}
+
+/// One component with the contract, and with what is read beside.
+fn promise<'l>(
+    inner: &Nested,
+    promised: &Promised,
+    component: &Component,
+    read: &BTreeSet<usize>,
+) -> Piece<'l> {
+    let mut specification = Specification::clone(&promised.specification);
+    let own: Vec<VarId> = specification.outputs().collect();
+    let known = |expr: &Expr| {
+        let is = |v: &VarId| promised.bindings[v.index()].as_ref() == Some(expr);
+        own.iter().position(is)
+    };
+    let mut outputs = vec![None; inner.seen.len()];
+    let mut count = own.len();
+    for &output in read {
+        let found = match inner.seen[output] {
+            Seen::Promised(v) => own.iter().position(|o| *o == v),
+            Seen::Done | Seen::Wire(_) => known(&inner.values[output]),
+        };
+        outputs[output] = Some(found.unwrap_or_else(|| {
+            let variable = &component.specification.variable(inner.output(output));
+            specification.variables.push((*variable).clone());
+            count += 1;
+            count - 1
+        }));
+    }
+    specification.timing = inner.timing(promised);
+    // What the contract takes from outside, by way of what the inner machine takes.
+    let inputs = promised.specification.inputs();
+    let bindings = inputs.filter_map(|v| {
+        let binding = promised.bindings[v.index()].as_ref()?;
+        Some(binding.substitute(&mut |w, _| component.bindings[w.index()].clone()))
+    });
+    Piece::Promise {
+        component: Box::new(Component {
+            contract: promised.contract.clone(),
+            bindings: bindings.collect(),
+            specification: Arc::new(specification),
+            ..component.clone()
+        }),
+        outputs,
+    }
+}
+
+/// Where everything stands in the new machine.
+struct Places<'l> {
+    level: &'l Level,
+    pieces: &'l [Piece<'l>],
+    /// For every component of every piece, its place among the new components.
+    indices: Vec<Vec<usize>>,
+    /// The first wire of every new component.
+    firsts: Vec<usize>,
+    /// How many wires there are.
+    count: usize,
+}
+
+impl<'l> Places<'l> {
+    /// Coordinators first, of all layers: they answer before anybody else. Those that watch come last, since they see all others.
+    fn new(level: &'l Level, pieces: &'l [Piece<'l>]) -> Self {
+        let all = pieces.iter().enumerate().flat_map(|(i, piece)| {
+            let components = piece.components().iter().enumerate();
+            components.map(move |(k, c)| (c.role, i, k))
+        });
+        let mut order: Vec<(Role, usize, usize)> = all.collect();
+        order.sort_unstable();
+        let mut indices: Vec<Vec<usize>> = pieces
+            .iter()
+            .map(|p| vec![0; p.components().len()])
+            .collect();
+        let mut firsts = Vec::new();
+        let mut count = level.machine.plant.len();
+        for (place, (_, i, k)) in order.into_iter().enumerate() {
+            indices[i][k] = place;
+            firsts.push(count);
+            count += pieces[i].components()[k].specification.outputs().count();
+        }
+        Self {
+            level,
+            pieces,
+            indices,
+            firsts,
+            count,
+        }
+    }
+
+    /// A wire of the level.
+    fn wire(&self, wire: usize) -> Option<Expr> {
+        let machine = &self.level.machine;
+        if wire < machine.plant.len() {
+            return Some(Expr::now(VarId(wire as u32)));
+        }
+        let firsts = (0..self.pieces.len()).map(|i| machine.first_wire(i));
+        let index = firsts.enumerate().take_while(|(_, f)| *f <= wire).last()?.0;
+        let output = wire - machine.first_wire(index);
+        match &self.pieces[index] {
+            Piece::Own(_) => Some(self.output(index, 0, output)),
+            Piece::Promise { outputs, .. } => Some(self.output(index, 0, outputs[output]?)),
+            Piece::Parts { inner, expanded } => {
+                let expr = match inner.seen[output] {
+                    Seen::Wire(wire) => expanded.values[wire].clone()?,
+                    Seen::Done => expanded.machine.done.clone()?,
+                    Seen::Promised(v) => {
+                        let promised = expanded.machine.refines.first()?;
+                        promised.bindings[v.index()].clone()?
+                    }
+                };
+                Some(self.inside(index, &expr))
+            }
+        }
+    }
+
+    fn output(&self, index: usize, part: usize, output: usize) -> Expr {
+        Expr::now(VarId(
+            (self.firsts[self.indices[index][part]] + output) as u32,
+        ))
+    }
+
+    /// An expression over a level's wires.
+    fn over(&self, expr: &Expr) -> Expr {
+        expr.substitute(&mut |w, time| {
+            let value = self.wire(w.index());
+            let value = value.expect("a wire that was asked for; please report this");
+            at(&value, time)
+        })
+    }
+
+    /// An expression over the wires of an inner machine that was taken apart.
+    fn inside(&self, index: usize, expr: &Expr) -> Expr {
+        let Piece::Parts { expanded, .. } = &self.pieces[index] else {
+            return self.over(expr);
+        };
+        expr.substitute(&mut |w, time| at(&self.inner_wire(index, &expanded.machine, w), time))
+    }
+
+    fn inner_wire(&self, index: usize, machine: &Machine, wire: VarId) -> Expr {
+        let wire = wire.index();
+        if wire < machine.plant.len() {
+            return self.over(&self.level.machine.components[index].bindings[wire]);
+        }
+        let firsts = (0..machine.components.len()).map(|k| (k, machine.first_wire(k)));
+        let (part, first) = firsts
+            .take_while(|(_, first)| *first <= wire)
+            .last()
+            .expect("a wire of this machine; please report this");
+        self.output(index, part, wire - first)
+    }
+}
+
+fn at(expr: &Expr, time: Time) -> Expr {
+    expr.substitute(&mut |w, _| Expr::Var(w, time))
+}
+
+/// The level's wires that somebody in it reads.
+fn mentioned(machine: &Machine, how: How) -> BTreeSet<usize> {
+    let mut found = BTreeSet::new();
+    let mut see = |expr: &Expr| {
+        expr.for_each_var(&mut |v, _| {
+            found.insert(v.index());
+        });
+    };
+    for component in &machine.components {
+        component.bindings.iter().for_each(&mut see);
+        component.active.iter().for_each(&mut see);
+    }
+    machine.done.iter().for_each(&mut see);
+    let rules = [&machine.guarantees.side, &machine.guarantees.definitions];
+    for formula in rules.into_iter().flat_map(Side::all) {
+        see(&formula.expr);
+    }
+    for promised in &machine.refines {
+        promised.bindings.iter().flatten().for_each(&mut see);
+    }
+    for orders in &machine.orders {
+        orders.when.iter().for_each(&mut see);
+    }
+    if how == How::Flat {
+        for (_, value) in &machine.writes {
+            value.for_each(&mut |x| {
+                if let RealExpr::Wire(wire) = x {
+                    found.insert(*wire);
+                }
+            });
+        }
+    }
+    found
+}
+
+fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>]) -> Machine {
+    let old = &level.machine;
+    let mut components: Vec<Option<Component>> = vec![None; places.firsts.len()];
+    for (index, piece) in places.pieces.iter().enumerate() {
+        for (part, component) in piece.components().iter().enumerate() {
+            let place = places.indices[index][part];
+            components[place] = Some(placed(
+                places,
+                index,
+                piece,
+                component,
+                &old.components[index],
+            ));
+        }
+    }
+    let wire = |w: usize| {
+        let value = values[w].as_ref();
+        RealExpr::of_wires(value.expect("a wire that was asked for; please report this"))
+    };
+    let writes = match how {
+        How::Flat => old
+            .writes
+            .iter()
+            .map(|(p, x)| (*p, x.substitute(&RealExpr::Property, &wire)))
+            .collect(),
+        // Proofs know nothing of a part's numbers.
+        How::Abstracted => Vec::new(),
+    };
+    let nested = || level.nested.iter().flatten();
+    Machine {
+        components: components.into_iter().flatten().collect(),
+        writes,
+        operations: old
+            .operations
+            .iter()
+            .zip(&level.performed)
+            .map(
+                |(operation, performed)| crate::contract::machine::Operation {
+                    sequence: performed
+                        .iter()
+                        .flat_map(|p| sequence(places, *p))
+                        .collect(),
+                    ..operation.clone()
+                },
+            )
+            .collect(),
+        done: old.done.as_ref().map(|done| places.over(done)),
+        base_watts: old.base_watts + nested().map(|n| n.flat.base_watts).sum::<f64>(),
+        idle_watts: old.idle_watts + nested().map(|n| n.flat.idle_watts).sum::<f64>(),
+        refines: old
+            .refines
+            .iter()
+            .map(|promised| Promised {
+                bindings: promised
+                    .bindings
+                    .iter()
+                    .map(|b| b.as_ref().map(|b| places.over(b)))
+                    .collect(),
+                ..promised.clone()
+            })
+            .collect(),
+        guarantees: rules(&old.guarantees, old.wire_count(), places),
+        orders: orders(&old.orders, places),
+        ..old.clone()
+    }
+}
+
+/// The skills that the machine calls, and those that the machines within it call, as far as they were taken apart.
+fn orders(own: &[Orders], places: &Places<'_>) -> Vec<Orders> {
+    let over = |orders: &Orders| Orders {
+        when: orders.when.iter().map(|e| places.over(e)).collect(),
+        ..orders.clone()
+    };
+    let mut all: Vec<Orders> = own.iter().map(over).collect();
+    for (index, piece) in places.pieces.iter().enumerate() {
+        let Piece::Parts { inner, expanded } = piece else {
+            continue;
+        };
+        all.extend(expanded.machine.orders.iter().map(|orders| {
+            Orders {
+                when: orders
+                    .when
+                    .iter()
+                    .map(|e| places.inside(index, e))
+                    .collect(),
+                of: match orders.of.as_str() {
+                    "" => inner.name.clone(),
+                    deeper => format!("{}.{deeper}", inner.name),
+                },
+                ..orders.clone()
+            }
+        }));
+    }
+    all
+}
+
+/// A component in its new place. `holder` is the inner machine's own place.
+fn placed(
+    places: &Places<'_>,
+    index: usize,
+    piece: &Piece<'_>,
+    component: &Component,
+    holder: &Component,
+) -> Component {
+    let over = |expr: &Expr| places.inside(index, expr);
+    let mut placed = Component {
+        bindings: component.bindings.iter().map(over).collect(),
+        active: component.active.as_ref().map(over),
+        ..component.clone()
+    };
+    if let Piece::Parts { inner, .. } = piece {
+        placed.name = format!("{}.{}", inner.name, component.name);
+        placed.time = component.time.as_ref().map(|t| inner.timed(t));
+        placed.watts = inner.over_properties(&component.watts);
+        placed.span = holder.span;
+    }
+    placed
+}
+
+/// What an operation performs there.
+fn sequence(places: &Places<'_>, (index, operation): (usize, Option<usize>)) -> Vec<usize> {
+    let new = &places.indices[index];
+    match (&places.pieces[index], operation) {
+        (Piece::Parts { expanded, .. }, Some(operation)) => {
+            let performed = &expanded.machine.operations[operation].sequence;
+            performed.iter().map(|part| new[*part]).collect()
+        }
+        (Piece::Parts { .. }, None) => Vec::new(),
+        (Piece::Own(_) | Piece::Promise { .. }, _) => vec![new[0]],
+    }
+}
+
+/// The machine's own guarantees: the variables of monitors stand behind the wires.
+fn rules(rules: &Rules, before: usize, places: &Places<'_>) -> Rules {
+    let put = |formulas: &[Formula]| -> Vec<Formula> {
+        let moved = formulas.iter().map(|f| Formula {
+            expr: f
+                .expr
+                .substitute(&mut |v, time| match v.index().checked_sub(before) {
+                    Some(monitor) => Expr::Var(VarId((places.count + monitor) as u32), time),
+                    None => places.over(&Expr::Var(v, time)),
+                }),
+            ..f.clone()
+        });
+        moved.collect()
+    };
+    let side = |side: &Side| Side {
+        initial: put(&side.initial),
+        invariants: put(&side.invariants),
+        safety: put(&side.safety),
+        justice: put(&side.justice),
+    };
+    Rules {
+        side: side(&rules.side),
+        monitors: rules.monitors.clone(),
+        definitions: side(&rules.definitions),
+    }
+}
+
+impl Nested {
+    /// Whether the contract stands for a machine that answers before it looks. A `moore` contract does not make one of it: what its outputs
+    /// are bound to has to come from components that answer first.
+    fn timing(&self, promised: &Promised) -> Timing {
+        let specification = &promised.specification;
+        let first = specification.outputs().all(|v| {
+            let binding = promised.bindings[v.index()].as_ref();
+            binding.is_none_or(|b| answers_first(&self.flat, b))
+        });
+        match (specification.timing, first) {
+            (Timing::Moore, true) => Timing::Moore,
+            _ => Timing::Mealy,
+        }
+    }
+
+    /// The variable of the view's output of this number.
+    fn output(&self, output: usize) -> VarId {
+        VarId((self.level.machine.plant.len() + output) as u32)
+    }
+}
+
+/// Whether all that an expression reads is on its wires from the beginning of the step.
+pub(super) fn answers_first(machine: &Machine, expr: &Expr) -> bool {
+    let mut first = true;
+    expr.for_each_var(&mut |v, _| {
+        let wire = v.index();
+        first &= wire >= machine.plant.len()
+            && (0..machine.components.len())
+                .rev()
+                .find(|c| machine.first_wire(*c) <= wire)
+                .is_some_and(|c| machine.components[c].specification.timing == Timing::Moore);
+    });
+    first
+}
+
+/// All that can be seen of a machine from outside, as a contract without formulas: its plant's wires are the inputs.
+pub(super) fn view(machine: &Machine, seen: &[Seen]) -> Specification {
+    let inputs = machine.plant.iter().map(|input| Variable {
+        name: input.name.clone(),
+        owner: Owner::Environment,
+        internal: false,
+        domain: input.domain.clone(),
+        unit: input.unit.clone(),
+        span: input.span,
+    });
+    let outputs = seen.iter().map(|seen| {
+        let (name, domain, unit, span) = match seen {
+            Seen::Promised(v) => {
+                let variable = machine.refines[0].specification.variable(*v);
+                let Variable {
+                    name,
+                    domain,
+                    unit,
+                    span,
+                    ..
+                } = variable;
+                (name.clone(), domain.clone(), unit.clone(), *span)
+            }
+            Seen::Done => {
+                let domain = linewright_core::gr1::Domain::Bool;
+                ("done".to_owned(), domain, String::new(), machine.span)
+            }
+            Seen::Wire(wire) => (
+                machine.wire_name(*wire),
+                machine.wire_domain(*wire).clone(),
+                wire_unit(machine, *wire),
+                machine.span,
+            ),
+        };
+        Variable {
+            name,
+            owner: Owner::System,
+            internal: false,
+            domain,
+            unit,
+            span,
+        }
+    });
+    Specification {
+        name: machine.name.clone(),
+        timing: Timing::Mealy,
+        variables: inputs.chain(outputs).collect(),
+        assumptions: Side::default(),
+        guarantees: Side::default(),
+    }
+}
+
+fn wire_unit(machine: &Machine, wire: usize) -> String {
+    let outputs = machine.components.iter().flat_map(|c| {
+        let specification = &c.specification;
+        specification.outputs().map(|v| specification.variable(v))
+    });
+    let mut outputs = outputs.skip(wire - machine.plant.len());
+    outputs.next().map_or_else(String::new, |v| v.unit.clone())
+}

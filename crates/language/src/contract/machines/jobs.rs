@@ -1,0 +1,161 @@
+//! What a job sets: inputs of the actions that it runs, `operation shift: pick, move(tx = 2, ty = 1), place`.
+//!
+//! While the operation runs, the input has the value that stands there; otherwise the one it is bound to in the action, if any.
+//! An action that runs several times in one operation is given the same each time, since its place in the sequence is known to
+//! the coordinator alone; a second instance of the action tells the two apart.
+
+use super::Parts;
+use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::scope::double;
+use crate::contract::shape::way;
+use crate::contract::value::{Term, Type};
+use crate::syntax::ast::{self, MachineItem};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::{BinaryOp, Domain, Specification, Time, VarId};
+use linewright_core::source::SourceMap;
+
+/// What one operation says about an action.
+pub(super) struct Job<'a> {
+    /// The operation.
+    pub operation: &'a ast::Name,
+    /// What it sets.
+    pub arguments: &'a [ast::Argument],
+}
+
+/// Who performs what stands in a sequence: `left` of `left.fetch`.
+pub(super) fn performer(run: &str) -> &str {
+    run.split('.').next().unwrap_or(run)
+}
+
+/// The operations that run an action, in order, each once.
+pub(super) fn jobs<'a>(machine: &'a ast::Machine, action: &str) -> Vec<Job<'a>> {
+    let mut found = Vec::new();
+    for item in &machine.items {
+        let MachineItem::Operation { name, sequence, .. } = item else {
+            continue;
+        };
+        let mut runs = sequence
+            .iter()
+            .filter(|p| performer(&p.name.text) == action);
+        if let Some(first) = runs.next() {
+            found.push(Job {
+                operation: name,
+                arguments: &first.arguments,
+            });
+        } else if sequence.is_empty() && name.text == action {
+            found.push(Job {
+                operation: name,
+                arguments: &[],
+            });
+        }
+    }
+    found
+}
+
+/// Reports what operations set that is no input, or set twice, or set differently for two runs of one action.
+pub(super) fn check(e: &mut Elaborator<'_>, parts: &Parts<'_>, sources: &SourceMap) {
+    for item in &parts.machine.items {
+        let MachineItem::Operation { name, sequence, .. } = item else {
+            continue;
+        };
+        for (i, run) in sequence.iter().enumerate() {
+            let component = parts
+                .components
+                .iter()
+                .find(|(c, _)| c.name.text == performer(&run.name.text) && !c.is_coordinator());
+            if let Some((_, specification)) = component {
+                inputs_exist(e, run, specification);
+            }
+            let mut earlier = sequence[..i].iter();
+            if let Some(first) =
+                earlier.find(|p| performer(&p.name.text) == performer(&run.name.text))
+                && !same(sources, &first.arguments, &run.arguments)
+            {
+                e.findings.push(
+                    Diagnostic::error(
+                        codes::OPERATION,
+                        run.name.span,
+                        format!(
+                            "`{}` sets other inputs of `{}` here than where it runs before",
+                            name.text, run.name.text
+                        ),
+                    )
+                    .with_label(first.name.span, "it runs here")
+                    .with_help(format!(
+                        "give both runs the same, or declare a second action with the contract of `{}` for this one",
+                        run.name.text
+                    )),
+                );
+            }
+        }
+    }
+}
+
+fn inputs_exist(e: &mut Elaborator<'_>, run: &ast::Performed, specification: &Specification) {
+    let mut known: Vec<&str> = specification
+        .inputs()
+        .map(|id| way(&specification.variable(id).name).0)
+        .collect();
+    known.dedup();
+    for (i, argument) in run.arguments.iter().enumerate() {
+        let name = &argument.name;
+        if !known.contains(&name.text.as_str()) {
+            let help = match nearest(&name.text, known.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("its inputs are {}", known.join(", ")),
+            };
+            e.error_with(
+                codes::NAME_UNKNOWN,
+                name.span,
+                format!("`{}` has no input `{}`", run.name.text, name.text),
+                help,
+            );
+        }
+        let mut earlier = run.arguments[..i].iter().map(|a| &a.name);
+        if let Some(first) = earlier.find(|n| n.text == name.text) {
+            e.findings.push(double(name, first.span));
+        }
+    }
+}
+
+/// Whether two runs are given the same, as it is written.
+fn same(sources: &SourceMap, a: &[ast::Argument], b: &[ast::Argument]) -> bool {
+    let words = |x: &ast::Argument| -> Vec<String> {
+        let text = sources.text(x.value.span).split_whitespace();
+        text.map(str::to_owned).collect()
+    };
+    let given =
+        |y: &ast::Argument, x: &ast::Argument| y.name.text == x.name.text && words(y) == words(x);
+    a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| given(y, x)))
+}
+
+/// The job of one of several coordinators: the operation that runs, where it knows it, and else `none`. `None` where the wire itself
+/// has that type.
+pub(super) fn job_of(wires: &Elaborator<'_>, ty: &Type) -> Option<Term> {
+    let (Type::Enum(own), Some(Domain::Enum { labels, .. })) =
+        (ty, wires.domains.first()?.as_ref())
+    else {
+        return None;
+    };
+    let rest = own.iter().position(|l| l == "none")?;
+    if own == labels {
+        return None;
+    }
+    let jobs = own.iter().enumerate().filter(|(i, _)| *i != rest);
+    Some(jobs.fold(Term::Int(rest as i64), |otherwise, (i, job)| {
+        match runs(wires, job) {
+            Some(runs) => Term::choose(runs, Term::Int(i as i64), otherwise),
+            None => otherwise,
+        }
+    }))
+}
+
+/// "This operation runs", over the wires.
+pub(super) fn runs(wires: &Elaborator<'_>, operation: &str) -> Option<Term> {
+    let Some(Domain::Enum { labels, .. }) = wires.domains.first()?.as_ref() else {
+        return None;
+    };
+    let value = labels.iter().position(|l| l == operation)?;
+    let wire = Term::Var(VarId(0), Time::Now);
+    Some(Term::binary(BinaryOp::Eq, wire, Term::Int(value as i64)))
+}

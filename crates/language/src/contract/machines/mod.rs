@@ -1,0 +1,429 @@
+//! From a machine's syntax tree and arguments to its model: contracts instantiated, wires laid, expressions resolved.
+
+mod component;
+mod expand;
+mod jobs;
+mod nested;
+mod orders;
+mod plant;
+mod promises;
+mod properties;
+mod same_step;
+mod settings;
+
+pub(super) use properties::{
+    PropertyType, assigned, element_names, property_type, property_values, see_property,
+};
+pub(super) use settings::{failures, positive};
+
+use super::elaborate::{Elaborator, nearest};
+use super::instantiate::{self, Arguments, instantiate};
+use super::machine::{Layers, Machine, PlantInput, Property, PropertyKind, Rules};
+use super::scope::{self, Decl, Scope, double, stands_twice};
+use crate::syntax::ast::{self, MachineItem};
+use component::{component, scope_of_wires};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::{Domain, Specification, Timing};
+use linewright_core::source::{SourceMap, Span};
+use nested::{Level, Nested, nested};
+use plant::{declare_plant, operations};
+use settings::settings;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Operations that say nothing else end within so many steps.
+const DEFAULT_STEP_LIMIT: u64 = 10_000;
+
+struct Parts<'a> {
+    machine: &'a ast::Machine,
+    properties: Vec<(Property, Option<Domain>)>,
+    /// By name: its first element's index and its type.
+    property_types: BTreeMap<String, (usize, PropertyType)>,
+    plant: Vec<PlantInput>,
+    plant_entries: BTreeMap<String, Vec<usize>>,
+    /// A machine stands among them with its view for a contract.
+    components: Vec<(&'a ast::Component, Arc<Specification>)>,
+    /// For every component, the machine that it is.
+    nested: Vec<Option<Nested>>,
+    /// The machines that this one stands within, the outermost first, and its own name.
+    path: Vec<&'a str>,
+}
+
+/// A machine with these arguments. `None` when something is wrong; findings say what.
+pub(super) fn machine(
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+    machine: &ast::Machine,
+    given: &Arguments,
+    call: Option<Span>,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<Machine> {
+    level(scope, sources, machine, given, call, &[], findings).map(expand::finish)
+}
+
+/// The same as it is written, with its layers. `path` are the machines that it stands within.
+fn level(
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+    machine: &ast::Machine,
+    given: &Arguments,
+    call: Option<Span>,
+    path: &[&str],
+    findings: &mut Vec<Diagnostic>,
+) -> Option<Level> {
+    let mut e = scope.elaborator();
+    e.real = true;
+    if instantiate::bind(&mut e, &machine.header.parameters, given, call).is_none() {
+        findings.append(&mut e.findings);
+        return None;
+    }
+    let decls = machine.items.iter().filter_map(|item| match item {
+        MachineItem::Const(decl) => Some(Decl::Constant(decl)),
+        MachineItem::Type(decl) => Some(Decl::Type(decl)),
+        _ => None,
+    });
+    let decls: Vec<_> = decls.collect();
+    scope::settle(&mut e, &decls);
+    let mut parts = Parts {
+        machine,
+        properties: Vec::new(),
+        property_types: BTreeMap::new(),
+        plant: Vec::new(),
+        plant_entries: BTreeMap::new(),
+        components: Vec::new(),
+        nested: Vec::new(),
+        path: [path, &[machine.header.name.text.as_str()]].concat(),
+    };
+    let result = build(&mut e, &mut parts, scope, sources);
+    let broken = e.refused();
+    findings.append(&mut e.findings);
+    if broken { None } else { result }
+}
+
+fn build<'a>(
+    e: &mut Elaborator<'a>,
+    parts: &mut Parts<'a>,
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+) -> Option<Level> {
+    let machine = parts.machine;
+    no_doubles(e, machine);
+    declare_properties(e, parts);
+    instantiate_components(e, parts, scope, sources);
+    let (operations, performed) = operations(e, parts);
+    jobs::check(e, parts, sources);
+    declare_plant(e, parts);
+    orders::guarantee(e, parts, scope);
+    let mut model = Machine {
+        name: machine.header.name.text.clone(),
+        doc: machine.header.doc.clone(),
+        codes: instantiate::stated_codes(&machine.header),
+        components: Vec::new(),
+        plant: Vec::new(),
+        properties: Vec::new(),
+        operations: Vec::new(),
+        writes: Vec::new(),
+        done: None,
+        step_seconds: 1.0,
+        base_watts: 0.0,
+        idle_watts: 0.0,
+        step_limit: DEFAULT_STEP_LIMIT,
+        failures: None,
+        refines: Vec::new(),
+        guarantees: Rules::default(),
+        orders: Vec::new(),
+        layers: Layers::default(),
+        span: machine.header.name.span,
+    };
+    settings::numbers(e, machine, &mut model);
+    if e.refused() {
+        return None;
+    }
+    let properties = parts.properties.len();
+
+    // Wires: the plant's first, then every component's outputs.
+    let mut wires = scope_of_wires(e, parts);
+    let mut components = Vec::new();
+    let mut first = parts.plant.len();
+    let firsts: Vec<usize> = parts
+        .components
+        .iter()
+        .map(|(_, s)| {
+            let here = first;
+            first += s.outputs().count();
+            here
+        })
+        .collect();
+    for index in 0..parts.components.len() {
+        let component = component(e, &mut wires, parts, index, &firsts);
+        components.extend(component);
+    }
+    e.tainted |= wires.tainted;
+    e.findings.append(&mut wires.findings);
+
+    model.components = components;
+    model.plant.clone_from(&parts.plant);
+    model.properties = parts.properties.iter().map(|(p, _)| p.clone()).collect();
+    model.operations = operations;
+    settings(e, parts, &mut model, &mut wires, properties);
+    model.refines = promises::refined(e, &mut wires, parts, scope, sources);
+    model.orders = orders::orders(&mut wires, parts, scope);
+    model.guarantees = promises::guarantees(&mut wires, parts, sources);
+    for watching in orders::watching(&mut wires, &model) {
+        orders::add(&mut model, watching);
+        parts.nested.push(None);
+    }
+    e.tainted |= wires.tainted;
+    e.findings.append(&mut wires.findings);
+    let says_done = machine
+        .items
+        .iter()
+        .any(|i| matches!(i, MachineItem::Done(_)));
+    let has_operations = machine
+        .items
+        .iter()
+        .any(|i| matches!(i, MachineItem::Operation { .. }));
+    if has_operations != says_done {
+        e.error_with(
+            codes::OPERATION,
+            machine.header.name.span,
+            if has_operations {
+                "this machine has operations, but does not say when one is done"
+            } else {
+                "this machine says when an operation is done, but has none"
+            },
+            "a machine has both `operation ...` and `done ...`, or neither (a belt that is only stepped)",
+        );
+    }
+    Some(Level {
+        machine: model,
+        nested: std::mem::take(&mut parts.nested),
+        performed,
+        properties: std::mem::take(&mut parts.property_types),
+    })
+}
+
+/// Statements that may stand once, and names that may be declared once.
+fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
+    let parameters = machine.header.parameters.iter().map(|p| &p.name);
+    let mut names: BTreeMap<&str, Span> = BTreeMap::new();
+    for name in parameters {
+        if let Some(first) = names.insert(&name.text, name.span) {
+            e.findings.push(double(name, first));
+        }
+    }
+    // Operations have names of their own: one that is a single action is called like it.
+    let mut operations: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut rules: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut once: BTreeMap<&str, Span> = BTreeMap::new();
+    for item in &machine.items {
+        let name = match item {
+            MachineItem::Property(t)
+            | MachineItem::Parameter(t)
+            | MachineItem::Signal(t)
+            | MachineItem::Abstract(t) => &t.name,
+            MachineItem::Component(c) => &c.name,
+            MachineItem::Guarantee { name, .. } => {
+                // Formulas have names of their own, too.
+                let first = name.as_ref().and_then(|n| rules.insert(&n.text, n.span));
+                if let (Some(name), Some(first)) = (name, first) {
+                    e.findings.push(double(name, first));
+                }
+                continue;
+            }
+            MachineItem::Const(c) => &c.name,
+            MachineItem::Type(t) => &t.name,
+            MachineItem::Operation { name, .. } => {
+                if let Some(first) = operations.insert(&name.text, name.span) {
+                    e.findings.push(double(name, first));
+                }
+                continue;
+            }
+            MachineItem::Done(x)
+            | MachineItem::Step(x)
+            | MachineItem::IdlePower(x)
+            | MachineItem::Power(x)
+            | MachineItem::Limit(x)
+            | MachineItem::Failures(x, _) => {
+                let (word, help) = match item {
+                    MachineItem::Done(_) => ("done", "join the two with `or`"),
+                    MachineItem::Step(_) => ("step", "leave one of the two out"),
+                    MachineItem::IdlePower(_) => ("idle power", "leave one of the two out"),
+                    MachineItem::Power(_) => ("power", "add the two numbers up"),
+                    MachineItem::Limit(_) => ("limit", "leave one of the two out"),
+                    _ => ("failures", "leave one of the two out"),
+                };
+                if let Some(first) = once.insert(word, x.span) {
+                    e.findings.push(stands_twice(word, x.span, first, help));
+                }
+                continue;
+            }
+            MachineItem::Write { .. } | MachineItem::Refines(_) | MachineItem::Skills(_) => {
+                continue;
+            }
+        };
+        if let Some(first) = names.insert(&name.text, name.span) {
+            e.findings.push(double(name, first));
+        }
+    }
+}
+
+fn declare_properties<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
+    for item in &parts.machine.items {
+        let (typed, kind) = match item {
+            MachineItem::Property(t) => (t, PropertyKind::Part),
+            MachineItem::Parameter(t) => (t, PropertyKind::Parameter),
+            _ => continue,
+        };
+        let Some(ty) = property_type(e, &typed.domain) else {
+            e.broken.insert(typed.name.text.clone());
+            continue;
+        };
+        let Some(values) = property_values(e, &ty, typed.values.first()) else {
+            e.broken.insert(typed.name.text.clone());
+            continue;
+        };
+        let first = parts.properties.len();
+        for (name, default) in element_names(&typed.name.text, &ty).into_iter().zip(values) {
+            parts.properties.push((
+                Property {
+                    name,
+                    unit: ty.unit.clone(),
+                    default,
+                    kind,
+                    domain: ty.domain.clone(),
+                    span: typed.name.span,
+                },
+                ty.domain.clone(),
+            ));
+        }
+        see_property(e, &typed.name.text, &ty);
+        parts
+            .property_types
+            .insert(typed.name.text.clone(), (first, ty));
+    }
+}
+
+/// A component's contract with the component's arguments; what is wrong with the call is reported.
+fn instance<'a>(
+    e: &mut Elaborator<'a>,
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+    c: &'a ast::Component,
+) -> Option<Arc<Specification>> {
+    let Some(contract) = scope.contracts.get(c.contract.text.as_str()) else {
+        let known = scope.contracts.keys().copied();
+        let help = match nearest(&c.contract.text, known) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "import the file that declares it".to_owned(),
+        };
+        e.error_with(
+            codes::NAME_UNKNOWN,
+            c.contract.span,
+            format!("there is no contract `{}`", c.contract.text),
+            help,
+        );
+        return None;
+    };
+    let given = instantiate::arguments(
+        e,
+        &contract.header.parameters,
+        &c.arguments,
+        &c.contract.text,
+    );
+    let mut found = Vec::new();
+    let instance = instantiate(
+        scope,
+        sources,
+        contract,
+        &given,
+        Some(c.contract.span),
+        &mut found,
+    );
+    let instance = called(e, c, found, "contract", instance)?;
+    Some(instance.specification)
+}
+
+/// What came of a call. What is wrong within the contract or machine (`what`) is reported once, where it stands; here only what the call
+/// gets wrong.
+fn called<T>(
+    e: &mut Elaborator<'_>,
+    c: &ast::Component,
+    found: Vec<Diagnostic>,
+    what: &str,
+    result: Option<T>,
+) -> Option<T> {
+    let calls = found.into_iter().filter(|d| {
+        let argument = |s: Span| c.arguments.iter().any(|a| a.value.span == s);
+        // Of machines that contain each other none would tell it of itself.
+        d.code == codes::MACHINE_IN_ITSELF
+            || d.code == codes::ARGUMENT
+                && d.span.is_some_and(|s| s == c.contract.span || argument(s))
+    });
+    let before = e.findings.len();
+    e.findings.extend(calls);
+    if result.is_some() {
+        return result;
+    }
+    // Without arguments it is wrong by itself.
+    if c.arguments.is_empty() {
+        e.tainted = true;
+    } else if e.findings.len() == before {
+        let name = &c.contract.text;
+        e.error_with(
+            codes::NAME_UNKNOWN,
+            c.contract.span,
+            format!("the {what} `{name}` cannot be used with these arguments"),
+            format!("see the findings of `{name}`, or other arguments"),
+        );
+    }
+    None
+}
+
+fn instantiate_components<'a>(
+    e: &mut Elaborator<'a>,
+    parts: &mut Parts<'a>,
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+) {
+    let items = parts.machine.items.iter().filter_map(|i| match i {
+        MachineItem::Component(c) => Some(c),
+        _ => None,
+    });
+    let mut ordered: Vec<&'a ast::Component> = items.collect();
+    ordered.sort_by_key(|c| !c.is_coordinator());
+    if ordered.is_empty() {
+        e.error_with(
+            codes::OPERATION,
+            parts.machine.header.name.span,
+            "this machine has no component",
+            "add `action name: Contract`",
+        );
+    }
+    for c in ordered {
+        if c.is_machine() {
+            if let Some((nested, view)) = nested(e, parts, scope, sources, c) {
+                parts.components.push((c, view));
+                parts.nested.push(Some(nested));
+            }
+        } else if let Some(specification) = instance(e, scope, sources, c) {
+            parts.components.push((c, specification));
+            parts.nested.push(None);
+        }
+    }
+    for (c, s) in &parts.components {
+        if c.is_coordinator() && s.timing != Timing::Moore {
+            e.findings.push(
+                Diagnostic::error(
+                    codes::COORDINATOR_KIND,
+                    c.contract.span,
+                    format!("the coordinator `{}` is not a `moore` contract", c.name.text),
+                )
+                .with_help(format!(
+                    "write `moore contract {}`: a coordinator answers before it sees what the actions do in the same step",
+                    c.contract.text
+                )),
+            );
+        }
+    }
+}

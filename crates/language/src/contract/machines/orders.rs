@@ -1,0 +1,474 @@
+//! The skills that a machine calls, and when: each set with one condition over wires a skill.
+//!
+//! The rules of a set stand in two places. Those about what one coordinator calls are guarantees of its contract, so that it is synthesized
+//! to keep them ([`guarantee`]). And all of them are assumptions of a component that does nothing but watch ([`watching`]): that they are
+//! kept is then proved like any other assumption, and checked by the library in every step.
+
+use super::Parts;
+use super::component::scope_of_wires;
+use crate::contract::elaborate::Elaborator;
+use crate::contract::machine::{Component, Machine, Orders, PlantSource, RealExpr, Role};
+use crate::contract::scope::Scope;
+use crate::contract::skills::{level, listed, near_or_all};
+use crate::order::bound::TooLarge;
+use crate::order::lower::{AT_FIRST, Condition, lower, rules_of};
+use crate::order::{Level, Skills};
+use crate::syntax::ast::{self, MachineItem};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::{
+    Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable, eval,
+};
+use linewright_core::source::Span;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The sets of skills that the machine calls, every skill bound.
+pub(super) fn orders<'a>(
+    wires: &mut Elaborator<'a>,
+    parts: &Parts<'a>,
+    scope: &Scope<'_>,
+) -> Vec<Orders> {
+    let decls = parts.machine.items.iter().filter_map(|item| match item {
+        MachineItem::Skills(decl) => Some(decl),
+        _ => None,
+    });
+    let mut sets: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut orders = Vec::new();
+    for decl in decls {
+        let set = &decl.set;
+        if let Some(first) = sets.insert(&set.text, set.span) {
+            wires.findings.push(
+                Diagnostic::error(
+                    codes::NAME_DOUBLE,
+                    set.span,
+                    format!("the skills of `{}` stand twice", set.text),
+                )
+                .with_label(first, "first here")
+                .with_help("leave one of the two out"),
+            );
+        }
+        let level = level(decl.level.as_ref(), &Level::ALL, &mut wires.findings);
+        // What is wrong with a condition is said whatever is wrong with the set.
+        let called = called(wires, decl);
+        let Some(skills) = skills(wires, scope, set) else {
+            continue;
+        };
+        let when = conditions(wires, decl, &skills, called);
+        let (Some(level), Some(when)) = (level, when) else {
+            wires.tainted = true;
+            continue;
+        };
+        orders.push(Orders {
+            skills,
+            level,
+            when,
+            of: String::new(),
+            span: set.span,
+        });
+    }
+    orders
+}
+
+/// The set of a name; one that cannot be used was reported.
+fn skills(wires: &mut Elaborator<'_>, scope: &Scope<'_>, name: &ast::Name) -> Option<Arc<Skills>> {
+    match scope.skills.get(name.text.as_str()) {
+        Some(Some(skills)) => Some(Arc::clone(skills)),
+        Some(None) => {
+            wires.tainted = true;
+            None
+        }
+        None => {
+            let known = scope.skills.keys().copied();
+            let help = match known.len() {
+                0 => "import the file that declares it".to_owned(),
+                _ => near_or_all(&name.text, known, "those in sight are"),
+            };
+            wires.error_with(
+                codes::NAME_UNKNOWN,
+                name.span,
+                format!("there are no skills `{}`", name.text),
+                help,
+            );
+            None
+        }
+    }
+}
+
+/// By name: where the name stands, and the condition, unless something is wrong with it.
+type Called<'a> = BTreeMap<&'a str, (Span, Option<Expr>)>;
+
+fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> Called<'a> {
+    let mut called = Called::new();
+    for call in &decl.calls {
+        let term = wires.boolean(&call.value, Time::Now);
+        let expr = term.and_then(|t| wires.formula(&t, call.value.span));
+        let name = &call.name;
+        if let Some((first, _)) = called.get(name.text.as_str()) {
+            wires.findings.push(
+                Diagnostic::error(
+                    codes::NAME_DOUBLE,
+                    name.span,
+                    format!("`{}` is bound twice", name.text),
+                )
+                .with_label(*first, "first here")
+                .with_help("join the two with `or`"),
+            );
+            continue;
+        }
+        called.insert(&name.text, (name.span, expr));
+    }
+    called
+}
+
+/// One condition a skill, in the order of the skills. `None` when something is wrong; it was reported.
+fn conditions(
+    wires: &mut Elaborator<'_>,
+    decl: &ast::SkillCalls,
+    skills: &Skills,
+    mut called: Called<'_>,
+) -> Option<Vec<Expr>> {
+    let name = &decl.set.text;
+    let bound: Vec<_> = skills
+        .skills
+        .iter()
+        .map(|skill| called.remove(skill.name.as_str()))
+        .collect();
+    let missing = skills.skills.iter().zip(&bound);
+    let missing: Vec<&str> = missing
+        .filter(|(_, bound)| bound.is_none())
+        .map(|(skill, _)| skill.name.as_str())
+        .collect();
+    for (unknown, (span, _)) in &called {
+        // A name with a slip is one of those that are missing, rather than another that is there.
+        let known = missing.iter().copied();
+        let all = skills.skills.iter().map(|s| s.name.as_str());
+        let help = match linewright_core::diagnostics::nearest(unknown, known) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => near_or_all(unknown, all, "its skills are"),
+        };
+        wires.error_with(
+            codes::NAME_UNKNOWN,
+            *span,
+            format!("`{name}` has no skill `{unknown}`"),
+            help,
+        );
+    }
+    if decl.broken {
+        // They may be bound by what could not be understood.
+        wires.tainted = true;
+        return None;
+    }
+    if let Some(first) = missing.first() {
+        wires.error_with(
+            codes::INPUT_UNBOUND,
+            decl.set.span,
+            format!(
+                "it is not said when {} of `{name}` {} called in this machine",
+                listed(missing.iter().copied()),
+                if missing.len() == 1 { "is" } else { "are" },
+            ),
+            format!("write `{first} = ...` here: a condition over the machine's wires, such as `component.output = value`; `false` for what it never calls"),
+        );
+        return None;
+    }
+    let when: Option<Vec<Expr>> = bound.into_iter().map(|b| b?.1).collect();
+    when
+}
+
+/// So many values of wires are tried to find out whether two skills can be called at once.
+const MOST_TRIED: u64 = 1 << 12;
+
+/// The rules about what one coordinator calls become guarantees of its contract. What is wrong is told later, by [`orders`].
+pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &Scope<'_>) {
+    let mut wires = scope_of_wires(e, parts);
+    let orders = orders(&mut wires, parts, scope);
+    if e.refused() || wires.refused() {
+        return;
+    }
+    let mut first = parts.plant.len();
+    for index in 0..parts.components.len() {
+        let (decl, specification) = &parts.components[index];
+        let outputs: Vec<VarId> = specification.outputs().collect();
+        let wire = first;
+        first += outputs.len();
+        if !decl.is_coordinator() {
+            continue;
+        }
+        let mut kept = Specification::clone(specification);
+        for orders in &orders {
+            // Over the coordinator's own variables; `None` for what others decide, too.
+            let own = |expr: &Expr| {
+                let mut all = true;
+                let over = expr.substitute(&mut |v, time| {
+                    let output = v.index().checked_sub(wire).and_then(|o| outputs.get(o));
+                    all &= output.is_some();
+                    Expr::Var(output.copied().unwrap_or(VarId(0)), time)
+                });
+                all.then_some(over)
+            };
+            let when = orders.when.iter();
+            let when: Vec<Option<Condition>> =
+                when.map(|w| own(w).map(Condition::rising)).collect();
+            // One that is too large is told where it watches.
+            let _ = add_rules(&mut kept, orders, &when, Party::Machine);
+        }
+        parts.components[index].1 = Arc::new(kept);
+    }
+}
+
+/// Whose business the rules are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Party {
+    /// They are guarantees.
+    Machine,
+    /// They are assumptions.
+    Plant,
+}
+
+/// Adds the rules, all of whose skills have a condition, to a specification. What defines their variables is guaranteed in any case.
+fn add_rules(
+    specification: &mut Specification,
+    orders: &Orders,
+    when: &[Option<Condition>],
+    party: Party,
+) -> Result<(), TooLarge> {
+    let never = || Condition::rising(Expr::FALSE);
+    let conditions: Vec<Condition> = when
+        .iter()
+        .map(|w| w.clone().unwrap_or_else(never))
+        .collect();
+    for rule in rules_of(&orders.skills, orders.level) {
+        let variables = &specification.variables;
+        let id = VarId(variables.len() as u32);
+        let taken = |name: &str| variables.iter().any(|v| v.name == name);
+        let mut lowered = lower(&orders.skills, &rule, &conditions, id, taken)?;
+        if !lowered.speaks_of.iter().all(|s| when[*s].is_some()) {
+            continue;
+        }
+        specification.variables.extend(lowered.variable);
+        if party == Party::Machine {
+            // What no call of the first step could break need not be asked of it.
+            let broken = |f: &Formula| f.expr.clone().not();
+            lowered
+                .rule
+                .initial
+                .retain(|f| !is_never(&broken(f), specification));
+        }
+        extend(&mut specification.guarantees, lowered.definitions);
+        extend(side(specification, party), lowered.rule);
+    }
+    for pair in at_once(&orders.skills, when, specification) {
+        extend(side(specification, party), pair);
+    }
+    Ok(())
+}
+
+fn side(specification: &mut Specification, party: Party) -> &mut Side {
+    match party {
+        Party::Machine => &mut specification.guarantees,
+        Party::Plant => &mut specification.assumptions,
+    }
+}
+
+fn extend(side: &mut Side, more: Side) {
+    side.initial.extend(more.initial);
+    side.safety.extend(more.safety);
+}
+
+/// That two skills of one component are not called at once, where they could be.
+fn at_once(
+    skills: &Skills,
+    when: &[Option<Condition>],
+    specification: &Specification,
+) -> Vec<Side> {
+    let mut found = Vec::new();
+    for (b, second) in skills.skills.iter().enumerate() {
+        for (a, first) in skills.skills[..b].iter().enumerate() {
+            let (Some(x), Some(y)) = (&when[a], &when[b]) else {
+                continue;
+            };
+            let both = x.holds.clone().and(y.holds.clone()).simplify();
+            if first.component != second.component || is_never(&both, specification) {
+                continue;
+            }
+            let component = &skills.components[first.component];
+            let formula = |expr: Expr, when: &str| Formula {
+                name: format!("one skill of {} at a time{when}", component.name),
+                requirement: None,
+                expr: expr.simplify(),
+                span: component.span,
+                text: format!("never {} & {}", first.name, second.name),
+            };
+            let rising = x.begins().and(y.begins());
+            found.push(Side {
+                initial: vec![formula(both.not(), AT_FIRST)],
+                safety: vec![formula(rising.not(), "")],
+                ..Side::default()
+            });
+        }
+    }
+    found
+}
+
+/// Whether no values make it true, as far as they are few enough to be tried.
+fn is_never(expr: &Expr, specification: &Specification) -> bool {
+    let mut variables: Vec<VarId> = Vec::new();
+    expr.for_each_var(&mut |v, _| {
+        if !variables.contains(&v) {
+            variables.push(v);
+        }
+    });
+    let size = |v: &VarId| specification.variable(*v).domain.size();
+    let count = variables.iter().map(size).try_fold(1_u64, u64::checked_mul);
+    if count.is_none_or(|c| c > MOST_TRIED) {
+        return false;
+    }
+    let mut values = vec![0; specification.variables.len()];
+    for v in &variables {
+        values[v.index()] = specification.variable(*v).domain.low();
+    }
+    loop {
+        if eval::eval(expr, &values, &[]) != 0 {
+            return false;
+        }
+        let next = variables.iter().find(|v| {
+            let domain = &specification.variable(**v).domain;
+            let value = &mut values[v.index()];
+            *value = if *value == domain.high() {
+                domain.low()
+            } else {
+                *value + 1
+            };
+            *value != domain.low()
+        });
+        if next.is_none() {
+            return true;
+        }
+    }
+}
+
+/// The skills that are called by asking for an operation, and when one has ended: then the next one is a call of its own, also where it is
+/// the same again. `None` where no skill is called so.
+fn by_operation(model: &Machine, orders: &Orders) -> Option<(Expr, Vec<usize>)> {
+    let mut plant = model.plant.iter();
+    let operation = plant.position(|p| matches!(p.source, PlantSource::Operation))?;
+    let asks = |expr: &Expr| {
+        let mut asks = false;
+        expr.for_each_var(&mut |v, _| asks |= v.index() == operation);
+        asks
+    };
+    let skills: Vec<usize> = (0..orders.when.len())
+        .filter(|s| asks(&orders.when[*s]))
+        .collect();
+    let done = model.done.clone().filter(|_| !skills.is_empty())?;
+    Some((done, skills))
+}
+
+/// The input that says that the operation has ended, with a name that no skill has.
+fn ended_input(specification: &Specification, span: Span) -> Variable {
+    let mut name = "operation_ended".to_owned();
+    while specification.variables.iter().any(|v| v.name == name) {
+        name.push('_');
+    }
+    Variable {
+        name,
+        owner: Owner::Environment,
+        internal: false,
+        domain: Domain::Bool,
+        unit: String::new(),
+        span,
+    }
+}
+
+/// A component a set of skills, which watches that its orders are kept.
+pub(super) fn watching(wires: &mut Elaborator<'_>, model: &Machine) -> Vec<Component> {
+    let mut watching = Vec::new();
+    for orders in &model.orders {
+        let mut specification = Specification {
+            name: orders.skills.name.clone(),
+            timing: Timing::Mealy,
+            variables: Vec::new(),
+            assumptions: Side::default(),
+            guarantees: Side::default(),
+        };
+        for skill in &orders.skills.skills {
+            specification.variables.push(Variable {
+                name: skill.name.clone(),
+                owner: Owner::Environment,
+                internal: false,
+                domain: Domain::Bool,
+                unit: String::new(),
+                span: skill.span,
+            });
+        }
+        let mut bindings = orders.when.clone();
+        let inputs = 0..orders.skills.skills.len() as u32;
+        let mut when: Vec<Condition> = inputs
+            .map(|i| Condition::rising(Expr::now(VarId(i))))
+            .collect();
+        if let Some((ended, anew)) = by_operation(model, orders) {
+            let id = VarId(specification.variables.len() as u32);
+            specification
+                .variables
+                .push(ended_input(&specification, orders.span));
+            bindings.push(ended);
+            for skill in anew {
+                when[skill].anew = Expr::now(id);
+            }
+        }
+        let when: Vec<_> = when.into_iter().map(Some).collect();
+        if let Err(error) = add_rules(&mut specification, orders, &when, Party::Plant) {
+            wires.error_with(
+                codes::TOO_LARGE,
+                orders.span,
+                format!("the orders of `{}` are too large to be watched: {error}", orders.skills.name),
+                "fewer repetitions in a sequence, or several sets of fewer skills, make them smaller",
+            );
+            continue;
+        }
+        let mut name = orders.skills.name.clone();
+        while model.components.iter().any(|c| c.name == name) {
+            name.push('_');
+        }
+        watching.push(Component {
+            name,
+            contract: orders.skills.name.clone(),
+            role: Role::Watch,
+            specification: Arc::new(specification),
+            bindings,
+            active: None,
+            time: None,
+            watts: RealExpr::Number(0.0),
+            span: orders.span,
+        });
+    }
+    watching
+}
+
+/// Adds a component behind all others. The variables of the machine's own monitors stand behind the wires, and move on.
+pub(super) fn add(model: &mut Machine, component: Component) {
+    let before = model.wire_count();
+    let more = component.specification.outputs().count();
+    let moved = |formulas: &mut Vec<Formula>| {
+        for formula in formulas {
+            formula.expr = formula.expr.substitute(&mut |v, time| {
+                let behind = if v.index() < before { 0 } else { more };
+                Expr::Var(VarId((v.index() + behind) as u32), time)
+            });
+        }
+    };
+    for side in [
+        &mut model.guarantees.side,
+        &mut model.guarantees.definitions,
+    ] {
+        for formulas in [
+            &mut side.initial,
+            &mut side.invariants,
+            &mut side.safety,
+            &mut side.justice,
+        ] {
+            moved(formulas);
+        }
+    }
+    model.components.push(component);
+}

@@ -1,0 +1,258 @@
+//! What a machine promises as a whole: the contracts that it is said to refine, and guarantees of its own over all its wires.
+
+use super::component::binding;
+use super::{Parts, instance};
+use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::formula::{Label, classify};
+use crate::contract::machine::{Promised, Rules};
+use crate::contract::scope::Scope;
+use crate::contract::shape::way;
+use crate::syntax::ast::{self, MachineItem};
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::monitors::Monitors;
+use linewright_core::gr1::{Domain, Expr, Owner, Side, Specification, VarId, Variable};
+use linewright_core::source::SourceMap;
+
+/// The contracts that the machine is said to refine, every variable bound.
+pub(super) fn refined<'a>(
+    e: &mut Elaborator<'a>,
+    wires: &mut Elaborator<'a>,
+    parts: &Parts<'a>,
+    scope: &Scope<'_>,
+    sources: &SourceMap,
+) -> Vec<Promised> {
+    let machine = parts.machine;
+    let decls = machine.items.iter().filter_map(|item| match item {
+        MachineItem::Refines(decl) => Some(decl),
+        _ => None,
+    });
+    let mut refined = Vec::new();
+    for decl in decls {
+        let Some(specification) = instance(e, scope, sources, decl) else {
+            continue;
+        };
+        known(wires, decl, &specification);
+        let bindings = bindings(wires, parts, decl, &specification);
+        refined.extend(bindings.map(|bindings| Promised {
+            contract: decl.contract.text.clone(),
+            specification,
+            bindings,
+            span: decl.contract.span,
+        }));
+    }
+    refined
+}
+
+/// Every binding is one of a variable that there is.
+fn known(wires: &mut Elaborator<'_>, decl: &ast::Component, specification: &Specification) {
+    let variables = specification.variables.iter();
+    let mut known: Vec<&str> = variables.map(|v| way(&v.name).0).collect();
+    known.dedup();
+    for b in &decl.bindings {
+        if !known.contains(&way(&b.name.text).0) {
+            let help = match nearest(&b.name.text, known.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("its variables are {}", known.join(", ")),
+            };
+            wires.error_with(
+                codes::NAME_UNKNOWN,
+                b.name.span,
+                format!("`{}` has no variable `{}`", decl.contract.text, b.name.text),
+                help,
+            );
+        }
+    }
+}
+
+/// What every variable is: what the file says, else the wire of its name. `None` when something is missing; it was reported.
+fn bindings<'a>(
+    wires: &mut Elaborator<'a>,
+    parts: &Parts<'a>,
+    decl: &'a ast::Component,
+    specification: &Specification,
+) -> Option<Vec<Option<Expr>>> {
+    // Inputs and outputs are bound alike.
+    let mut all = specification.clone();
+    for variable in &mut all.variables {
+        variable.owner = Owner::Environment;
+    }
+    let names = wire_names(parts);
+    let mut missing = Vec::new();
+    let mut complete = true;
+    let mut bound = Vec::new();
+    for (i, variable) in specification.variables.iter().enumerate() {
+        if specification.is_made_up(VarId(i as u32)) {
+            bound.push(None);
+            continue;
+        }
+        let root = way(&variable.name).0;
+        let said = decl.bindings.iter().any(|b| way(&b.name.text).0 == root);
+        if said {
+            let expr = binding(wires, parts, decl, &all, &all.variables[i]);
+            complete &= expr.is_some();
+            bound.push(expr);
+        } else if let Some(wire) = wire_of(&names, &variable.name, &variable.domain) {
+            bound.push(Some(Expr::now(wire)));
+        } else {
+            missing.push(variable.name.clone());
+            continue;
+        }
+        if variable.owner == Owner::Environment {
+            complete &= from_outside(wires, parts, decl, variable, bound.last());
+        }
+    }
+    if decl.broken {
+        wires.tainted = true;
+        return None;
+    }
+    if !missing.is_empty() {
+        wires.error_with(
+            codes::INPUT_UNBOUND,
+            decl.contract.span,
+            format!(
+                "it is not said what {} of `{}` {} in this machine",
+                listed(&missing),
+                decl.contract.text,
+                if missing.len() == 1 { "is" } else { "are" },
+            ),
+            format!(
+                "write `{} = ...` behind `refines {}`: a wire of the machine, such as `component.output`",
+                missing[0], decl.contract.text
+            ),
+        );
+        return None;
+    }
+    complete.then_some(bound)
+}
+
+/// Whether an input of the contract is the plant's business here, too: what is assumed of it cannot be assumed of the machine.
+fn from_outside(
+    wires: &mut Elaborator<'_>,
+    parts: &Parts<'_>,
+    decl: &ast::Component,
+    variable: &Variable,
+    bound: Option<&Option<Expr>>,
+) -> bool {
+    let mut outside = true;
+    if let Some(Some(expr)) = bound {
+        expr.for_each_var(&mut |v, _| outside &= v.index() < parts.plant.len());
+    }
+    if !outside {
+        wires.error_with(
+            codes::INPUT_UNBOUND,
+            decl.contract.span,
+            format!(
+                "the input `{}` of `{}` is bound to what the machine itself sets",
+                variable.name, decl.contract.text
+            ),
+            "bind it to a signal, an abstraction or `operation`: what the contract assumes of its inputs, the machine's plant has to keep",
+        );
+    }
+    outside
+}
+
+fn listed(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
+    quoted.join(", ")
+}
+
+/// A wire: the component it comes from, its name there, and its values.
+type Wire<'a> = (Option<&'a str>, &'a str, &'a Domain);
+
+/// All wires in order.
+fn wire_names<'a>(parts: &'a Parts<'_>) -> Vec<Wire<'a>> {
+    let plant = parts.plant.iter();
+    let mut names: Vec<Wire<'_>> = plant.map(|p| (None, p.name.as_str(), &p.domain)).collect();
+    for (component, specification) in &parts.components {
+        names.extend(specification.outputs().map(|v| {
+            let v = specification.variable(v);
+            (
+                Some(component.name.text.as_str()),
+                v.name.as_str(),
+                &v.domain,
+            )
+        }));
+    }
+    names
+}
+
+/// The wire that a variable's name speaks of: the plant's of that name, `pick_a_stage` for `stage` of `pick_a`, or the only component's output
+/// of that name.
+fn wire_of(wires: &[Wire<'_>], name: &str, domain: &Domain) -> Option<VarId> {
+    let only = |fits: &dyn Fn(&Wire<'_>) -> bool| -> Option<VarId> {
+        let mut found = wires.iter().enumerate().filter(|(_, w)| fits(w));
+        match (found.next(), found.next()) {
+            (Some((i, wire)), None) if wire.2 == domain => Some(VarId(i as u32)),
+            _ => None,
+        }
+    };
+    only(&|(of, own, _)| of.is_none() && *own == name)
+        .or_else(|| {
+            only(&|(of, own, _)| {
+                of.is_some_and(|of| {
+                    let rest = name.strip_prefix(of).and_then(|r| r.strip_prefix('_'));
+                    rest == Some(*own)
+                })
+            })
+        })
+        .or_else(|| only(&|(of, own, _)| of.is_some() && *own == name))
+}
+
+/// Guarantees of the machine as a whole.
+pub(super) fn guarantees<'a>(
+    wires: &mut Elaborator<'a>,
+    parts: &Parts<'a>,
+    sources: &SourceMap,
+) -> Rules {
+    let machine = parts.machine;
+    let variables: Vec<Variable> = wire_names(parts)
+        .into_iter()
+        .map(|(of, name, domain)| Variable {
+            name: of.map_or_else(|| name.to_owned(), |of| format!("{of}.{name}")),
+            owner: match of {
+                None => Owner::Environment,
+                Some(_) => Owner::System,
+            },
+            internal: false,
+            domain: domain.clone(),
+            unit: String::new(),
+            span: machine.header.name.span,
+        })
+        .collect();
+    let taken = variables.iter().map(|v| v.name.clone());
+    wires.monitors = Some(Monitors::new(VarId(variables.len() as u32), taken));
+    wires.next = true;
+    let mut side = Side::default();
+    let mut count = 0;
+    for item in &machine.items {
+        let MachineItem::Guarantee {
+            name,
+            requirement,
+            expr,
+        } = item
+        else {
+            continue;
+        };
+        count += 1;
+        let label = Label {
+            name: name
+                .as_ref()
+                .map_or_else(|| format!("guarantee {count}"), |n| n.text.clone()),
+            requirement: requirement.clone(),
+            guarantee: true,
+            sources,
+            variables: &variables,
+        };
+        classify(wires, expr, &label, &mut side);
+    }
+    wires.next = false;
+    let mut rules = Rules {
+        side,
+        ..Rules::default()
+    };
+    if let Some(monitors) = wires.monitors.take() {
+        rules.monitors = monitors.variables().cloned().collect();
+        monitors.define(&mut rules.definitions);
+    }
+    rules
+}

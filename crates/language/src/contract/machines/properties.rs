@@ -1,0 +1,325 @@
+//! Properties of parts: their types, their values, and how expressions see them.
+
+use crate::contract::elaborate::{Elaborator, MAX_EXPANSION, constant_real};
+use crate::contract::shape::Entry;
+use crate::contract::units::Unit;
+use crate::contract::value::{Dimension, Term, Type, Value, unit};
+use crate::syntax::ast;
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::{Domain, Time, VarId};
+
+/// The type of a property: what a plant expression sees of it.
+#[derive(Debug, Clone)]
+pub(in crate::contract) struct PropertyType {
+    /// How it is shown, `deg`; empty for a bare number.
+    pub unit: String,
+    /// Its finite domain, for truth values, ranges and labels.
+    pub domain: Option<Domain>,
+    /// How many elements, for an array.
+    pub length: Option<usize>,
+}
+
+/// The type of a property as it was written.
+pub(in crate::contract) fn property_type<'a>(
+    e: &mut Elaborator<'a>,
+    domain: &'a ast::Domain,
+) -> Option<PropertyType> {
+    match &domain.kind {
+        ast::DomainKind::Unit(unit) => Some(PropertyType {
+            unit: unit.clone(),
+            domain: None,
+            length: None,
+        }),
+        ast::DomainKind::Named(name) if name.text == "number" => Some(PropertyType {
+            unit: String::new(),
+            domain: None,
+            length: None,
+        }),
+        ast::DomainKind::Array(length, of) => {
+            let n = e.constant_int(length)?;
+            if !(1..=MAX_EXPANSION).contains(&n) {
+                e.error_with(
+                    codes::DOMAIN_EMPTY,
+                    length.span,
+                    format!("an array has 1 to {MAX_EXPANSION} elements, not {n}"),
+                    "give the array a length in that range",
+                );
+                return None;
+            }
+            let inner = property_type(e, of)?;
+            if inner.length.is_some() {
+                e.error_with(
+                    codes::TYPE_MISMATCH,
+                    of.span,
+                    "arrays of arrays are not known",
+                    "use one array with `rows * columns` elements",
+                );
+                return None;
+            }
+            Some(PropertyType {
+                length: Some(n as usize),
+                ..inner
+            })
+        }
+        _ => {
+            let (base, unit, length) = e.measured_domain(domain)?;
+            Some(PropertyType {
+                unit: unit.map(|u| u.name().to_owned()).unwrap_or_default(),
+                domain: Some(base),
+                length,
+            })
+        }
+    }
+}
+
+/// The value of a property, in its declared unit: a constant, or a list of them for an array.
+pub(in crate::contract) fn property_values<'a>(
+    e: &mut Elaborator<'a>,
+    ty: &PropertyType,
+    value: Option<&'a ast::Expr>,
+) -> Option<Vec<f64>> {
+    let n = ty.length.unwrap_or(1);
+    let Some(value) = value else {
+        return Some(vec![ty.domain.as_ref().map_or(0.0, |d| d.low() as f64); n]);
+    };
+    let expected = ty.domain.as_ref().map(Type::of);
+    let expected = match (&expected, ty.length) {
+        (Some(t), Some(n)) => Some(Type::Array(Box::new(t.clone()), n)),
+        _ => expected,
+    };
+    let values = match e.value(value, expected.as_ref(), Time::Now)? {
+        Value::Array(values) if values.len() == n && ty.length.is_some() => values,
+        Value::Array(values) => {
+            e.error_with(
+                codes::TYPE_MISMATCH,
+                value.span,
+                if ty.length.is_some() {
+                    format!("{} values for {n} elements", values.len())
+                } else {
+                    format!(
+                        "{} values, but this is one value and no array",
+                        values.len()
+                    )
+                },
+                "write one value for each element, or a single value for all of them",
+            );
+            return None;
+        }
+        other => vec![other; n],
+    };
+    let (dimension, factor) = unit(&ty.unit);
+    let mut numbers = Vec::with_capacity(n);
+    for v in values {
+        let Value::Scalar(term, found) = v else {
+            return None;
+        };
+        let Some(number) = constant_real(&term) else {
+            e.error_with(
+                codes::NOT_CONSTANT,
+                value.span,
+                "this has to be known before the line runs",
+                "use numbers, constants and parameters only",
+            );
+            return None;
+        };
+        let counted = ty.domain.is_some() && dimension != Dimension::None;
+        let fits = match (&ty.domain, &found) {
+            (Some(_), Type::Number(d)) if counted && *d == dimension => true,
+            (Some(_), Type::Int) if counted => true,
+            (Some(d), Type::Int | Type::Bool | Type::Enum(_)) => {
+                *d != Domain::Bool && found == Type::Int && Type::of(d) == Type::Int
+                    || Type::of(d) == found
+            }
+            (None, Type::Int) => true,
+            (None, Type::Number(d)) => {
+                *d == dimension
+                    || *d == Dimension::None
+                    || *d == Dimension::Share && dimension == Dimension::None
+            }
+            _ => false,
+        };
+        if !fits {
+            let wanted = ty
+                .domain
+                .as_ref()
+                .map_or_else(|| dimension.word().to_owned(), |d| Type::of(d).describe());
+            e.mismatch(value.span, &wanted, &found);
+            return None;
+        }
+        // A bare number is in the declared unit already.
+        let number = match found {
+            Type::Number(d) if d != Dimension::None => number / factor,
+            _ => number,
+        };
+        let number = if counted {
+            let near = number.round();
+            if (number - near).abs() > 1e-9 * near.abs().max(1.0) {
+                e.error_with(
+                    codes::PROPERTY,
+                    value.span,
+                    format!("{number} is no whole number of `{}`", ty.unit),
+                    "round it, or declare the property in a finer unit",
+                );
+                return None;
+            }
+            near
+        } else {
+            number
+        };
+        if let Some(d) = &ty.domain
+            && !d.contains(number as i64)
+        {
+            e.error_with(
+                codes::PROPERTY,
+                value.span,
+                format!("{number} is outside {}", d.describe()),
+                "use a value of that range, or make the range larger where the property is declared",
+            );
+            return None;
+        }
+        numbers.push(number);
+    }
+    Some(numbers)
+}
+
+/// Brings a property into an elaborator's sight under new ids; gives the ids.
+pub(in crate::contract) fn see_property(
+    e: &mut Elaborator<'_>,
+    name: &str,
+    ty: &PropertyType,
+) -> Vec<VarId> {
+    let ids: Vec<VarId> = (0..ty.length.unwrap_or(1))
+        .map(|_| {
+            let id = VarId(e.domains.len() as u32);
+            e.domains.push(ty.domain.clone());
+            if ty.domain.is_none() {
+                e.units.insert(id, unit(&ty.unit));
+            } else if let Some(unit) = Unit::named(&ty.unit) {
+                e.measures.insert(id, unit);
+            }
+            id
+        })
+        .collect();
+    let entry = match ty.length {
+        None => Entry::One(ids[0]),
+        Some(_) => Entry::Many(ids.iter().map(|id| Entry::One(*id)).collect()),
+    };
+    // A property hides a constant of the same name from outside.
+    e.constants.remove(name);
+    e.defines.remove(name);
+    e.variables.insert(name.to_owned(), entry);
+    ids
+}
+
+/// The names of a property's elements.
+pub(in crate::contract) fn element_names(name: &str, ty: &PropertyType) -> Vec<String> {
+    match ty.length {
+        None => vec![name.to_owned()],
+        Some(n) => (0..n).map(|i| format!("{name}[{i}]")).collect(),
+    }
+}
+
+/// A real expression assigned to a property: a value with a dimension is converted to the property's unit, a bare number is
+/// taken to be in it.
+pub(in crate::contract) fn assigned<'a>(
+    e: &mut Elaborator<'a>,
+    ty: &PropertyType,
+    value: &'a ast::Expr,
+) -> Option<Term> {
+    let expected = ty.domain.as_ref().map(Type::of);
+    let (term, found) = e.any_scalar(value, expected.as_ref(), Time::Now)?;
+    converted(e, ty, term, &found, value)
+}
+
+/// Several values assigned to the elements of an array: `value` is an array of as many. What is wrong is reported.
+pub(in crate::contract) fn assigned_array<'a>(
+    e: &mut Elaborator<'a>,
+    ty: &PropertyType,
+    n: usize,
+    value: &'a ast::Expr,
+) -> Option<Vec<Term>> {
+    let expected = ty
+        .domain
+        .as_ref()
+        .map(|d| Type::Array(Box::new(Type::of(d)), n));
+    match e.value(value, expected.as_ref(), Time::Now)? {
+        Value::Array(values) if values.len() == n => values
+            .into_iter()
+            .map(|v| match v {
+                Value::Scalar(term, found) => converted(e, ty, term, &found, value),
+                inner => {
+                    e.mismatch(value.span, "one value for each element", &inner.ty());
+                    None
+                }
+            })
+            .collect(),
+        other => {
+            e.error_with(
+                codes::TYPE_MISMATCH,
+                value.span,
+                format!("expected an array of {n}, found {}", other.ty().describe()),
+                format!("write a list of {n} values"),
+            );
+            None
+        }
+    }
+}
+
+/// A term in the unit of a property.
+fn converted(
+    e: &mut Elaborator<'_>,
+    ty: &PropertyType,
+    term: Term,
+    found: &Type,
+    value: &ast::Expr,
+) -> Option<Term> {
+    let expected = ty.domain.as_ref().map(Type::of);
+    let (dimension, factor) = unit(&ty.unit);
+    match (&expected, found) {
+        // A range with a unit: the plant rounds to nothing, so that what is no whole number is reported when it occurs.
+        (Some(Type::Int), Type::Number(d)) if dimension != Dimension::None => {
+            if *d != dimension {
+                e.mismatch(value.span, dimension.word(), found);
+                return None;
+            }
+            let quotient = linewright_core::gr1::BinaryOp::Div;
+            let factor = Term::Real(factor);
+            Some(match constant_real(&term).zip(constant_real(&factor)) {
+                Some((x, f)) => Term::Real(x / f),
+                None => Term::Binary(quotient, Box::new(term), Box::new(factor)),
+            })
+        }
+        (Some(Type::Int), Type::Int)
+            if dimension != Dimension::None && constant_real(&term) != Some(0.0) =>
+        {
+            e.mismatch(value.span, dimension.word(), found);
+            None
+        }
+        (Some(want), _) if want == found => Some(term),
+        (Some(Type::Int), Type::Number(Dimension::None)) | (None, Type::Int) => Some(term),
+        (None, Type::Bool) if dimension == Dimension::None => Some(term),
+        (None, Type::Number(d))
+            if *d == Dimension::None || *d == Dimension::Share && dimension == Dimension::None =>
+        {
+            Some(term)
+        }
+        (None, Type::Number(d)) if *d == dimension =>
+        {
+            #[expect(clippy::float_cmp, reason = "base units have exactly the factor 1")]
+            if factor == 1.0 {
+                Some(term)
+            } else {
+                Some(Term::Binary(
+                    linewright_core::gr1::BinaryOp::Div,
+                    Box::new(term),
+                    Box::new(Term::Real(factor)),
+                ))
+            }
+        }
+        _ => {
+            let want = expected.map_or_else(|| dimension.word().to_owned(), |t| t.describe());
+            e.mismatch(value.span, &want, found);
+            None
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! Everything of a machine that is a number or a plant expression.
+
+use super::Parts;
+use super::properties::{PropertyType, assigned, assigned_array};
+use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::machine::{Failures, Machine, RealExpr};
+use crate::contract::value::Dimension;
+use crate::contract::{GREATEST_WATTS, LONGEST_SECONDS, SHORTEST_SECONDS, is_duration};
+use crate::syntax::ast::{self, MachineItem};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::{Time, VarId};
+use linewright_core::source::Span;
+use std::collections::BTreeMap;
+
+/// Everything of a machine that is a number or a plant expression.
+pub(super) fn settings<'a>(
+    e: &mut Elaborator<'a>,
+    parts: &Parts<'a>,
+    model: &mut Machine,
+    wires: &mut Elaborator<'a>,
+    properties: usize,
+) {
+    // Writes see properties and wires: wires get ids after the properties.
+    let mut both = Elaborator::new();
+    both.real = true;
+    both.constants.clone_from(&e.constants);
+    both.types.clone_from(&e.types);
+    both.shapes.clone_from(&e.shapes);
+    both.broken.clone_from(&e.broken);
+    both.domains.clone_from(&e.domains);
+    both.units.clone_from(&e.units);
+    both.variables.clone_from(&e.variables);
+    both.domains.extend(wires.domains.iter().cloned());
+    let shift = |id: VarId| VarId(id.0 + properties as u32);
+    both.measures.clone_from(&e.measures);
+    let wire_units = wires.measures.iter().map(|(id, unit)| (shift(*id), *unit));
+    both.measures.extend(wire_units);
+    both.defines.clone_from(&e.defines);
+    both.outside.clone_from(&e.outside);
+    for (name, entry) in &wires.variables {
+        let entry = entry.renumbered(&shift);
+        both.constants.remove(name);
+        both.variables.entry(name.clone()).or_insert(entry);
+    }
+    // By property: where it is written.
+    let mut written: BTreeMap<usize, Span> = BTreeMap::new();
+    for item in &parts.machine.items {
+        let before = model.writes.len();
+        match item {
+            MachineItem::Done(x) => {
+                model.done = wires
+                    .boolean(x, Time::Now)
+                    .and_then(|t| wires.formula(&t, x.span));
+            }
+            MachineItem::Write { name, index, value } => {
+                let Some((first, ty)) = parts.property_types.get(&name.text) else {
+                    let known = parts.property_types.keys().map(String::as_str);
+                    let help = match nearest(&name.text, known) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None => format!("declare it: `property {}: number`", name.text),
+                    };
+                    e.error_with(
+                        codes::PROPERTY,
+                        name.span,
+                        format!("the part has no property `{}`", name.text),
+                        help,
+                    );
+                    continue;
+                };
+                let element = PropertyType {
+                    length: None,
+                    ..ty.clone()
+                };
+                match (ty.length, index) {
+                    (None, None) => {
+                        if let Some(term) = assigned(&mut both, &element, value) {
+                            model.writes.push((*first, term.to_real(properties)));
+                        }
+                    }
+                    (Some(n), Some(index)) => {
+                        let Some(i) = e.constant_int(index) else {
+                            continue;
+                        };
+                        if !(0..n as i64).contains(&i) {
+                            e.error_with(
+                                codes::INDEX_RANGE,
+                                index.span,
+                                format!("`{}` has no element {i}", name.text),
+                                format!("its elements are 0..{}", n - 1),
+                            );
+                            continue;
+                        }
+                        if let Some(term) = assigned(&mut both, &element, value) {
+                            model
+                                .writes
+                                .push((first + i as usize, term.to_real(properties)));
+                        }
+                    }
+                    (Some(n), None) => {
+                        let terms = assigned_array(&mut both, &element, n, value);
+                        for (i, term) in terms.unwrap_or_default().into_iter().enumerate() {
+                            model.writes.push((first + i, term.to_real(properties)));
+                        }
+                    }
+                    (None, Some(index)) => e.error_with(
+                        codes::TYPE_MISMATCH,
+                        index.span,
+                        format!("`{}` is not an array", name.text),
+                        format!("write `write {} = ...`", name.text),
+                    ),
+                }
+            }
+            _ => {}
+        }
+        if let MachineItem::Write { name, .. } = item {
+            written_once(e, name, &model.writes[before..], &mut written);
+        }
+    }
+    e.tainted |= both.tainted;
+    e.findings.append(&mut both.findings);
+}
+
+/// A property that is written already, by itself or with its array, is a finding: the later value would win unseen.
+fn written_once(
+    e: &mut Elaborator<'_>,
+    name: &ast::Name,
+    writes: &[(usize, RealExpr)],
+    written: &mut BTreeMap<usize, Span>,
+) {
+    let mut first = None;
+    for (property, _) in writes {
+        first = first.or(written.insert(*property, name.span));
+    }
+    if let Some(first) = first {
+        e.findings.push(
+            Diagnostic::error(
+                codes::NAME_DOUBLE,
+                name.span,
+                format!("`{}` is written twice", name.text),
+            )
+            .with_label(first, "first here")
+            .with_help("leave one of the two out, or join them: `if ... then ... else ...`"),
+        );
+    }
+}
+
+/// What is known without looking at the components: durations, powers, limits.
+pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, model: &mut Machine) {
+    for item in &machine.items {
+        match item {
+            MachineItem::Step(x) => {
+                if let Some(v) = positive(e, x, Dimension::Time) {
+                    model.step_seconds = v;
+                }
+            }
+            MachineItem::Power(x) => {
+                if let Some(v) = positive(e, x, Dimension::Power) {
+                    model.base_watts = v;
+                }
+            }
+            MachineItem::IdlePower(x) => {
+                if let Some(v) = positive(e, x, Dimension::Power) {
+                    model.idle_watts = v;
+                }
+            }
+            MachineItem::Limit(x) => match e.constant_int(x) {
+                Some(n) if n > 0 => model.step_limit = n as u64,
+                Some(_) => e.error_with(
+                    codes::ARGUMENT,
+                    x.span,
+                    "the step limit is at least 1",
+                    "write the number of steps after which an operation has failed: `limit 500 steps`",
+                ),
+                None => {}
+            },
+            MachineItem::Failures(mtbf, mttr) => model.failures = failures(e, mtbf, mttr),
+            _ => {}
+        }
+    }
+}
+
+/// A quantity that is not negative; a duration that a run can measure, a power with an energy.
+pub(in crate::contract) fn positive<'a>(
+    e: &mut Elaborator<'a>,
+    x: &'a ast::Expr,
+    dimension: Dimension,
+) -> Option<f64> {
+    let value = e.constant_quantity(x, dimension)?;
+    if value < 0.0 || !value.is_finite() {
+        e.error_with(
+            codes::ARGUMENT,
+            x.span,
+            if value < 0.0 {
+                "this must not be negative"
+            } else {
+                "this has no finite value"
+            },
+            "write a number from 0 upwards, with its unit",
+        );
+        return None;
+    }
+    let unmeasured = match dimension {
+        Dimension::Time if !is_duration(value) => Some((
+            format!("{value:e} s is no duration that a run can measure"),
+            format!("write 0 s, or a time from {SHORTEST_SECONDS:e} s to {LONGEST_SECONDS:e} s"),
+        )),
+        Dimension::Power if value > GREATEST_WATTS => Some((
+            format!("{value:e} W is more power than a run can add up"),
+            format!("write a power up to {GREATEST_WATTS:e} W"),
+        )),
+        _ => None,
+    };
+    if let Some((message, help)) = unmeasured {
+        e.error_with(codes::ARGUMENT, x.span, message, help);
+        return None;
+    }
+    Some(value)
+}
+
+/// `mtbf a mttr b`
+pub(in crate::contract) fn failures<'a>(
+    e: &mut Elaborator<'a>,
+    mtbf: &'a ast::Expr,
+    mttr: &'a ast::Expr,
+) -> Option<Failures> {
+    let (a, b) = (
+        positive(e, mtbf, Dimension::Time),
+        positive(e, mttr, Dimension::Time),
+    );
+    let (a, b) = (a?, b?);
+    if a == 0.0 {
+        e.error_with(
+            codes::ARGUMENT,
+            mtbf.span,
+            "the mean time between failures must be longer than 0",
+            "leave `failures` out where nothing fails",
+        );
+        return None;
+    }
+    Some(Failures { mtbf: a, mttr: b })
+}

@@ -1,0 +1,118 @@
+//! Specification patterns in a contract: which monitors and formulas they come down to.
+//!
+//! What a pattern means is settled in [`gr1::monitors`](linewright_core::gr1::monitors); here its operands are resolved, and formulas of
+//! temporal logic that are patterns in other words (`always (p -> eventually s)`) are known for what they are.
+
+use super::elaborate::Elaborator;
+use crate::syntax::ast::{self, PatternKind};
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::monitors::{Obligation, Origin, Pattern, Scope};
+
+/// The formulas that a pattern comes down to, and monitors for them. `None`: what is wrong was reported.
+pub(super) fn lower<'a>(
+    e: &mut Elaborator<'a>,
+    pattern: &'a ast::Pattern,
+    origin: &Origin,
+) -> Option<Vec<Obligation>> {
+    let steps = match &pattern.bound {
+        Some(bound) => e.steps(bound).map(Some),
+        None => Some(None),
+    };
+    if let (PatternKind::Absence(_) | PatternKind::Universality(_), Some(bound)) =
+        (&pattern.kind, &pattern.bound)
+    {
+        e.error_with(
+            codes::PAST,
+            bound.span,
+            "`never` and `always` have no bound",
+            "say how long with a scope, `never P after Q until R`; R may be a counter that has come to its end",
+        );
+        return None;
+    }
+    let kind = match &pattern.kind {
+        PatternKind::Absence(p) => e.state(p, "never").map(Pattern::Absence),
+        PatternKind::Universality(p) => e.state(p, "always").map(Pattern::Universality),
+        PatternKind::Existence(p) => {
+            let p = e.state(p, "eventually");
+            p.zip(steps).map(|(p, steps)| Pattern::Existence(p, steps))
+        }
+        PatternKind::Precedence(s, p) => {
+            let (first, then) = (e.state(s, "precedes"), e.state(p, "precedes"));
+            if let Some(bound) = &pattern.bound {
+                e.error_with(
+                    codes::PAST,
+                    bound.span,
+                    "`precedes` has no bound",
+                    "write `always (P -> once S within n steps)`",
+                );
+                return None;
+            }
+            first
+                .zip(then)
+                .map(|(first, then)| Pattern::Precedence { first, then })
+        }
+        PatternKind::Response(s, p) => {
+            let (answer, trigger) = (e.state(s, "responds to"), e.state(p, "responds to"));
+            answer
+                .zip(trigger)
+                .zip(steps)
+                .map(|((answer, trigger), within)| Pattern::Response {
+                    trigger,
+                    answer,
+                    within,
+                })
+        }
+    };
+    let scope = scope(e, &pattern.scope);
+    remember(e, &kind?, &scope?, origin)
+}
+
+fn scope<'a>(e: &mut Elaborator<'a>, scope: &'a ast::Scope) -> Option<Scope> {
+    Some(match scope {
+        ast::Scope::Globally => Scope::Globally,
+        ast::Scope::Before(r) => Scope::Before(e.state(r, "before")?),
+        ast::Scope::After(q) => Scope::After(e.state(q, "after")?),
+        ast::Scope::Between(q, r) => {
+            let (q, r) = (e.state(q, "between"), e.state(r, "between"));
+            Scope::Between(q?, r?)
+        }
+        ast::Scope::AfterUntil(q, r) => {
+            let (q, r) = (e.state(q, "after"), e.state(r, "until"));
+            Scope::AfterUntil(q?, r?)
+        }
+    })
+}
+
+/// `always (p -> eventually s)`, and `eventually s` alone where there is no `p`.
+pub(super) fn promised<'a>(
+    e: &mut Elaborator<'a>,
+    p: Option<&'a ast::Expr>,
+    s: &'a ast::Expr,
+    origin: &Origin,
+) -> Option<Vec<Obligation>> {
+    let answer = e.state(s, "eventually");
+    let pattern = match p {
+        None => Pattern::Existence(answer?, None),
+        Some(p) => {
+            let trigger = e.state(p, "eventually");
+            Pattern::Response {
+                trigger: trigger?,
+                answer: answer?,
+                within: None,
+            }
+        }
+    };
+    remember(e, &pattern, &Scope::Globally, origin)
+}
+
+fn remember(
+    e: &mut Elaborator<'_>,
+    pattern: &Pattern,
+    scope: &Scope,
+    origin: &Origin,
+) -> Option<Vec<Obligation>> {
+    let monitors = e.monitors.as_mut()?;
+    let obligations = monitors.pattern(pattern, scope, origin);
+    e.see_monitors();
+    Some(obligations)
+}

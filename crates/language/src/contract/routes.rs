@@ -1,0 +1,181 @@
+//! Whether every part has a way to the end of its line.
+//!
+//! A part type's *beginnings* are its sources, the stores that have it in stock, and the stations that join it. From there its routes
+//! are followed; where it stops without being taken out or joined, it would stand for ever.
+
+use super::line::{Line, NodeKind};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use std::collections::BTreeSet;
+
+/// Adds what is wrong with the routes to `findings`.
+pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
+    let mut product_ends = false;
+    for route in &line.routes {
+        let (place, ty) = (&line.nodes[route.to], &line.parts[route.part]);
+        if matches!(place.kind, NodeKind::Source { .. }) {
+            findings.push(
+                Diagnostic::error(
+                    codes::LINE_ROUTE,
+                    route.span,
+                    format!("a `{}` is sent into the source `{}`", ty.name, place.name),
+                )
+                .with_help("sources only give parts; send it to a `sink` or a `store`"),
+            );
+        }
+    }
+    never_taken(line, findings);
+    for (part, ty) in line.parts.iter().enumerate() {
+        let mut open: Vec<usize> = beginnings(line, part);
+        if open.is_empty() && uses(line, part) {
+            findings.push(
+                Diagnostic::error(
+                    codes::LINE_ROUTE,
+                    ty.span,
+                    format!("nothing makes a `{}`", ty.name),
+                )
+                .with_help("add a `source`, stock in a `store`, or a station that performs an operation on it"),
+            );
+        }
+        let beginnings: BTreeSet<usize> = open.iter().copied().collect();
+        let mut seen: BTreeSet<usize> = BTreeSet::new();
+        while let Some(node) = open.pop() {
+            if !seen.insert(node) {
+                continue;
+            }
+            let place = &line.nodes[node];
+            let routes: Vec<_> = line
+                .routes
+                .iter()
+                .filter(|r| r.part == part && r.from == node)
+                .collect();
+            open.extend(routes.iter().map(|r| r.to));
+            let arrives = !beginnings.contains(&node);
+            match &place.kind {
+                NodeKind::Sink { reject, .. } => {
+                    product_ends |= part == line.product && !reject;
+                    continue;
+                }
+                NodeKind::Store { .. } if arrives => {
+                    product_ends |= part == line.product;
+                    continue;
+                }
+                NodeKind::Source { .. } if arrives => continue,
+                NodeKind::Station { tasks, .. } => {
+                    let joins = tasks
+                        .iter()
+                        .any(|t| line.parts[t.part].bill.iter().any(|(p, _)| *p == part));
+                    let handles = tasks.iter().any(|t| t.part == part);
+                    if !joins && !handles {
+                        findings.push(
+                            Diagnostic::error(
+                                codes::LINE_ROUTE,
+                                place.span,
+                                format!("`{}` does nothing with a `{}`", place.name, ty.name),
+                            )
+                            .with_help(format!("add `perform ... on {}`", ty.name)),
+                        );
+                        continue;
+                    }
+                    if joins && !handles {
+                        continue;
+                    }
+                }
+                _ => {}
+            }
+            if routes.is_empty() {
+                findings.push(
+                    Diagnostic::error(
+                        codes::LINE_ROUTE,
+                        place.span,
+                        format!("a `{}` has no way onward from `{}`", ty.name, place.name),
+                    )
+                    .with_help(format!("add `route {}: {} -> ...`", ty.name, place.name)),
+                );
+            } else if routes.iter().all(|r| r.condition.is_some()) {
+                findings.push(
+                    Diagnostic::warning(
+                        codes::LINE_ROUTE,
+                        routes[routes.len() - 1].span,
+                        format!(
+                            "a `{}` stays at `{}` when none of the conditions holds",
+                            ty.name, place.name
+                        ),
+                    )
+                    .with_help("end the last route with `otherwise`"),
+                );
+            }
+        }
+    }
+    if !product_ends && let Some(product) = line.parts.get(line.product) {
+        findings.push(
+            Diagnostic::error(
+                codes::LINE_ROUTE,
+                product.span,
+                format!("no `{}` ever reaches a sink or store", product.name),
+            )
+            .with_help("add a route that ends in one"),
+        );
+    }
+}
+
+/// Routes behind one that has no condition: a part takes the first of its type's routes from a place whose condition holds. One
+/// to the same place is no mistake: `a -> m -> k` and `b -> m -> k` share their end.
+fn never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
+    for (i, route) in line.routes.iter().enumerate() {
+        let mut earlier = line.routes[..i].iter();
+        let always = earlier.find(|first| {
+            first.part == route.part && first.from == route.from && first.condition.is_none()
+        });
+        let Some(first) = always.filter(|first| first.to != route.to) else {
+            continue;
+        };
+        let (ty, from) = (&line.parts[route.part], &line.nodes[route.from]);
+        let help = if route.condition.is_some() {
+            "write the route with the condition before the one without".to_owned()
+        } else {
+            format!(
+                "say when a part goes to `{}`: `when ...` behind the first route; several stations that share the work as \
+                 parallel machines are not in the language yet",
+                line.nodes[first.to].name
+            )
+        };
+        findings.push(
+            Diagnostic::error(
+                codes::LINE_ROUTE,
+                route.span,
+                format!(
+                    "no `{}` ever takes this route from `{}`",
+                    ty.name, from.name
+                ),
+            )
+            .with_label(first.span, "each takes this one, which has no condition")
+            .with_help(help),
+        );
+    }
+}
+
+fn beginnings(line: &Line, part: usize) -> Vec<usize> {
+    line.nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, n)| match &n.kind {
+            NodeKind::Source { part: p, .. } => *p == part,
+            NodeKind::Store { stock } => stock.iter().any(|(p, _)| *p == part),
+            NodeKind::Station { tasks, .. } => {
+                !line.parts[part].bill.is_empty() && tasks.iter().any(|t| t.part == part)
+            }
+            _ => false,
+        })
+        .map(|(i, _)| i)
+        .collect()
+}
+
+/// Whether the line has anything to do with this part type.
+fn uses(line: &Line, part: usize) -> bool {
+    part == line.product
+        || line.routes.iter().any(|r| r.part == part)
+        || line
+            .parts
+            .iter()
+            .any(|p| p.bill.iter().any(|(b, _)| *b == part))
+}

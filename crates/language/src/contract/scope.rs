@@ -1,0 +1,353 @@
+//! What is in sight in a file: its own declarations and those of everything that it imports.
+
+use super::elaborate::{Elaborator, Outside};
+use super::shape::Shape;
+use super::units::Unit;
+use super::value::{Term, Type, Value};
+use crate::order::Skills;
+use crate::syntax::ast;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::{Domain, Time, shown};
+use linewright_core::source::Span;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Declarations by name.
+#[derive(Default, Clone)]
+pub(super) struct Scope<'a> {
+    pub contracts: BTreeMap<&'a str, &'a ast::Contract>,
+    pub machines: BTreeMap<&'a str, &'a ast::Machine>,
+    /// Sets of skills; `None` for those that cannot be used.
+    pub skills: BTreeMap<&'a str, Option<Arc<Skills>>>,
+    types: Vec<&'a ast::TypeDecl>,
+    constants: Vec<&'a ast::ConstDecl>,
+    defines: BTreeMap<String, &'a ast::Define>,
+    /// Where each name was declared.
+    places: BTreeMap<&'a str, Span>,
+    /// Values, once [`Scope::settle`] has run.
+    pub values: BTreeMap<String, Value>,
+    pub named_types: BTreeMap<String, Type>,
+    pub shapes: BTreeMap<String, Shape>,
+    /// Types and constants that have no value; the findings say why.
+    broken: BTreeSet<String>,
+}
+
+impl<'a> Scope<'a> {
+    /// Adds the declarations of one file, with what became of its sets of skills. Names that are there already are findings.
+    pub fn add(
+        &mut self,
+        file: &'a ast::File,
+        skills: &[Option<Arc<Skills>>],
+        findings: &mut Vec<Diagnostic>,
+    ) {
+        let mut skills = skills.iter();
+        for item in &file.items {
+            let set = match item {
+                ast::Item::Skills(_) => skills.next().cloned().flatten(),
+                _ => None,
+            };
+            let name = match item {
+                ast::Item::Import(_) => continue,
+                ast::Item::Type(d) => &d.name,
+                ast::Item::Const(d) => &d.name,
+                ast::Item::Define(d) => &d.name,
+                ast::Item::Contract(d) => &d.header.name,
+                ast::Item::Machine(d) => &d.header.name,
+                ast::Item::Line(d) => &d.name,
+                ast::Item::Skills(d) => &d.name,
+            };
+            if let Some(first) = self.places.get(name.text.as_str()) {
+                findings.push(double(name, *first));
+                continue;
+            }
+            self.places.insert(&name.text, name.span);
+            match item {
+                ast::Item::Type(d) => self.types.push(d),
+                ast::Item::Const(d) => self.constants.push(d),
+                ast::Item::Contract(d) => {
+                    self.contracts.insert(&d.header.name.text, d);
+                }
+                ast::Item::Machine(d) => {
+                    self.machines.insert(&d.header.name.text, d);
+                }
+                ast::Item::Define(d) => {
+                    findings.extend(double_formals(d));
+                    self.defines.insert(d.name.text.clone(), d);
+                }
+                ast::Item::Skills(d) => {
+                    self.skills.insert(&d.name.text, set);
+                }
+                ast::Item::Import(_) | ast::Item::Line(_) => {}
+            }
+        }
+    }
+
+    /// Evaluates types and constants, each after those that it needs.
+    pub fn settle(&mut self, findings: &mut Vec<Diagnostic>) {
+        let mut e = Elaborator::new();
+        let types = self.types.iter().copied().map(Decl::Type);
+        let constants = self.constants.iter().copied().map(Decl::Constant);
+        let decls: Vec<_> = types.chain(constants).collect();
+        settle(&mut e, &decls);
+        findings.append(&mut e.findings);
+        self.values = std::mem::take(&mut e.constants);
+        self.named_types = std::mem::take(&mut e.types);
+        self.shapes = std::mem::take(&mut e.shapes);
+        self.broken = std::mem::take(&mut e.broken);
+    }
+
+    /// An elaborator with this scope's types and constants in sight.
+    pub fn elaborator(&self) -> Elaborator<'a> {
+        let mut e = Elaborator::new();
+        e.constants.clone_from(&self.values);
+        e.types.clone_from(&self.named_types);
+        e.shapes.clone_from(&self.shapes);
+        e.defines.clone_from(&self.defines);
+        e.outside = Outside {
+            constants: self.values.clone(),
+            defines: self.defines.clone(),
+        };
+        e.broken.clone_from(&self.broken);
+        e
+    }
+}
+
+/// A declaration that has a value before anything runs.
+#[derive(Clone, Copy)]
+pub(super) enum Decl<'a> {
+    Type(&'a ast::TypeDecl),
+    Constant(&'a ast::ConstDecl),
+}
+
+impl<'a> Decl<'a> {
+    fn name(self) -> &'a ast::Name {
+        match self {
+            Self::Type(d) => &d.name,
+            Self::Constant(d) => &d.name,
+        }
+    }
+
+    /// The names that it mentions.
+    fn mentioned(self) -> Vec<&'a str> {
+        let mut names = Vec::new();
+        match self {
+            Self::Type(d) => names_of_domain(&d.domain, &mut names),
+            Self::Constant(d) => {
+                if let Some(domain) = &d.domain {
+                    names_of_domain(domain, &mut names);
+                }
+                names_of(&d.value, &mut names);
+            }
+        }
+        names
+    }
+}
+
+fn names_of_domain<'a>(domain: &'a ast::Domain, names: &mut Vec<&'a str>) {
+    match &domain.kind {
+        ast::DomainKind::Range(low, high, _) => {
+            names_of(low, names);
+            names_of(high, names);
+        }
+        ast::DomainKind::Array(length, of) => {
+            names_of(length, names);
+            names_of_domain(of, names);
+        }
+        ast::DomainKind::Record(members) => {
+            for (_, domain) in members {
+                names_of_domain(domain, names);
+            }
+        }
+        ast::DomainKind::Named(name) => names.push(&name.text),
+        ast::DomainKind::Labels(_) | ast::DomainKind::Unit(_) => {}
+    }
+}
+
+fn names_of<'a>(e: &'a ast::Expr, names: &mut Vec<&'a str>) {
+    if let ast::ExprKind::Path(path) = &e.kind
+        && let Some(first) = path.first()
+    {
+        names.push(&first.text);
+    }
+    if let ast::ExprKind::Quantifier(_, _, domain, _) = &e.kind {
+        names_of_domain(domain, names);
+    }
+    for child in e.children() {
+        names_of(child, names);
+    }
+}
+
+/// Evaluates declarations, each after those that it needs, whatever their order. One that needs itself is a finding; one that could
+/// not be evaluated is `broken` from then on.
+pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
+    let by_name: BTreeMap<&str, usize> = decls
+        .iter()
+        .enumerate()
+        .map(|(i, d)| (d.name().text.as_str(), i))
+        .collect();
+    let needs: Vec<Vec<usize>> = decls
+        .iter()
+        .map(|d| {
+            let names = d.mentioned();
+            names
+                .iter()
+                .filter_map(|n| by_name.get(n).copied())
+                .collect()
+        })
+        .collect();
+    // Depth first, without recursion: a chain of constants may be long.
+    let mut entered = vec![false; decls.len()];
+    let mut finished = vec![false; decls.len()];
+    for start in 0..decls.len() {
+        let mut path = vec![(start, 0)];
+        while let Some((at, next)) = path.pop() {
+            if finished[at] {
+                continue;
+            }
+            entered[at] = true;
+            if let Some(needed) = needs[at].get(next).copied() {
+                path.push((at, next + 1));
+                if !entered[needed] {
+                    path.push((needed, 0));
+                } else if !finished[needed] {
+                    let name = decls[needed].name();
+                    if e.broken.insert(name.text.clone()) {
+                        e.error_with(
+                            codes::NAME_DOUBLE,
+                            name.span,
+                            format!("`{}` is defined by itself", name.text),
+                            "break the circle: one of these needs a value of its own",
+                        );
+                    }
+                }
+                continue;
+            }
+            finished[at] = true;
+            let name = decls[at].name();
+            if e.broken.contains(&name.text) {
+                continue;
+            }
+            let done = match decls[at] {
+                Decl::Type(d) => type_decl(e, d),
+                Decl::Constant(d) => constant(e, d),
+            };
+            if done.is_none() {
+                e.broken.insert(name.text.clone());
+                e.constants.remove(&name.text);
+            }
+        }
+    }
+    // What is broken was reported here; what uses it from now on cannot be trusted.
+    e.tainted = false;
+}
+
+fn type_decl<'a>(e: &mut Elaborator<'a>, decl: &'a ast::TypeDecl) -> Option<()> {
+    let shape = match e.shape(&decl.domain)? {
+        Shape::Scalar(Domain::Enum { labels, .. }, unit) => {
+            let name = Some(decl.name.text.clone());
+            Shape::Scalar(Domain::Enum { name, labels }, unit)
+        }
+        other => other,
+    };
+    e.types.insert(decl.name.text.clone(), shape.ty());
+    e.shapes.insert(decl.name.text.clone(), shape);
+    Some(())
+}
+
+fn constant<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Option<()> {
+    // With a type of its own it is counted in that type's unit.
+    let plant = decl.domain.is_none() && uses_units(e, &decl.value);
+    let real = std::mem::replace(&mut e.real, plant);
+    let value = constant_value(e, decl);
+    e.real = real;
+    e.constants.insert(decl.name.text.clone(), value?);
+    Some(())
+}
+
+fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Option<Value> {
+    let Some(domain) = &decl.domain else {
+        return e.value(&decl.value, None, Time::Now);
+    };
+    let shape = e.shape(domain)?;
+    let expected = shape.ty();
+    let value = e.value(&decl.value, Some(&expected), Time::Now)?;
+    let value = e.fitted_value(decl.value.span, value, &expected)?;
+    within(e, decl, &shape, &value)?;
+    Some(value)
+}
+
+/// Reports a value that is outside of its range.
+fn within(
+    e: &mut Elaborator<'_>,
+    decl: &ast::ConstDecl,
+    shape: &Shape,
+    value: &Value,
+) -> Option<()> {
+    match (shape, value) {
+        (Shape::Scalar(domain, unit), Value::Scalar(Term::Int(i), _)) if !domain.contains(*i) => {
+            e.error_with(
+                codes::ARGUMENT,
+                decl.value.span,
+                format!(
+                    "{} is outside {}",
+                    shown(domain, *i, unit.map_or("", Unit::name)),
+                    domain.describe()
+                ),
+                "use a value of that range, or make the range larger",
+            );
+            None
+        }
+        (Shape::Array(of, _), Value::Array(values)) => {
+            values.iter().try_for_each(|v| within(e, decl, of, v))
+        }
+        (Shape::Record(shapes), Value::Record(members)) => shapes
+            .iter()
+            .zip(members)
+            .try_for_each(|((_, s), (_, v))| within(e, decl, s, v)),
+        _ => Some(()),
+    }
+}
+
+/// Whether a constant is a quantity of the plant: a unit occurs in it, or another such constant.
+fn uses_units(e: &Elaborator<'_>, value: &ast::Expr) -> bool {
+    match &value.kind {
+        ast::ExprKind::Quantity(..) => true,
+        ast::ExprKind::Path(names) => {
+            let [name] = names.as_slice() else {
+                return false;
+            };
+            e.constants.get(&name.text).is_some_and(Value::is_real)
+        }
+        _ => value.children().iter().any(|c| uses_units(e, c)),
+    }
+}
+
+/// Parameters of a define that have the same name.
+pub(super) fn double_formals(define: &ast::Define) -> Vec<Diagnostic> {
+    let mut findings = Vec::new();
+    for (i, formal) in define.formals.iter().enumerate() {
+        let mut earlier = define.formals[..i].iter().map(|f| &f.name);
+        if let Some(first) = earlier.find(|n| n.text == formal.name.text) {
+            findings.push(double(&formal.name, first.span));
+        }
+    }
+    findings
+}
+
+/// A statement that may stand once only, at the second one.
+pub(super) fn stands_twice(word: &str, here: Span, first: Span, help: &str) -> Diagnostic {
+    Diagnostic::error(codes::NAME_DOUBLE, here, format!("`{word}` stands twice"))
+        .with_label(first, "first here")
+        .with_help(help)
+}
+
+/// A name that is there already.
+pub(super) fn double(name: &ast::Name, first: Span) -> Diagnostic {
+    Diagnostic::error(
+        codes::NAME_DOUBLE,
+        name.span,
+        format!("`{}` is declared twice", name.text),
+    )
+    .with_label(first, "first declared here")
+    .with_help("give one of the two another name")
+}

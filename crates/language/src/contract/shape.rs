@@ -1,0 +1,186 @@
+//! What a declared type is made of: scalars, arrays of something, records of something.
+//!
+//! Later stages know scalar variables only. So a variable of such a type is one scalar variable for each of its leaves, named by
+//! the way to it: `target.x`, `places[2].angle`.
+
+use super::units::Unit;
+use super::value::Type;
+use linewright_core::gr1::{Domain, VarId};
+use std::collections::BTreeMap;
+
+/// A finite type.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Shape {
+    /// A single value, and its unit.
+    Scalar(Domain, Option<Unit>),
+    /// So many of one kind.
+    Array(Box<Shape>, usize),
+    /// Members by name.
+    Record(Vec<(String, Shape)>),
+}
+
+impl Shape {
+    /// The type of its values.
+    pub fn ty(&self) -> Type {
+        match self {
+            Self::Scalar(domain, unit) => measured(domain, *unit),
+            Self::Array(of, n) => Type::Array(Box::new(of.ty()), *n),
+            Self::Record(members) => {
+                Type::Record(members.iter().map(|(n, s)| (n.clone(), s.ty())).collect())
+            }
+        }
+    }
+
+    /// How many scalars it is made of.
+    pub fn leaves(&self) -> usize {
+        match self {
+            Self::Scalar(..) => 1,
+            Self::Array(of, n) => of.leaves().saturating_mul(*n),
+            Self::Record(members) => members
+                .iter()
+                .fold(0, |sum: usize, (_, s)| sum.saturating_add(s.leaves())),
+        }
+    }
+
+    /// The variables of one of this shape: `add` is called for each leaf with its name, its values and its unit.
+    pub fn declare(
+        &self,
+        name: String,
+        add: &mut impl FnMut(String, &Domain, Option<Unit>) -> VarId,
+    ) -> Entry {
+        match self {
+            Self::Scalar(domain, unit) => Entry::One(add(name, domain, *unit)),
+            Self::Array(of, n) => {
+                let elements = (0..*n).map(|i| of.declare(format!("{name}[{i}]"), add));
+                Entry::Many(elements.collect())
+            }
+            Self::Record(members) => {
+                let entries = members.iter().map(|(member, shape)| {
+                    let entry = shape.declare(format!("{name}.{member}"), add);
+                    (member.clone(), entry)
+                });
+                Entry::Record(entries.collect())
+            }
+        }
+    }
+}
+
+/// The type of a scalar with a unit.
+pub(super) fn measured(domain: &Domain, unit: Option<Unit>) -> Type {
+    match (domain, unit) {
+        (Domain::Range { .. }, Some(unit)) => Type::Measured(unit),
+        _ => Type::of(domain),
+    }
+}
+
+/// A variable in sight, of whatever shape.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Entry {
+    /// A scalar.
+    One(VarId),
+    /// An array.
+    Many(Vec<Entry>),
+    /// Members by name.
+    Record(Vec<(String, Entry)>),
+}
+
+impl Entry {
+    /// The same with other ids.
+    pub fn renumbered(&self, change: &impl Fn(VarId) -> VarId) -> Self {
+        match self {
+            Self::One(id) => Self::One(change(*id)),
+            Self::Many(list) => Self::Many(list.iter().map(|e| e.renumbered(change)).collect()),
+            Self::Record(members) => Self::Record(
+                members
+                    .iter()
+                    .map(|(name, e)| (name.clone(), e.renumbered(change)))
+                    .collect(),
+            ),
+        }
+    }
+
+    /// The variable at the end of a way; `None` where it leads elsewhere.
+    pub fn at(&self, way: &[Segment<'_>]) -> Option<VarId> {
+        match (self, way) {
+            (Self::One(id), []) => Some(*id),
+            (Self::Many(list), [Segment::Element(i), rest @ ..]) => list.get(*i)?.at(rest),
+            (Self::Record(members), [Segment::Member(name), rest @ ..]) => {
+                let (_, entry) = members.iter().find(|(n, _)| n == name)?;
+                entry.at(rest)
+            }
+            _ => None,
+        }
+    }
+
+    fn insert(&mut self, way: &[Segment<'_>], id: VarId) {
+        let [first, rest @ ..] = way else {
+            *self = Self::One(id);
+            return;
+        };
+        match first {
+            Segment::Element(i) => {
+                if !matches!(self, Self::Many(_)) {
+                    *self = Self::Many(Vec::new());
+                }
+                if let Self::Many(list) = self {
+                    // Leaves come in the order of their indices.
+                    if list.len() <= *i {
+                        list.push(Self::Many(Vec::new()));
+                    }
+                    if let Some(entry) = list.last_mut() {
+                        entry.insert(rest, id);
+                    }
+                }
+            }
+            Segment::Member(name) => {
+                if !matches!(self, Self::Record(_)) {
+                    *self = Self::Record(Vec::new());
+                }
+                if let Self::Record(members) = self {
+                    if members.last().is_none_or(|(n, _)| n != name) {
+                        members.push(((*name).to_owned(), Self::Many(Vec::new())));
+                    }
+                    if let Some((_, entry)) = members.last_mut() {
+                        entry.insert(rest, id);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// One step on the way from a variable to one of its leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Segment<'t> {
+    /// `[2]`
+    Element(usize),
+    /// `.x`
+    Member(&'t str),
+}
+
+/// The variable that a leaf's name begins with, and the way from there.
+pub(super) fn way(leaf: &str) -> (&str, Vec<Segment<'_>>) {
+    let end = leaf.find(['.', '[']).unwrap_or(leaf.len());
+    let (name, rest) = leaf.split_at(end);
+    let pieces = rest.split(['.', '[']).skip(1);
+    let segments = pieces.map(|piece| match piece.strip_suffix(']') {
+        Some(number) => Segment::Element(number.parse().unwrap_or(usize::MAX)),
+        None => Segment::Member(piece),
+    });
+    (name, segments.collect())
+}
+
+/// Variables of whatever shape from their leaves, which stand in the order of their declaration.
+pub(super) fn entries<'t>(
+    leaves: impl IntoIterator<Item = (&'t str, VarId)>,
+) -> BTreeMap<String, Entry> {
+    let mut found: BTreeMap<String, Entry> = BTreeMap::new();
+    for (leaf, id) in leaves {
+        let (name, way) = way(leaf);
+        found
+            .entry(name.to_owned())
+            .or_insert_with(|| Entry::Many(Vec::new()))
+            .insert(&way, id);
+    }
+    found
+}

@@ -1,0 +1,108 @@
+//! Regular expressions over skills: names looked up, and their size bounded, since whoever makes an automaton of one writes it out.
+
+use super::Resolver;
+use crate::order::Regex;
+use crate::syntax::ast::{self, RegexKind, Times};
+use linewright_core::diagnostics::codes;
+use linewright_core::source::Span;
+
+/// Something is repeated so often at most.
+const MOST_TIMES: u64 = 1000;
+/// A sequence has so many skills at most, repetitions written out.
+const MOST_SIZE: u64 = 10_000;
+
+impl Resolver<'_> {
+    /// A sequence, unless it becomes too large.
+    pub(super) fn sequence(&mut self, regex: &ast::Regex) -> Option<Regex> {
+        let resolved = self.regex(regex)?;
+        let size = size(&resolved);
+        if size > MOST_SIZE {
+            self.error(
+                codes::TOO_LARGE,
+                regex.span,
+                format!("written out, this has more than {MOST_SIZE} skills"),
+                "repeat less often; orders such as `at most 20 of Grip between Down and Up` count without writing out",
+            );
+            return None;
+        }
+        Some(resolved)
+    }
+
+    fn regex(&mut self, regex: &ast::Regex) -> Option<Regex> {
+        Some(match &regex.kind {
+            RegexKind::Empty => Regex::Empty,
+            RegexKind::Skill(name) => Regex::Skill(self.find(name)?),
+            RegexKind::Any => Regex::AnyBut(Vec::new()),
+            RegexKind::AnyBut(names) => {
+                let found: Vec<_> = names.iter().map(|n| self.find(n)).collect();
+                let mut skills: Vec<usize> = found.into_iter().collect::<Option<_>>()?;
+                skills.sort_unstable();
+                skills.dedup();
+                Regex::AnyBut(skills)
+            }
+            RegexKind::AnyOrder(names) => {
+                let separate =
+                    |a: &str, b: &str| format!("write what is meant: `({a} {b} | {b} {a})`");
+                Regex::AnyOrder(self.at_once(names, separate)?)
+            }
+            RegexKind::Concat(parts) => Regex::Concat(self.parts(parts)?),
+            RegexKind::Either(parts) => Regex::Either(self.parts(parts)?),
+            RegexKind::Repeat(of, times) => {
+                let of = self.regex(of);
+                let bounds = self.times(*times, regex.span);
+                let (of, (low, high)) = (Box::new(of?), bounds?);
+                Regex::Repeat { of, low, high }
+            }
+        })
+    }
+
+    fn parts(&mut self, parts: &[ast::Regex]) -> Option<Vec<Regex>> {
+        let parts: Vec<Option<Regex>> = parts.iter().map(|p| self.regex(p)).collect();
+        parts.into_iter().collect()
+    }
+
+    fn times(&mut self, times: Times, span: Span) -> Option<(u32, Option<u32>)> {
+        let (low, high) = times.bounds();
+        let most = high.unwrap_or(0).max(low);
+        if most > MOST_TIMES {
+            self.error(
+                codes::TOO_LARGE,
+                span,
+                format!("this is repeated up to {most} times, and {MOST_TIMES} is the most"),
+                "write `*` where it does not matter how often, or repeat less often",
+            );
+            return None;
+        }
+        if high.is_some_and(|high| high < low) {
+            self.error(
+                codes::DOMAIN_EMPTY,
+                span,
+                format!("`{times}` allows no number of times"),
+                "write the smaller number first",
+            );
+            return None;
+        }
+        let number = |n: u64| u32::try_from(n).ok();
+        Some((number(low)?, high.and_then(number)))
+    }
+}
+
+/// How many skills an expression has, written out.
+fn size(regex: &Regex) -> u64 {
+    match regex {
+        Regex::Nothing | Regex::Empty => 0,
+        Regex::Skill(_) | Regex::AnyBut(_) => 1,
+        // Each set of skills that have been called goes on with each of the others.
+        Regex::AnyOrder(skills) => {
+            let sets = 1_u64.checked_shl(skills.len().saturating_sub(1) as u32);
+            sets.unwrap_or(u64::MAX).saturating_mul(skills.len() as u64)
+        }
+        Regex::Concat(parts) | Regex::Either(parts) => {
+            parts.iter().map(size).fold(0, u64::saturating_add)
+        }
+        Regex::Repeat { of, low, high } => {
+            let times = high.unwrap_or(0).max(*low).max(1);
+            size(of).saturating_mul(u64::from(times))
+        }
+    }
+}

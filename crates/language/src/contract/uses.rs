@@ -1,0 +1,305 @@
+//! What is declared and never used (LW111), and two names for one thing (LW113).
+//!
+//! Both are told from the words of a file alone, so that they are found beside whatever else is wrong with it. Whether anything else is
+//! wrong matters all the same: a mistake in the syntax may have swallowed the use that is missed, and a name that is
+//! not declared may be the one that was meant. [`Doubt`] knows both.
+
+mod alike;
+mod mentions;
+
+use crate::syntax::ast::{self, ContractItem, Item, MachineItem, Ownership};
+use linewright_core::diagnostics::{Diagnostic, codes, nearest};
+use linewright_core::source::{SourceMap, Span};
+use mentions::Mentions;
+
+/// Why a declaration may be used although nothing shows it.
+pub(super) struct Doubt<'d> {
+    /// Where the syntax is wrong.
+    pub syntax: Vec<Span>,
+    /// Names that nothing declares, and where they stand.
+    pub unknown: Vec<(&'d str, Span)>,
+    /// Names that are declared twice, and where.
+    pub double: Vec<(&'d str, Span)>,
+    /// Where else something is wrong.
+    pub errors: Vec<Span>,
+}
+
+impl Doubt<'_> {
+    /// Whether a declaration is left alone, because it is not sure that nothing uses it, or because it has to be repaired anyway. `end`
+    /// is where its last part stands, `extent` where it can be used.
+    fn covers(&self, name: &ast::Name, end: Span, extent: Span) -> bool {
+        let within = |span: &Span| extent.holds(*span);
+        let own = name.span.to(end);
+        let meant = |unknown: &str| nearest(unknown, std::iter::once(name.text.as_str())).is_some();
+        self.syntax.iter().any(within)
+            || self
+                .unknown
+                .iter()
+                .any(|(unknown, span)| within(span) && meant(unknown))
+            || self
+                .double
+                .iter()
+                .any(|(double, span)| within(span) && *double == name.text)
+            || self.errors.iter().any(|span| own.holds(*span))
+    }
+}
+
+/// A declaration that nothing mentions.
+fn unused(name: &ast::Name, message: String, help: &str) -> Diagnostic {
+    Diagnostic::warning(codes::UNUSED, name.span, message).with_help(help)
+}
+
+/// What a contract declares and does not use. `extent` is all of it.
+pub(super) fn contract(
+    contract: &ast::Contract,
+    extent: Span,
+    sources: &SourceMap,
+    doubt: &Doubt<'_>,
+) -> Vec<Diagnostic> {
+    let mut used = Mentions::default();
+    used.contract(contract);
+    let mut findings = alike::find(contract, sources, |name| {
+        !used.has(&name.text) && !doubt.covers(name, name.span, extent)
+    });
+    let told = |findings: &[Diagnostic], name: &ast::Name| {
+        findings.iter().any(|f| f.span == Some(name.span))
+    };
+    let mut add = |name: &ast::Name, end: Span, message: String, help: &str| {
+        if !used.has(&name.text) && !doubt.covers(name, end, extent) && !told(&findings, name) {
+            findings.push(unused(name, message, help));
+        }
+    };
+    for parameter in &contract.header.parameters {
+        let name = &parameter.name;
+        let message = format!("nothing uses the parameter `{}`", name.text);
+        let end = parameter_end(parameter);
+        add(
+            name,
+            end,
+            message,
+            "use it in a domain or a formula, or drop it",
+        );
+    }
+    for item in &contract.items {
+        match item {
+            ContractItem::Variables {
+                ownership,
+                names,
+                domain,
+            } => {
+                let help = if *ownership == Ownership::Input {
+                    "drop it, or say what the machine does with it"
+                } else {
+                    "say with a guarantee what value it has, or drop it"
+                };
+                for name in names {
+                    let message = format!("no formula mentions `{}`", name.text);
+                    add(name, domain.span, message, help);
+                }
+            }
+            ContractItem::Define(d) => {
+                let message = format!("nothing uses the definition `{}`", d.name.text);
+                add(&d.name, d.value.span, message, "use it, or drop it");
+            }
+            ContractItem::Counter(c) => {
+                let message = format!("nothing uses the counter `{}`", c.name.text);
+                add(&c.name, c.counts.span, message, "use it, or drop it");
+            }
+            ContractItem::Const(c) => {
+                let message = format!("nothing uses the constant `{}`", c.name.text);
+                add(&c.name, c.value.span, message, "use it, or drop it");
+            }
+            ContractItem::Type(t) if !used.has_label_of(&t.domain) => {
+                let message = format!("nothing uses the type `{}`", t.name.text);
+                add(&t.name, t.domain.span, message, "use it, or drop it");
+            }
+            ContractItem::Type(_) | ContractItem::Formula { .. } => {}
+        }
+    }
+    for item in &contract.items {
+        if let ContractItem::Define(define) = item {
+            findings.extend(formals(define));
+        }
+    }
+    findings
+}
+
+/// Takes the inputs of contracts that are not bound for used; whether there was a contract.
+fn take_inputs<'a, 'c>(
+    used: &mut Mentions<'a>,
+    contracts: impl Iterator<Item = &'c &'a ast::Contract>,
+    bound: impl Fn(&str) -> bool,
+) -> bool
+where
+    'a: 'c,
+{
+    let mut any = false;
+    for contract in contracts {
+        any = true;
+        for item in &contract.items {
+            if let ContractItem::Variables {
+                ownership: Ownership::Input,
+                names,
+                ..
+            } = item
+            {
+                let free = names.iter().filter(|n| !bound(&n.text));
+                free.for_each(|n| used.name(&n.text));
+            }
+        }
+    }
+    any
+}
+
+fn parameter_end(parameter: &ast::Parameter) -> Span {
+    let default = parameter.default.as_ref();
+    default.map_or(parameter.domain.span, |e| e.span)
+}
+
+fn typed_end(typed: &ast::Typed) -> Span {
+    typed.values.last().map_or(typed.domain.span, |e| e.span)
+}
+
+/// What a definition asks for and does not use.
+fn formals(define: &ast::Define) -> Vec<Diagnostic> {
+    let mut used = Mentions::default();
+    used.expr(&define.value);
+    let formals = define.formals.iter().map(|f| &f.name);
+    let unused_ones = formals.filter(|name| !used.has(&name.text));
+    unused_ones
+        .map(|name| {
+            let message = format!(
+                "the definition `{}` does not use its parameter `{}`",
+                define.name.text, name.text
+            );
+            unused(
+                name,
+                message,
+                "use it, or drop it here and where the definition is used",
+            )
+        })
+        .collect()
+}
+
+/// Takes what an inner machine asks for and what is not bound for used; whether there was a machine.
+fn take_plant<'a>(
+    used: &mut Mentions<'a>,
+    machines: &[&'a ast::Machine],
+    name: &str,
+    bound: impl Fn(&str) -> bool,
+) -> bool {
+    let mut any = false;
+    for machine in machines.iter().filter(|m| m.header.name.text == name) {
+        any = true;
+        for item in &machine.items {
+            if let MachineItem::Property(t)
+            | MachineItem::Parameter(t)
+            | MachineItem::Signal(t)
+            | MachineItem::Abstract(t) = item
+                && !bound(&t.name.text)
+            {
+                used.name(&t.name.text);
+            }
+        }
+    }
+    any
+}
+
+/// What a machine declares and does not use. `contracts` and `machines` are those in sight: an input that is not bound takes the signal of
+/// its name.
+pub(super) fn machine<'a>(
+    machine: &'a ast::Machine,
+    contracts: &[&'a ast::Contract],
+    machines: &[&'a ast::Machine],
+    extent: Span,
+    doubt: &Doubt<'_>,
+) -> Vec<Diagnostic> {
+    let mut used = Mentions::default();
+    used.machine(machine);
+    for item in &machine.items {
+        if let MachineItem::Component(component) | MachineItem::Refines(component) = item {
+            let name = &component.contract.text;
+            let of_name = contracts.iter().filter(|c| c.header.name.text == *name);
+            let bound = |name: &str| {
+                let root = |b: &ast::Binding| b.name.text.split('.').next() == Some(name);
+                component.bindings.iter().any(root)
+            };
+            let taken = if component.is_machine() {
+                take_plant(&mut used, machines, name, bound)
+            } else {
+                take_inputs(&mut used, of_name, bound)
+            };
+            if !taken {
+                // What it takes is not known.
+                return Vec::new();
+            }
+        }
+    }
+    let mut findings = Vec::new();
+    let mut add = |name: &ast::Name, end: Span, what: &str| {
+        if !used.has(&name.text) && !doubt.covers(name, end, extent) {
+            let message = format!("nothing uses the {what} `{}`", name.text);
+            findings.push(unused(name, message, "use it, or drop it"));
+        }
+    };
+    for parameter in &machine.header.parameters {
+        add(&parameter.name, parameter_end(parameter), "parameter");
+    }
+    for item in &machine.items {
+        match item {
+            MachineItem::Signal(t) => add(&t.name, typed_end(t), "signal"),
+            MachineItem::Abstract(t) => add(&t.name, typed_end(t), "abstraction"),
+            MachineItem::Parameter(t) => add(&t.name, typed_end(t), "parameter"),
+            MachineItem::Const(c) => add(&c.name, c.value.span, "constant"),
+            MachineItem::Type(t) if !used.has_label_of(&t.domain) => {
+                add(&t.name, t.domain.span, "type");
+            }
+            _ => {}
+        }
+    }
+    findings
+}
+
+/// What a file declares outside of contracts and machines, and neither it nor a file that imports it uses. A file of nothing else
+/// is there for others, and not asked.
+pub(super) fn file(
+    tree: &ast::File,
+    importers: &[&ast::File],
+    extent: Span,
+    doubt: &Doubt<'_>,
+) -> Vec<Diagnostic> {
+    let holds = |item: &Item| matches!(item, Item::Contract(_) | Item::Machine(_) | Item::Line(_));
+    if !tree.items.iter().any(holds) {
+        return Vec::new();
+    }
+    let mut used = Mentions::default();
+    used.file(tree);
+    for importer in importers {
+        used.file(importer);
+    }
+    let mut findings = Vec::new();
+    let mut add = |name: &ast::Name, end: Span, what: &str| {
+        if !used.has(&name.text) && !doubt.covers(name, end, extent) {
+            let message = format!("nothing uses the {what} `{}`", name.text);
+            findings.push(unused(
+                name,
+                message,
+                "use it, or drop it; if a file that imports this one uses it, check both together",
+            ));
+        }
+    };
+    for item in &tree.items {
+        match item {
+            Item::Const(c) => add(&c.name, c.value.span, "constant"),
+            Item::Type(t) if !used.has_label_of(&t.domain) => add(&t.name, t.domain.span, "type"),
+            Item::Define(d) => add(&d.name, d.value.span, "definition"),
+            _ => {}
+        }
+    }
+    for item in &tree.items {
+        if let Item::Define(define) = item {
+            findings.extend(formals(define));
+        }
+    }
+    findings
+}

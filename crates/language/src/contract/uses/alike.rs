@@ -1,0 +1,164 @@
+//! LW113: two variables of a contract that look like two names for one thing (`desired` and `desired_angle`).
+//!
+//! Names that share words are common and mostly right: `turn` and `turn_done`, `part` and `part_ok`, `low` and `low_limit`. So three
+//! things have to come together before anything is said. The two are of one side and one type. What one name has more than the other only
+//! says what kind of thing it is (`_angle`, `_value`, `_cmd`), or one shortens the other. And they are not both in use: no formula
+//! mentions one of them; or each formula keeps to one of the two, where nobody who knew both would leave out what
+//! tells them apart.
+
+use super::mentions::Mentions;
+use crate::syntax::ast::{Contract, ContractItem, Domain, DomainKind, Name, Ownership};
+use linewright_core::diagnostics::{Diagnostic, codes, related};
+use linewright_core::source::{SourceMap, Span};
+
+/// Words that say what kind of thing a name is for, and nothing about which.
+const KINDS: &[&str] = &[
+    "angle",
+    "cell",
+    "cmd",
+    "command",
+    "count",
+    "distance",
+    "height",
+    "id",
+    "index",
+    "kind",
+    "length",
+    "level",
+    "mode",
+    "num",
+    "number",
+    "pos",
+    "position",
+    "pressure",
+    "slot",
+    "speed",
+    "temperature",
+    "type",
+    "velocity",
+    "weight",
+    "width",
+];
+/// The same for any type, a truth value included.
+const MERE: &[&str] = &[
+    "bit", "flag", "input", "output", "sig", "signal", "state", "status", "val", "value", "var",
+    "variable",
+];
+
+struct Variable<'a> {
+    name: &'a Name,
+    ownership: Ownership,
+    domain: &'a Domain,
+}
+
+/// The pairs of a contract, each told at the name that nothing uses, or at the later one. `idle` says which nothing uses for
+/// sure.
+pub(super) fn find(
+    contract: &Contract,
+    sources: &SourceMap,
+    idle: impl Fn(&Name) -> bool,
+) -> Vec<Diagnostic> {
+    let mut variables: Vec<Variable<'_>> = Vec::new();
+    let mut formulas: Vec<Mentions<'_>> = Vec::new();
+    // Which formulas what stands in definitions reaches is not followed up.
+    let mut indirect = Mentions::default();
+    for item in &contract.items {
+        match item {
+            ContractItem::Variables {
+                ownership,
+                names,
+                domain,
+            } => variables.extend(names.iter().map(|name| Variable {
+                name,
+                ownership: *ownership,
+                domain,
+            })),
+            ContractItem::Formula { expr, .. } => {
+                let mut mentions = Mentions::default();
+                mentions.expr(expr);
+                formulas.push(mentions);
+            }
+            ContractItem::Define(d) => indirect.expr(&d.value),
+            ContractItem::Counter(c) => indirect.exprs(std::iter::once(&c.counts).chain(&c.resets)),
+            _ => {}
+        }
+    }
+    let same_type = |a: &Domain, b: &Domain| {
+        let words = |d: &Domain| -> String { sources.text(d.span).split_whitespace().collect() };
+        a.span == b.span || words(a) == words(b)
+    };
+    let mut findings = Vec::new();
+    for (i, second) in variables.iter().enumerate() {
+        for first in &variables[..i] {
+            if first.ownership != second.ownership
+                || !same_type(first.domain, second.domain)
+                || !one_thing(first, second)
+            {
+                continue;
+            }
+            let uses = |v: &Variable<'_>| formulas.iter().any(|f| f.has(&v.name.text));
+            let together = || {
+                let indirect = |v: &Variable<'_>| indirect.has(&v.name.text);
+                let both = |f: &Mentions<'_>| f.has(&first.name.text) && f.has(&second.name.text);
+                indirect(first) || indirect(second) || formulas.iter().any(both)
+            };
+            let (first_idle, second_idle) = (idle(first.name), idle(second.name));
+            findings.extend(match (first_idle, second_idle) {
+                (true, false) if uses(second) => Some(unused(first.name, second.name)),
+                (false, true) if uses(first) => Some(unused(second.name, first.name)),
+                (false, false) if uses(first) && uses(second) && !together() => {
+                    Some(mixed(second.name, first.name))
+                }
+                _ => None,
+            });
+        }
+    }
+    // A third name for the same thing adds nothing.
+    let mut told: Vec<Option<Span>> = Vec::new();
+    findings.retain(|f| {
+        let new = !told.contains(&f.span);
+        told.push(f.span);
+        new
+    });
+    findings
+}
+
+fn one_thing(a: &Variable<'_>, b: &Variable<'_>) -> bool {
+    let truth = matches!(&a.domain.kind, DomainKind::Named(n) if n.text == "bool");
+    related(&a.name.text, &b.name.text).is_some_and(|kin| {
+        let mere = |w: &String| {
+            let w = w.as_str();
+            MERE.contains(&w) || !truth && KINDS.contains(&w)
+        };
+        kin.words.iter().all(mere)
+    })
+}
+
+fn unused(idle: &Name, used: &Name) -> Diagnostic {
+    let (idle_text, used_text) = (&idle.text, &used.text);
+    finding(
+        idle,
+        used,
+        format!(
+            "`{idle_text}` and `{used_text}` look like two names for one thing: no formula mentions `{idle_text}`"
+        ),
+    )
+}
+
+fn mixed(later: &Name, earlier: &Name) -> Diagnostic {
+    let (a, b) = (&earlier.text, &later.text);
+    finding(
+        later,
+        earlier,
+        format!("`{a}` and `{b}` look like two names for one thing: no formula mentions both"),
+    )
+}
+
+fn finding(at: &Name, other: &Name, message: String) -> Diagnostic {
+    Diagnostic::warning(codes::NAMES_ALIKE, at.span, message)
+        .with_label(other.span, "the other one")
+        .with_help(format!(
+            "if they are one, drop `{}` and write `{}` everywhere; if not, give one a name that says what sets it apart",
+            at.text, other.text
+        ))
+}

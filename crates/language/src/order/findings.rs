@@ -1,0 +1,430 @@
+//! What is wrong with rules: those that together allow nothing, wait for one another for ever, or exclude nothing.
+//!
+//! The rules that are to blame are found by leaving out one after the other for as long as the fault stays (deletion, as for the cores of
+//! contracts): none of those that are named can be left out.
+
+use super::bound::{TooLarge, Until};
+use super::dfa::REFUSED;
+use super::fsm::{Fsm, telling};
+use super::program::{self, Apart};
+use super::supervisor::{Call, Options, Supervisor};
+use super::{Kind, Level, Skills};
+use linewright_core::diagnostics::{Diagnostic, codes};
+
+/// Rules whose automaton has more entries are not examined: fewer are found in a moment, also many times over.
+const MOST_EXAMINED: usize = 1 << 18;
+
+/// So many entries of two automata are compared to find out which rules exclude nothing, all rules taken together.
+const MOST_COMPARED: usize = 1 << 22;
+
+/// What is wrong with the rules of these skills, at the level valid and then, where a rule is kept there only, at the level reasonable.
+pub fn examine(skills: &Skills, until: Until) -> Vec<Diagnostic> {
+    let mut findings = Vec::new();
+    let mut levels: Vec<Level> = skills.rules.iter().map(|r| r.level).collect();
+    levels.push(Level::Valid);
+    levels.sort_unstable();
+    levels.dedup();
+    for level in levels {
+        let mut found = Vec::new();
+        if let Err(error) = at_level(skills, level, until, &mut found) {
+            found.push(too_large(skills, &error));
+        }
+        found.retain(|f| {
+            let is_same = |o: &Diagnostic| o.code == f.code && o.span == f.span;
+            !findings.iter().any(is_same)
+        });
+        findings.append(&mut found);
+    }
+    findings
+}
+
+fn too_large(skills: &Skills, error: &TooLarge) -> Diagnostic {
+    let message = format!(
+        "what the rules of `{}` come to was not decided: {error}",
+        skills.name
+    );
+    Diagnostic::warning(codes::TOO_LARGE, skills.span, message).with_help(match error {
+        TooLarge::Late => "allow more time with --timeout",
+        TooLarge::Count { .. } => {
+            "fewer rules, or fewer repetitions in a sequence, let it be decided"
+        }
+    })
+}
+
+/// Pushes what is found, up to where it gets too large.
+fn at_level(
+    skills: &Skills,
+    level: Level,
+    until: Until,
+    findings: &mut Vec<Diagnostic>,
+) -> Result<(), TooLarge> {
+    let examined = Examined {
+        skills,
+        calls: telling(skills),
+        options: Options {
+            level,
+            until,
+            ..Options::default()
+        },
+    };
+    let all: Vec<usize> = (0..skills.rules.len())
+        .filter(|r| skills.rules[*r].level <= level)
+        .collect();
+    if all.is_empty() || skills.skills.is_empty() {
+        return Ok(());
+    }
+    let fsm = examined.fsm(&all)?;
+    if let Some(nothing) = examined.nothing(&all)? {
+        // All else follows from that.
+        findings.push(nothing);
+        return Ok(());
+    }
+    findings.extend(examined.dead_end(&fsm, &all)?);
+    examined.never_at_once(&all, findings)?;
+    examined.never_called(&fsm, &all, findings)?;
+    if findings.is_empty() {
+        findings.extend(examined.unfinished(&fsm, &all)?);
+    }
+    examined.redundant(&all, findings)
+}
+
+struct Examined<'a> {
+    skills: &'a Skills,
+    /// The calls that are looked at.
+    calls: Vec<Call>,
+    options: Options,
+}
+
+impl Examined<'_> {
+    fn only(&self, rules: &[usize]) -> Skills {
+        self.skills.with_rules(rules)
+    }
+
+    fn fsm(&self, rules: &[usize]) -> Result<Fsm, TooLarge> {
+        let skills = self.only(rules);
+        let mut supervisor = Supervisor::new(&skills, self.options)?.lean();
+        Fsm::explore_within(&mut supervisor, self.calls.clone(), MOST_EXAMINED)
+    }
+
+    /// The rules without which the fault would not be there.
+    fn core(
+        rules: &[usize],
+        fault: impl Fn(&[usize]) -> Result<bool, TooLarge>,
+    ) -> Result<Vec<usize>, TooLarge> {
+        let mut core = rules.to_vec();
+        let mut at = 0;
+        while at < core.len() {
+            let mut fewer = core.clone();
+            fewer.remove(at);
+            if fault(&fewer)? {
+                core = fewer;
+            } else {
+                at += 1;
+            }
+        }
+        Ok(core)
+    }
+
+    /// Whether nothing may be called after these calls, all of which are allowed.
+    fn is_stuck(&self, rules: &[usize], word: &[Call]) -> Result<bool, TooLarge> {
+        let skills = self.only(rules);
+        let mut supervisor = Supervisor::new(&skills, self.options)?;
+        let mut state = supervisor.start();
+        for call in word {
+            match supervisor.call(&state, *call)? {
+                Ok(after) => state = after,
+                Err(_) => return Ok(false),
+            }
+        }
+        // Where several skills may be called at once, the first of them may be called alone.
+        Ok(program::allowed(&mut supervisor, &state, 1)?.is_empty())
+    }
+
+    /// Nothing may be called at all.
+    fn nothing(&self, all: &[usize]) -> Result<Option<Diagnostic>, TooLarge> {
+        if !self.is_stuck(all, &[])? {
+            return Ok(None);
+        }
+        let core = Self::core(all, |rules| self.is_stuck(rules, &[]))?;
+        let (whose, verb) = self.named(&core);
+        let finding = Diagnostic::error(
+            codes::ORDER_NOTHING,
+            self.span(&core),
+            format!("{whose} {verb} no call at all at the start{}", self.at()),
+        );
+        let help = match core.as_slice() {
+            [] => "no skill changes anything at the start: declare another initial situation"
+                .to_owned(),
+            _ => format!(
+                "at the start the unit is {}: let one of the skills be called there, or declare another initial situation",
+                self.skills.situation(&self.initial())
+            ),
+        };
+        Ok(Some(self.labelled(finding, &core).with_help(help)))
+    }
+
+    /// Rules that leave nothing to be called, although each of them alone would.
+    fn dead_end(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, TooLarge> {
+        let letters = fsm.dfa.letters();
+        let is_stuck = |state: u32| (0..letters).all(|l| fsm.dfa.next(state, l) == REFUSED);
+        for state in (0..fsm.states.len() as u32).filter(|s| is_stuck(*s)) {
+            let word = fsm.way_to(state as usize);
+            let core = Self::core(all, |rules| self.is_stuck(rules, &word))?;
+            if core.len() < 2 {
+                // One rule alone ends the program: a sequence that does not begin anew.
+                continue;
+            }
+            let (whose, _) = self.named(&core);
+            let finding = Diagnostic::error(
+                codes::ORDER_CONTRADICTION,
+                self.span(&core),
+                format!(
+                    "{whose} contradict each other{}: after {} nothing can be called any more",
+                    self.at(),
+                    self.word(&word)
+                ),
+            );
+            return Ok(Some(self.labelled(finding, &core).with_help(format!(
+                "there the unit is {}: let one of the rules allow a way out, or forbid what leads there",
+                self.skills.situation(&self.situation(&word))
+            ))));
+        }
+        Ok(None)
+    }
+
+    /// Skills that no program ever calls, though no rule says `never` of them.
+    fn never_called(
+        &self,
+        fsm: &Fsm,
+        all: &[usize],
+        findings: &mut Vec<Diagnostic>,
+    ) -> Result<(), TooLarge> {
+        let is_called = |fsm: &Fsm, skill: usize| {
+            let columns = fsm.calls.iter().enumerate();
+            let mut columns = columns.filter(|(_, call)| call.0 >> skill & 1 == 1);
+            let states = 0..fsm.states.len() as u32;
+            columns.any(|(c, _)| states.clone().any(|s| fsm.dfa.next(s, c) != REFUSED))
+        };
+        for skill in 0..self.skills.skills.len() {
+            if is_called(fsm, skill) {
+                continue;
+            }
+            let core = Self::core(all, |rules| Ok(!is_called(&self.fsm(rules)?, skill)))?;
+            let said = match core.as_slice() {
+                [] => true,
+                [rule] => match &self.skills.rules[*rule].kind {
+                    Kind::Never(_) | Kind::Sequence(_) => true,
+                    Kind::AtMost { count, .. } => *count == 0,
+                    _ => false,
+                },
+                _ => false,
+            };
+            let span = self.span(&core);
+            if said || findings.iter().any(|f| f.span == Some(span)) {
+                continue;
+            }
+            let (whose, _) = self.named(&core);
+            let name = &self.skills.skills[skill].name;
+            let message = match core.len() {
+                1 => format!(
+                    "{whose} contradicts itself{}: `{name}` can never be called",
+                    self.at()
+                ),
+                _ => format!(
+                    "{whose} contradict each other{}: `{name}` can never be called",
+                    self.at()
+                ),
+            };
+            let finding = Diagnostic::error(codes::ORDER_CONTRADICTION, span, message);
+            findings.push(self.labelled(finding, &core).with_help(format!(
+                "let `{name}` be called somewhere, or say `never {name}` if that is meant"
+            )));
+        }
+        Ok(())
+    }
+
+    /// Skills at once that a rule tells apart and itself never allows, since it refuses one of them by itself, or all of them after one.
+    fn never_at_once(&self, all: &[usize], findings: &mut Vec<Diagnostic>) -> Result<(), TooLarge> {
+        for rule in all {
+            let of = &self.skills.rules[*rule];
+            let mut events: Vec<Call> = Vec::new();
+            if matches!(of.kind, Kind::Never(_) | Kind::InARow(_))
+                || matches!(of.kind, Kind::AtMost { count: 0, .. })
+            {
+                continue;
+            }
+            of.kind.for_each_event(&mut |event| {
+                let call = event.0.iter().fold(0, |mask, skill| mask | 1 << skill);
+                if event.0.len() > 1 && !events.contains(&Call(call)) {
+                    events.push(Call(call));
+                }
+            });
+            if events.is_empty() {
+                continue;
+            }
+            let fsm = self.fsm(&[*rule])?;
+            for event in events {
+                let columns = fsm.calls.iter().enumerate();
+                let columns = columns.filter(|(_, call)| call.0 & event.0 == event.0);
+                let mut columns = columns.peekable();
+                let states = 0..fsm.states.len() as u32;
+                if columns.peek().is_none()
+                    || columns.any(|(c, _)| states.clone().any(|s| fsm.dfa.next(s, c) != REFUSED))
+                {
+                    continue;
+                }
+                let text = event.text(self.skills);
+                let finding = Diagnostic::error(
+                    codes::ORDER_CONTRADICTION,
+                    of.span,
+                    format!(
+                        "the rule `{}` contradicts itself{}: `{text}` can never be called",
+                        of.name,
+                        self.at()
+                    ),
+                );
+                findings.push(finding.with_note(
+                    "a call of several skills counts as each of them and as all of them at once, one after the other in every order",
+                ).with_help(format!(
+                    "speak of `{text}` or of its skills in one rule, not of both; or write `never {text}` if that is meant"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// A sequence that can no longer be finished, since other rules are in its way.
+    fn unfinished(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, TooLarge> {
+        // Every beginning, and the beginnings of what can be completed: the first word that is not among those.
+        let begun = fsm.dfa.clone().prefix_closed();
+        let completed = fsm.dfa.clone().trimmed().prefix_closed();
+        let Some(word) = begun.difference(&completed) else {
+            return Ok(None);
+        };
+        let word: Vec<Call> = word.into_iter().map(|l| fsm.calls[l]).collect();
+        let core = Self::core(all, |rules| {
+            let skills = self.only(rules);
+            let mut supervisor = Supervisor::new(&skills, self.options)?;
+            let checked = program::check(&mut supervisor, &word)?;
+            Ok(checked.violation.is_none()
+                && !checked.unfinished.is_empty()
+                && checked.completion?.is_none())
+        })?;
+        let (whose, _) = self.named(&core);
+        let contradict = if core.len() == 1 {
+            format!("{whose} contradicts itself")
+        } else {
+            format!("{whose} contradict each other")
+        };
+        let finding = Diagnostic::error(
+            codes::ORDER_CONTRADICTION,
+            self.span(&core),
+            format!(
+                "{contradict}{}: after {} no program can be completed",
+                self.at(),
+                self.word(&word)
+            ),
+        );
+        Ok(Some(self.labelled(finding, &core).with_help(
+            "let the sequence go on there, or let the other rules forbid what leads there",
+        )))
+    }
+
+    /// Rules that forbid nothing which the others do not forbid already.
+    fn redundant(&self, all: &[usize], findings: &mut Vec<Diagnostic>) -> Result<(), TooLarge> {
+        for (at, rule) in all.iter().enumerate() {
+            // A rule of a lower level has been asked there.
+            if self.skills.rules[*rule].level < self.options.level {
+                continue;
+            }
+            let mut others = all.to_vec();
+            others.remove(at);
+            let (with, without) = (self.only(all), self.only(&others));
+            let whole = Apart {
+                whole: true,
+                one_way: false,
+                entries: MOST_COMPARED / all.len(),
+            };
+            let first = Supervisor::new(&with, self.options)?;
+            let second = Supervisor::new(&without, self.options)?;
+            if program::difference(&first, &second, &self.calls, whole)?.is_none() {
+                let rule = &self.skills.rules[*rule];
+                let beside = if others.is_empty() && self.options.level == Level::Valid {
+                    "it forbids nothing"
+                } else {
+                    "what it forbids is forbidden without it"
+                };
+                let finding = Diagnostic::warning(
+                    codes::ORDER_REDUNDANT,
+                    rule.span,
+                    format!("the rule `{}` excludes nothing: {beside}", rule.name),
+                );
+                findings.push(finding.with_help(
+                    "leave it out, or look whether it says what is meant: the initial situation counts as called",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn initial(&self) -> Vec<usize> {
+        self.skills.components.iter().map(|c| c.initial).collect()
+    }
+
+    /// Where the components stand after these calls.
+    fn situation(&self, word: &[Call]) -> Vec<usize> {
+        let mut situation = self.initial();
+        for skill in word.iter().flat_map(|call| call.skills()) {
+            let skill = &self.skills.skills[skill];
+            if let Some(effect) = skill.effect {
+                situation[skill.component] = effect;
+            }
+        }
+        situation
+    }
+
+    fn at(&self) -> String {
+        match self.options.level {
+            Level::Reasonable => " at the level reasonable".to_owned(),
+            _ => String::new(),
+        }
+    }
+
+    fn word(&self, word: &[Call]) -> String {
+        let calls: Vec<String> = word.iter().map(|c| c.text(self.skills)).collect();
+        match calls.len() {
+            0 => "no call".to_owned(),
+            _ => format!("`{}`", calls.join(", ")),
+        }
+    }
+
+    /// `the rules a and b`, and the verb that follows.
+    fn named(&self, rules: &[usize]) -> (String, &'static str) {
+        let names: Vec<String> = rules
+            .iter()
+            .map(|r| format!("`{}`", self.skills.rules[*r].name))
+            .collect();
+        match names.as_slice() {
+            [] => ("what the level forbids".to_owned(), "allows"),
+            [one] => (format!("the rule {one}"), "allows"),
+            [others @ .., last] => (
+                format!("the rules {} and {last}", others.join(", ")),
+                "allow",
+            ),
+        }
+    }
+
+    fn span(&self, rules: &[usize]) -> linewright_core::source::Span {
+        rules
+            .first()
+            .map_or(self.skills.span, |r| self.skills.rules[*r].span)
+    }
+
+    fn labelled(&self, mut finding: Diagnostic, rules: &[usize]) -> Diagnostic {
+        for rule in rules.iter().skip(1) {
+            let rule = &self.skills.rules[*rule];
+            finding = finding.with_label(rule.span, format!("and `{}`", rule.name));
+        }
+        finding
+    }
+}

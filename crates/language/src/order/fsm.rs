@@ -1,0 +1,382 @@
+//! The automaton of a set of rules: all situations, what is known of the rules in them, and what may be called.
+
+use super::Skills;
+use super::bound::TooLarge;
+use super::dfa::{Dfa, REFUSED, shortest};
+use super::supervisor::{Call, Options, State, Supervisor};
+use std::collections::BTreeMap;
+
+/// So many columns an automaton has at most: calls of one skill or of several at once.
+pub const MOST_CALLS: usize = 4096;
+
+/// So many entries its table has at most.
+pub const MOST_ENTRIES: usize = 1 << 24;
+
+/// The calls that are looked at: the single skills in order, then two at once, and so on; within a size by their masks, ascending. Two
+/// skills of one component are never called at once. `most` is how many skills at once are asked for; there are fewer where there would be
+/// more than [`MOST_CALLS`] calls.
+pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
+    let own: Vec<u64> = skills
+        .components
+        .iter()
+        .enumerate()
+        .map(|(c, _)| {
+            let own = skills.skills.iter().enumerate();
+            own.filter(|(_, s)| s.component == c)
+                .fold(0, |mask, (s, _)| mask | 1 << s)
+        })
+        .collect();
+    let count = skills.skills.len();
+    let mut all: Vec<Call> = (0..count).map(Call::one).collect();
+    let mut last = all.clone();
+    for _ in 1..most {
+        let mut larger = Vec::new();
+        for call in &last {
+            // Each set once: only skills behind its last one are added.
+            let above = call.0.ilog2() as usize + 1;
+            for skill in above..count {
+                let component = skills.skills[skill].component;
+                if call.0 & own[component] == 0 {
+                    larger.push(Call(call.0 | 1 << skill));
+                }
+            }
+            if all.len() + larger.len() > MOST_CALLS {
+                return all;
+            }
+        }
+        if larger.is_empty() {
+            break;
+        }
+        larger.sort_unstable();
+        all.extend(&larger);
+        last = larger;
+    }
+    all
+}
+
+/// The single skills, the events of several skills that rules speak of, and any two of all these at once, in the order of [`calls`]: the calls
+/// that rules tell apart.
+pub fn telling(skills: &Skills) -> Vec<Call> {
+    let count = skills.skills.len();
+    let mut parts: Vec<u64> = (0..count).map(|s| 1 << s).collect();
+    for rule in &skills.rules {
+        rule.kind.for_each_event(&mut |event| {
+            parts.push(event.0.iter().fold(0, |mask, skill| mask | 1 << skill));
+        });
+    }
+    parts.sort_unstable();
+    parts.dedup();
+    let fits = |mask: &u64| {
+        let mut seen = vec![false; skills.components.len()];
+        let mut own = Call(*mask).skills().map(|s| skills.skills[s].component);
+        own.all(|c| !std::mem::replace(&mut seen[c], true))
+    };
+    let both = parts.iter().flat_map(|a| parts.iter().map(move |b| a | b));
+    let mut all: Vec<u64> = both.filter(fits).collect();
+    all.sort_unstable_by_key(|mask| (mask.count_ones(), *mask));
+    all.dedup();
+    if all.len() > MOST_CALLS {
+        all.retain(|mask| parts.binary_search(mask).is_ok());
+    }
+    all.into_iter().map(Call).collect()
+}
+
+/// Whether there are calls of no more than `most` skills at once that are not among these, which [`calls`] gave.
+pub fn is_cut(calls: &[Call], skills: &Skills, most: usize) -> bool {
+    let used = |c: usize| skills.skills.iter().any(|s| s.component == c);
+    let components = (0..skills.components.len()).filter(|c| used(*c)).count();
+    let known = calls.iter().map(|c| c.skills().count()).max().unwrap_or(0);
+    known < most.min(components)
+}
+
+/// All that can be reached from the start.
+#[derive(Debug, Clone)]
+pub struct Fsm {
+    /// The columns; see [`calls`].
+    pub calls: Vec<Call>,
+    /// The states; the first is the start.
+    pub states: Vec<State>,
+    /// The same as an automaton whose letters are the columns.
+    pub dfa: Dfa,
+}
+
+/// Between two states: all calls that lead from the one to the other, those that contain another one left out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Transition {
+    /// From where.
+    pub from: usize,
+    /// To where.
+    pub to: usize,
+    /// By what, in the order of the columns; at least one.
+    pub calls: Vec<Call>,
+}
+
+impl Fsm {
+    /// Explores the states of a supervisor under these calls.
+    ///
+    /// # Errors
+    /// When the table would have more than [`MOST_ENTRIES`] entries, or the time is over.
+    pub fn explore(supervisor: &mut Supervisor<'_>, calls: Vec<Call>) -> Result<Self, TooLarge> {
+        Self::explore_within(supervisor, calls, MOST_ENTRIES)
+    }
+
+    /// The same with a limit of its own.
+    ///
+    /// # Errors
+    /// When the table would have more than so many entries, or the time is over.
+    pub fn explore_within(
+        supervisor: &mut Supervisor<'_>,
+        calls: Vec<Call>,
+        entries: usize,
+    ) -> Result<Self, TooLarge> {
+        let limit = entries / calls.len().max(1);
+        let start = supervisor.start();
+        let until = supervisor.options().until;
+        let mut too_large = None;
+        // What is complete is asked afterwards: exploring needs the supervisor for itself.
+        let explored = Dfa::explore_all(
+            calls.len(),
+            &[start],
+            until.within(limit),
+            |state, column| match supervisor.call(state, calls[column]) {
+                Ok(after) => after.ok(),
+                Err(error) => {
+                    too_large = Some(error);
+                    None
+                }
+            },
+            |_| true,
+        )?;
+        if let Some(error) = too_large {
+            return Err(error);
+        }
+        let complete = explored.states.iter();
+        let complete: Vec<bool> = complete.map(|s| supervisor.is_complete(s)).collect();
+        Ok(Self {
+            calls,
+            states: explored.states,
+            dfa: explored.dfa.with_complete(complete),
+        })
+    }
+
+    /// The same for some skills, as they are asked for: at most `most` at once.
+    ///
+    /// # Errors
+    /// When it is too large.
+    pub fn of(skills: &Skills, options: Options, most: usize) -> Result<Self, TooLarge> {
+        let mut supervisor = Supervisor::new(skills, options)?;
+        Self::explore(&mut supervisor, calls(skills, most))
+    }
+
+    /// The same, but of components whose situation decides nothing it is not known where they stand: there are fewer states, and the same words.
+    ///
+    /// # Errors
+    /// When it is too large.
+    pub fn of_words(skills: &Skills, options: Options, most: usize) -> Result<Self, TooLarge> {
+        let mut supervisor = Supervisor::new(skills, options)?.lean();
+        Self::explore(&mut supervisor, calls(skills, most))
+    }
+
+    /// The automaton over single skills: its words, one skill after the other.
+    ///
+    /// # Panics
+    /// Never: the first columns are the single skills.
+    pub fn one_by_one(&self) -> Dfa {
+        let singles = self.calls.iter().filter(|c| c.0.is_power_of_two()).count();
+        let step = |state: &u32, skill: usize| {
+            let to = self.dfa.next(*state, skill);
+            (to != REFUSED).then_some(to)
+        };
+        Dfa::explore(singles, 0, self.states.len(), step, |s| {
+            self.dfa.is_complete(*s)
+        })
+        .expect("no more states than before; please report this")
+    }
+
+    /// The shortest calls that lead to a state.
+    pub fn way_to(&self, state: usize) -> Vec<Call> {
+        let successors = |from: &u32| {
+            let columns = self.calls.iter().enumerate();
+            let to = columns.map(|(column, call)| (*call, self.dfa.next(*from, column)));
+            to.filter(|(_, to)| *to != REFUSED).collect()
+        };
+        let way = shortest(0, successors, |s| *s as usize == state);
+        way.expect("every state was reached; please report this")
+    }
+
+    /// The transitions: one between two states, however many calls lead from the one to the other, as the paper counts them. By `from`,
+    /// then by `to`.
+    pub fn transitions(&self) -> Vec<Transition> {
+        let mut between: BTreeMap<(usize, usize), Vec<Call>> = BTreeMap::new();
+        for from in 0..self.states.len() {
+            for (column, call) in self.calls.iter().enumerate() {
+                let to = self.dfa.next(from as u32, column);
+                if to == REFUSED {
+                    continue;
+                }
+                let calls = between.entry((from, to as usize)).or_default();
+                // Smaller calls come first.
+                if calls.iter().all(|c| c.0 & call.0 != c.0) {
+                    calls.push(*call);
+                }
+            }
+        }
+        let transitions = between.into_iter();
+        transitions
+            .map(|((from, to), calls)| Transition { from, to, calls })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::order::{Component, Deletion, Event, Kind, Level, Rule, Serialisation, Skill};
+    use linewright_core::source::Span;
+
+    /// Skills of components with two situations each, the first of which they are in.
+    pub fn two_each(components: &[(&str, [(&str, &str); 2])]) -> Skills {
+        let mut skills = Skills {
+            name: "Unit".to_owned(),
+            doc: String::new(),
+            components: Vec::new(),
+            skills: Vec::new(),
+            rules: Vec::new(),
+            span: Span::default(),
+        };
+        for (component, (name, both)) in components.iter().enumerate() {
+            skills.components.push(Component {
+                name: (*name).to_owned(),
+                doc: String::new(),
+                situations: both.iter().map(|(_, s)| (*s).to_owned()).collect(),
+                initial: 0,
+                span: Span::default(),
+            });
+            for (effect, (skill, _)) in both.iter().enumerate() {
+                skills.skills.push(Skill {
+                    name: (*skill).to_owned(),
+                    doc: String::new(),
+                    component,
+                    effect: Some(effect),
+                    span: Span::default(),
+                });
+            }
+        }
+        skills
+    }
+
+    pub const LEFT: usize = 0;
+    pub const RIGHT: usize = 1;
+    pub const UP: usize = 2;
+    pub const DOWN: usize = 3;
+    pub const RELEASE: usize = 4;
+
+    pub fn rule(name: &str, kind: Kind) -> Rule {
+        Rule {
+            name: name.to_owned(),
+            requirement: None,
+            doc: String::new(),
+            level: Level::Valid,
+            kind,
+            deletions: Vec::new(),
+            span: Span::default(),
+            text: String::new(),
+        }
+    }
+
+    pub fn events(skills: &[usize]) -> Vec<Event> {
+        skills.iter().map(|s| Event(vec![*s])).collect()
+    }
+
+    /// The paper's pick-and-place unit, with its two rules.
+    pub fn pick_and_place() -> Skills {
+        let mut skills = two_each(&[
+            ("x", [("Left", "left"), ("Right", "right")]),
+            ("z", [("Up", "up"), ("Down", "down")]),
+            ("gripper", [("Release", "open"), ("Grip", "closed")]),
+        ]);
+        let (x, z, gripper) = (0, 1, 2);
+        let delete = |from: &[(usize, usize)], to: &[(usize, usize)]| Deletion {
+            from: from.to_vec(),
+            to: to.to_vec(),
+        };
+        skills.rules = vec![
+            Rule {
+                deletions: vec![
+                    delete(&[(z, 1), (x, 0)], &[(x, 1)]),
+                    delete(&[(z, 1), (x, 1)], &[(x, 0)]),
+                ],
+                ..rule(
+                    "trays",
+                    Kind::After {
+                        from: events(&[DOWN]),
+                        until: events(&[UP]),
+                        never: events(&[LEFT, RIGHT]),
+                    },
+                )
+            },
+            Rule {
+                deletions: vec![
+                    delete(&[(z, 0), (gripper, 1)], &[(gripper, 0)]),
+                    delete(&[(z, 1), (gripper, 1)], &[(z, 0), (gripper, 0)]),
+                ],
+                ..rule(
+                    "transport",
+                    Kind::After {
+                        from: events(&[UP]),
+                        until: events(&[DOWN]),
+                        never: events(&[RELEASE]),
+                    },
+                )
+            },
+        ];
+        skills
+    }
+
+    fn counts(rules: &[usize], options: Options) -> (usize, usize) {
+        let mut skills = pick_and_place();
+        skills.rules = rules.iter().map(|r| skills.rules[*r].clone()).collect();
+        let fsm = Fsm::of(&skills, options, 3).expect("it is small");
+        (fsm.states.len(), fsm.transitions().len())
+    }
+
+    /// The figures of `facts/other-seeds.md`, which the paper's automata have.
+    #[test]
+    fn the_papers_unit_has_as_many_transitions_as_it_should() {
+        let every = Options::default();
+        let paper = Options {
+            paper: true,
+            ..every
+        };
+        let rules: [&[usize]; 4] = [&[], &[0], &[1], &[0, 1]];
+        let of = |options| rules.map(|rules| counts(rules, options));
+        assert_eq!(of(every), [(8, 64), (8, 40), (8, 52), (8, 32)]);
+        assert_eq!(of(paper), [(8, 64), (8, 48), (8, 52), (8, 38)]);
+        // What the deletions speak of is followed where all else is not.
+        let skills = pick_and_place();
+        for (options, states) in [(every, 2), (paper, 8)] {
+            let whole = Fsm::of(&skills, options, 3).expect("it is small");
+            let lean = Fsm::of_words(&skills, options, 3).expect("it is small");
+            assert_eq!(lean.states.len(), states);
+            assert_eq!(lean.dfa.difference(&whole.dfa), None);
+        }
+    }
+
+    #[test]
+    fn one_order_allows_more_than_every_order() {
+        let options = Options {
+            serialisation: Serialisation::Some,
+            ..Options::default()
+        };
+        // Down and then Right is refused, Right and then Down is not.
+        let (_, some) = counts(&[0], options);
+        assert!(some > 40, "{some}");
+    }
+
+    #[test]
+    fn all_combinations_of_skills_of_different_components_are_called() {
+        assert_eq!(calls(&pick_and_place(), 3).len(), 26);
+        assert_eq!(calls(&pick_and_place(), 2).len(), 18);
+        assert_eq!(calls(&pick_and_place(), 1).len(), 6);
+    }
+}

@@ -1,0 +1,309 @@
+//! Rules as GR(1) safety over conditions that say when a skill is being called.
+//!
+//! A skill is *called* in the step in which its condition becomes true: in step 0 where it holds, later where it holds and did not hold in
+//! the step before. A condition can also say when it begins anew: then what holds is a call even if it held before, as for operations, of
+//! which one may follow on itself. Each rule becomes a variable that holds what is known of the rule's automaton (nothing for a rule without memory), the
+//! formulas that define it step by step, and one formula that the rule is. A set of skills called in one step is one call: it is looked
+//! up in the automaton over sets that [`super::serial`] makes, so that every order of them has to be allowed.
+
+use super::bound::{TooLarge, Until};
+use super::rule::{self, Alphabet};
+use super::serial::{Known, Serial};
+use super::strongest::recall;
+use super::{Level, Rule, Serialisation, Skills};
+use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Time, VarId, Variable};
+
+/// So many combinations of state and call a rule may have.
+const MOST_CASES: usize = 1 << 14;
+
+/// Behind the name of a formula about step 0.
+pub const AT_FIRST: &str = " at first";
+
+/// The rule that a formula of this name says, by the rule's name. No name in a file has a blank in it.
+pub fn rule_of(formula: &str) -> Option<&str> {
+    let name = formula.strip_suffix(AT_FIRST).unwrap_or(formula);
+    name.strip_prefix("order ")
+}
+
+/// What one rule becomes.
+#[derive(Debug, Clone)]
+pub struct Lowered {
+    /// The skills that it speaks of, by their places.
+    pub speaks_of: Vec<usize>,
+    /// The state of its automaton; `None` where there is only one. Its id is the one that was asked for.
+    pub variable: Option<Variable>,
+    /// What defines the variable.
+    pub definitions: Side,
+    /// The rule.
+    pub rule: Side,
+}
+
+/// When a skill is called, over the variables that the formulas are to be about; none has next values.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Condition {
+    /// It is being called.
+    pub holds: Expr,
+    /// What holds in the next step is a call, whether or not it holds in this one.
+    pub anew: Expr,
+}
+
+impl Condition {
+    /// One that is a call where it becomes true, and nowhere else.
+    pub fn rising(holds: Expr) -> Self {
+        Self {
+            holds,
+            anew: Expr::FALSE,
+        }
+    }
+
+    /// The call, in the step after this one.
+    pub fn begins(&self) -> Expr {
+        let next = self.holds.substitute(&mut |v, _| Expr::Var(v, Time::Next));
+        let before = self.holds.clone().not().or(self.anew.clone());
+        next.and(before).simplify()
+    }
+}
+
+/// Conditions for calls, by skill.
+pub type Conditions<'a> = &'a [Condition];
+
+/// The rules of a level, those of the level itself among them: at the level reasonable one a skill that forbids its recall.
+pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
+    let own = skills.rules.iter().filter(|r| r.level <= level);
+    let mut rules: Vec<Rule> = own.cloned().collect();
+    if level >= Level::Reasonable {
+        for skill in 0..skills.skills.len() {
+            rules.extend(recall(skills, skill).map(|rule| {
+                Rule {
+                    span: skills.skills[skill].span,
+                    // As it is cited, without its head.
+                    text: rule
+                        .text
+                        .split_once(": ")
+                        .map_or_else(String::new, |(_, body)| body.to_owned()),
+                    ..rule
+                }
+            }));
+        }
+    }
+    rules
+}
+
+/// A rule over these conditions. `variable` is the id of the variable that it needs, if it needs one, and `taken` says which names are.
+///
+/// # Errors
+/// When the rule's automaton is too large.
+pub fn lower(
+    skills: &Skills,
+    rule: &Rule,
+    when: Conditions<'_>,
+    variable: VarId,
+    taken: impl Fn(&str) -> bool,
+) -> Result<Lowered, TooLarge> {
+    let alphabet = Alphabet::of(skills);
+    let automaton = rule::automaton(rule, skills, &alphabet, Until::default())?;
+    let mut serial = Serial::new(automaton, Serialisation::Every);
+    let spoken = speaks_of(skills, &alphabet, &serial);
+    let table = Cases::new(skills, &alphabet, &mut serial, &spoken)?;
+    let states = serial.met();
+    let at = (states > 1).then_some(variable);
+    let now = |skill: usize| when[skill].holds.clone();
+    let rising = |skill: usize| when[skill].begins();
+    let formula = |expr: Expr, when: &str| Formula {
+        name: format!("order {}{when}", rule.name),
+        requirement: rule.requirement.clone(),
+        expr: expr.simplify(),
+        span: rule.span,
+        text: rule.text.clone(),
+    };
+    let mut name = format!("order_{}", identifier(&rule.name));
+    while taken(&name) {
+        name.push('_');
+    }
+    let mut lowered = Lowered {
+        speaks_of: spoken,
+        variable: at.map(|_| Variable {
+            name,
+            owner: Owner::System,
+            internal: true,
+            domain: Domain::Range {
+                low: 0,
+                high: states as i64 - 1,
+            },
+            unit: String::new(),
+            span: rule.span,
+        }),
+        definitions: Side::default(),
+        rule: Side::default(),
+    };
+    if let Some(at) = at {
+        let first = table.next(0, &now);
+        let first = Expr::now(at).equals(first);
+        lowered.definitions.initial.push(formula(first, AT_FIRST));
+        let mut later = table.next(states as Known - 1, &rising);
+        for state in (0..states as Known - 1).rev() {
+            let here = Expr::now(at).equals(Expr::Const(i64::from(state)));
+            let then = table.next(state, &rising);
+            later = Expr::If(Box::new(here), Box::new(then), Box::new(later));
+        }
+        let later = Expr::next(at).equals(later);
+        lowered.definitions.safety.push(formula(later, ""));
+    }
+    let first = table.allowed(0, &now);
+    if first != Expr::TRUE {
+        lowered.rule.initial.push(formula(first, AT_FIRST));
+    }
+    let later = (0..states as Known).fold(Expr::TRUE, |all, state| {
+        let allowed = table.allowed(state, &rising);
+        match at {
+            _ if allowed == Expr::TRUE => all,
+            None => all.and(allowed),
+            Some(at) => {
+                let here = Expr::now(at).equals(Expr::Const(i64::from(state)));
+                all.and(here.implies(allowed))
+            }
+        }
+    });
+    if later != Expr::TRUE {
+        lowered.rule.safety.push(formula(later, ""));
+    }
+    Ok(lowered)
+}
+
+/// A name without signs that no variable has.
+fn identifier(name: &str) -> String {
+    let sign = |c: char| if c.is_alphanumeric() { c } else { '_' };
+    name.chars().map(sign).collect()
+}
+
+/// The skills that some letter which matters to the rule consists of.
+fn speaks_of(skills: &Skills, alphabet: &Alphabet, serial: &Serial) -> Vec<usize> {
+    let mut spoken = vec![false; skills.skills.len()];
+    for letter in 0..alphabet.len() {
+        if !serial.is_idle(letter) {
+            for skill in alphabet.skills_of(letter) {
+                spoken[skill] = true;
+            }
+        }
+    }
+    (0..spoken.len()).filter(|s| spoken[*s]).collect()
+}
+
+/// For every state, what the sets of skills lead to that may be called in one step: one skill or none of each component.
+struct Cases {
+    /// Of each component that the rule speaks of, its skills that it speaks of.
+    components: Vec<Vec<usize>>,
+    /// By state: a mask of skills, and the state after it, `None` where it is refused. Smaller sets first.
+    after: Vec<Vec<(u64, Option<Known>)>>,
+}
+
+impl Cases {
+    fn new(
+        skills: &Skills,
+        alphabet: &Alphabet,
+        serial: &mut Serial,
+        spoken: &[usize],
+    ) -> Result<Self, TooLarge> {
+        let components = (0..skills.components.len()).map(|c| {
+            let own = spoken.iter().copied();
+            own.filter(|s| skills.skills[*s].component == c).collect()
+        });
+        let components: Vec<Vec<usize>> =
+            components.filter(|c: &Vec<usize>| !c.is_empty()).collect();
+        let mut sets = vec![0_u64];
+        for component in &components {
+            let longer = sets.iter().flat_map(|set| {
+                let more = component.iter().map(move |s| set | 1 << s);
+                [*set].into_iter().chain(more)
+            });
+            sets = longer.collect();
+            if sets.len() > MOST_CASES {
+                return Err(too_many());
+            }
+        }
+        sets.sort_by_key(|set| (set.count_ones(), *set));
+        let mut after = Vec::new();
+        let mut state = 0;
+        while state < serial.met() {
+            let mut row = Vec::with_capacity(sets.len());
+            for set in &sets {
+                let letters = alphabet.letters(*set);
+                row.push((*set, serial.call(state as Known, &letters)?));
+            }
+            after.push(row);
+            state += 1;
+            if state * sets.len() > MOST_CASES {
+                return Err(too_many());
+            }
+        }
+        Ok(Self { components, after })
+    }
+
+    fn to(&self, state: Known, set: u64) -> Option<Known> {
+        let row = &self.after[state as usize];
+        let found = row.iter().find(|(known, _)| *known == set);
+        found.expect("all sets are there; please report this").1
+    }
+
+    /// The state after what is called; it stays where that is refused.
+    fn next(&self, state: Known, called: &impl Fn(usize) -> Expr) -> Expr {
+        self.decide(
+            0,
+            0,
+            &|set| {
+                let to = self.to(state, set).unwrap_or(state);
+                Expr::Const(i64::from(to))
+            },
+            called,
+        )
+    }
+
+    /// Asks component by component which of its skills is called; equal answers are not asked for.
+    fn decide(
+        &self,
+        component: usize,
+        set: u64,
+        answer: &dyn Fn(u64) -> Expr,
+        called: &impl Fn(usize) -> Expr,
+    ) -> Expr {
+        let Some(skills) = self.components.get(component) else {
+            return answer(set);
+        };
+        let mut result = self.decide(component + 1, set, answer, called);
+        for skill in skills.iter().rev() {
+            let then = self.decide(component + 1, set | 1 << skill, answer, called);
+            if then != result {
+                result = Expr::If(Box::new(called(*skill)), Box::new(then), Box::new(result));
+            }
+        }
+        result
+    }
+
+    /// What must not be called in a state: no set that is refused and contains no smaller one. Whatever contains a refused set is refused,
+    /// since the skills of the smaller one may come first.
+    fn allowed(&self, state: Known, called: &impl Fn(usize) -> Expr) -> Expr {
+        let mut least: Vec<u64> = Vec::new();
+        for (set, to) in &self.after[state as usize] {
+            if to.is_none() && least.iter().all(|l| l & set != *l) {
+                least.push(*set);
+            }
+        }
+        least.into_iter().fold(Expr::TRUE, |all, set| {
+            let skills = (0..u64::BITS as usize).filter(|s| set >> s & 1 == 1);
+            let together = skills.map(called).reduce(Expr::and);
+            let none = together.map_or(Expr::FALSE, Expr::not);
+            if all == Expr::TRUE {
+                none
+            } else {
+                all.and(none)
+            }
+        })
+    }
+}
+
+fn too_many() -> TooLarge {
+    TooLarge::Count {
+        what: "combinations of what is known of a rule and what is called",
+        limit: MOST_CASES,
+    }
+}

@@ -1,0 +1,467 @@
+//! The strongest level by method: which recalls and detours can be left out without losing what can be reached.
+//!
+//! The paper leaves the reasonable level to "an engineer understanding the system and not systematically following a method", and the
+//! strongest one to future work. The method here:
+//!
+//! 1. *Candidates.* A recall of a skill: to call it where its component is already where it leads. A detour: a word of a few skills after
+//!    which everything is as some shorter word would have left it, wherever it is allowed (`Left Right`, after which nothing has changed,
+//!    or `Grip Left Release`, which is `Left`). Everything means the situation and what is known of every rule.
+//! 2. *Test.* A candidate is taken as one more rule. It is kept if from every state that is still reached, every useful situation is reached
+//!    (again) that was reached from there without any candidate, and a program can still be completed where it could. Else it is needed, and
+//!    the situation that would be lost is named.
+//! 3. *Order.* Recalls come first, then detours, short ones first, in the order of the skills' declaration; each is tested together with all
+//!    that have been kept. So no candidate that is needed can be added to the result: it is a strongest set of them, though others may
+//!    be as strong.
+//!
+//! The engineer may say that a candidate is to be dropped, and which situations are useful; the rest is found anew.
+
+use super::bound::TooLarge;
+use super::dfa::{Dfa, REFUSED, shortest};
+use super::fsm::Fsm;
+use super::supervisor::{Call, Options};
+use super::{Event, Kind, Level, Rule, Skills};
+use std::collections::BTreeSet;
+
+/// A part of a situation: (component, situation), by which useful ones are told.
+pub type Pattern = Vec<(usize, usize)>;
+
+/// What is asked for.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Which rules are kept.
+    pub options: Options,
+    /// Detours have so many skills at most; with 1 there are recalls only.
+    pub longest: usize,
+    /// The situations that matter: those that fit one of these. All where there is none.
+    pub useful: Vec<Pattern>,
+    /// The candidates that the engineer does not want, by name.
+    pub dropped: BTreeSet<String>,
+}
+
+/// A candidate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Candidate {
+    /// The rule that forbids it, at the level reasonable; its text is how it stands in a file.
+    pub rule: Rule,
+    /// The skills that it is about.
+    pub word: Vec<usize>,
+    /// What became of it.
+    pub verdict: Verdict,
+}
+
+/// What became of a candidate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Verdict {
+    /// It can be left out: the rule is part of the strongest level.
+    Kept,
+    /// It is needed: after these calls the situation could no longer be reached.
+    Needed {
+        /// The shortest calls after which something is lost.
+        after: Vec<Call>,
+        /// What is lost; `None` where no program could be completed any more.
+        lost: Option<Vec<usize>>,
+    },
+    /// The engineer does not want the rule.
+    Dropped,
+}
+
+/// The strongest level.
+#[derive(Debug, Clone)]
+pub struct Strongest {
+    /// All candidates in the order in which they were tested.
+    pub candidates: Vec<Candidate>,
+    /// The skills with the rules of the level and those that were kept.
+    pub skills: Skills,
+}
+
+/// Finds the strongest level.
+///
+/// # Errors
+/// When an automaton is too large.
+pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, TooLarge> {
+    let base = Fsm::of(skills, request.options, 1)?;
+    let mut search = Search {
+        request,
+        wanted: Wanted::new(&base, &request.useful),
+        allowed: base.dfa.clone().prefix_closed(),
+        base,
+        found: Strongest {
+            candidates: Vec::new(),
+            skills: skills.clone(),
+        },
+    };
+    let recalls = (0..skills.skills.len()).filter_map(|s| recall(skills, s).map(|r| (vec![s], r)));
+    for (word, rule) in recalls {
+        search.put_to_the_test(word, rule)?;
+    }
+    for length in 2..=request.longest {
+        request.options.until.check()?;
+        for word in detours(&search.base, length) {
+            let rule = detour(skills, &word);
+            search.put_to_the_test(word, rule)?;
+        }
+    }
+    Ok(search.found)
+}
+
+/// The rule against a recall: its component is where the skill leads, and no other skill has led it away.
+pub(super) fn recall(skills: &Skills, skill: usize) -> Option<Rule> {
+    let of = &skills.skills[skill];
+    let effect = of.effect?;
+    let all = skills.skills.iter().enumerate();
+    let own: Vec<_> = all.filter(|(_, s)| s.component == of.component).collect();
+    let (same, other): (Vec<_>, Vec<_>) = own.iter().partition(|(_, s)| s.effect == Some(effect));
+    let events = |of: &[&(usize, &super::Skill)]| of.iter().map(|(s, _)| Event(vec![*s])).collect();
+    let names = |of: &[&(usize, &super::Skill)]| {
+        let names: Vec<&str> = of.iter().map(|(_, s)| s.name.as_str()).collect();
+        names.join(", ")
+    };
+    let until = match other.len() {
+        0 => String::new(),
+        _ => format!(" until {}", names(&other)),
+    };
+    Some(derived(
+        format!("recall_{}", of.name),
+        &format!("after {}{until}: never {}", names(&same), of.name),
+        Kind::After {
+            from: events(&same),
+            until: events(&other),
+            never: vec![Event(vec![skill])],
+        },
+    ))
+}
+
+fn detour(skills: &Skills, word: &[usize]) -> Rule {
+    let names: Vec<&str> = word
+        .iter()
+        .map(|s| skills.skills[*s].name.as_str())
+        .collect();
+    let places = word.iter().map(|s| vec![Event(vec![*s])]).collect();
+    derived(
+        format!("detour_{}", names.join("_")),
+        &format!("never {}", names.join(" then ")),
+        Kind::InARow(vec![places]),
+    )
+}
+
+fn derived(name: String, body: &str, kind: Kind) -> Rule {
+    Rule {
+        text: format!("order {name} at reasonable: {body}"),
+        name,
+        requirement: None,
+        doc: String::new(),
+        // It is put to the rules of any level.
+        level: Level::Arbitrary,
+        kind,
+        deletions: Vec::new(),
+        span: linewright_core::source::Span::default(),
+    }
+}
+
+/// The words of so many skills that are allowed somewhere, and wherever they are, lead where a shorter word leads.
+fn detours(base: &Fsm, length: usize) -> Vec<Vec<usize>> {
+    let skills = base.dfa.letters();
+    let near: Vec<BTreeSet<u32>> = (0..base.states.len() as u32)
+        .map(|from| within(base, from, length - 1))
+        .collect();
+    let mut found = Vec::new();
+    let mut word = vec![0; length];
+    // The states, with where each came from, after every beginning of the word.
+    let all: Vec<(u32, u32)> = (0..base.states.len() as u32).map(|s| (s, s)).collect();
+    lengthen(base, &near, &mut word, 0, &all, skills, &mut found);
+    found
+}
+
+fn lengthen(
+    base: &Fsm,
+    near: &[BTreeSet<u32>],
+    word: &mut Vec<usize>,
+    at: usize,
+    reached: &[(u32, u32)],
+    skills: usize,
+    found: &mut Vec<Vec<usize>>,
+) {
+    if reached.is_empty() {
+        return;
+    }
+    if at == word.len() {
+        if reached
+            .iter()
+            .all(|(from, to)| near[*from as usize].contains(to))
+        {
+            found.push(word.clone());
+        }
+        return;
+    }
+    for skill in 0..skills {
+        let next: Vec<(u32, u32)> = reached
+            .iter()
+            .map(|(from, to)| (*from, base.dfa.next(*to, skill)))
+            .filter(|(_, to)| *to != REFUSED)
+            .collect();
+        word[at] = skill;
+        lengthen(base, near, word, at + 1, &next, skills, found);
+    }
+}
+
+/// The states that so many calls lead to at most.
+fn within(base: &Fsm, from: u32, most: usize) -> BTreeSet<u32> {
+    let mut seen = BTreeSet::from([from]);
+    let mut last = vec![from];
+    for _ in 0..most {
+        let mut next = Vec::new();
+        for state in last {
+            for skill in 0..base.dfa.letters() {
+                let to = base.dfa.next(state, skill);
+                if to != REFUSED && seen.insert(to) {
+                    next.push(to);
+                }
+            }
+        }
+        last = next;
+    }
+    seen
+}
+
+/// What must still be reached from each state of the level without candidates.
+struct Wanted {
+    /// The useful situations, in order.
+    situations: Vec<Vec<usize>>,
+    /// For each state, which of them can be reached by one call or more; last, whether a program can be completed.
+    reached: Vec<Bits>,
+}
+
+impl Wanted {
+    fn new(base: &Fsm, useful: &[Pattern]) -> Self {
+        let fits = |situation: &[usize]| {
+            let mut patterns = useful.iter();
+            useful.is_empty() || patterns.any(|p| p.iter().all(|(c, s)| situation[*c] == *s))
+        };
+        let situations = base.states.iter().map(|s| s.situation.clone());
+        let situations: BTreeSet<Vec<usize>> = situations.filter(|s| fits(s)).collect();
+        let situations: Vec<Vec<usize>> = situations.into_iter().collect();
+        let reached = reached(base, &situations);
+        Self {
+            situations,
+            reached,
+        }
+    }
+}
+
+/// For each state, which of these situations can be reached by one call or more, and whether a program can be completed.
+fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Bits> {
+    let states = fsm.states.len();
+    let place: Vec<Option<usize>> = fsm
+        .states
+        .iter()
+        .map(|s| situations.binary_search(&s.situation).ok())
+        .collect();
+    let mut reached = vec![Bits::new(situations.len() + 1); states];
+    for (state, reached) in reached.iter_mut().enumerate() {
+        if fsm.dfa.is_complete(state as u32) {
+            reached.insert(situations.len());
+        }
+    }
+    loop {
+        let mut changed = false;
+        for from in (0..states).rev() {
+            let mut here = std::mem::take(&mut reached[from]);
+            for skill in 0..fsm.dfa.letters() {
+                let to = fsm.dfa.next(from as u32, skill);
+                if to == REFUSED {
+                    continue;
+                }
+                let to = to as usize;
+                if let Some(place) = place[to] {
+                    changed |= here.insert(place);
+                }
+                if to != from {
+                    changed |= here.insert_all(&reached[to]);
+                }
+            }
+            reached[from] = here;
+        }
+        if !changed {
+            return reached;
+        }
+    }
+}
+
+/// A set of small numbers.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+struct Bits(Vec<u64>);
+
+impl Bits {
+    /// The empty set of numbers below `count`.
+    fn new(count: usize) -> Self {
+        Self(vec![0; count.div_ceil(64)])
+    }
+
+    /// Whether it is new.
+    fn insert(&mut self, number: usize) -> bool {
+        let word = &mut self.0[number / 64];
+        let before = *word;
+        *word |= 1 << (number % 64);
+        *word != before
+    }
+
+    /// Whether any is new.
+    fn insert_all(&mut self, other: &Self) -> bool {
+        let mut changed = false;
+        for (word, more) in self.0.iter_mut().zip(&other.0) {
+            changed |= *more & !*word != 0;
+            *word |= more;
+        }
+        changed
+    }
+
+    /// The least number that is in this set and not in another one.
+    fn first_beyond(&self, other: &Self) -> Option<usize> {
+        let mut words = self.0.iter().zip(&other.0).enumerate();
+        words.find_map(|(at, (word, other))| match word & !other {
+            0 => None,
+            more => Some(at * 64 + more.trailing_zeros() as usize),
+        })
+    }
+}
+
+/// What has been found so far.
+struct Search<'a> {
+    request: &'a Request,
+    /// The level without candidates.
+    base: Fsm,
+    wanted: Wanted,
+    found: Strongest,
+    /// What the rules found so far allow, with every beginning of a word.
+    allowed: Dfa,
+}
+
+impl Search<'_> {
+    /// Tests a candidate that forbids something that is allowed so far.
+    fn put_to_the_test(&mut self, word: Vec<usize>, rule: Rule) -> Result<(), TooLarge> {
+        let mut with = self.found.skills.clone();
+        with.rules.push(rule.clone());
+        let fsm = Fsm::of(&with, self.request.options, 1)?;
+        let allowed = fsm.dfa.clone().prefix_closed();
+        if self.allowed.difference(&allowed).is_none() {
+            return Ok(());
+        }
+        let verdict = if self.request.dropped.contains(&rule.name) {
+            Verdict::Dropped
+        } else {
+            loss(&fsm, &self.base, &self.wanted)
+        };
+        if verdict == Verdict::Kept {
+            self.found.skills = with;
+            self.allowed = allowed;
+        }
+        self.found.candidates.push(Candidate {
+            rule,
+            word,
+            verdict,
+        });
+        Ok(())
+    }
+}
+
+/// What is lost first, if anything: states side by side with those of the level without candidates.
+fn loss(fsm: &Fsm, base: &Fsm, wanted: &Wanted) -> Verdict {
+    let left = reached(fsm, &wanted.situations);
+    let missing = |&(now, before): &(u32, u32)| {
+        wanted.reached[before as usize].first_beyond(&left[now as usize])
+    };
+    let successors = |&(now, before): &(u32, u32)| -> Vec<(usize, (u32, u32))> {
+        let letters = 0..fsm.dfa.letters();
+        let to = letters.map(|l| (l, (fsm.dfa.next(now, l), base.dfa.next(before, l))));
+        to.filter(|(_, (now, _))| *now != REFUSED).collect()
+    };
+    let Some(word) = shortest((0, 0), successors, |pair| missing(pair).is_some()) else {
+        return Verdict::Kept;
+    };
+    let end = word.iter().fold((0, 0), |(now, before), l| {
+        (fsm.dfa.next(now, *l), base.dfa.next(before, *l))
+    });
+    let lost = missing(&end).and_then(|i| wanted.situations.get(i).cloned());
+    Verdict::Needed {
+        after: word.into_iter().map(|l| fsm.calls[l]).collect(),
+        lost,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::order::fsm::tests::pick_and_place;
+
+    fn found(longest: usize, useful: Vec<Pattern>, dropped: &[&str]) -> String {
+        let skills = pick_and_place();
+        let request = Request {
+            options: Options::default(),
+            longest,
+            useful,
+            dropped: dropped.iter().map(|d| (*d).to_owned()).collect(),
+        };
+        let result = strongest(&skills, &request).expect("it is small");
+        let lines = result.candidates.iter().map(|c| match &c.verdict {
+            Verdict::Kept => format!("{}\n", c.rule.text),
+            Verdict::Dropped => format!("dropped: {}\n", c.rule.text),
+            Verdict::Needed { after, lost } => {
+                let after: Vec<_> = after.iter().map(|c| c.text(&skills)).collect();
+                let lost = lost
+                    .as_ref()
+                    .map_or_else(String::new, |l| skills.situation(l));
+                format!("needed: {} ({}: {lost})\n", c.rule.text, after.join(" "))
+            }
+        });
+        let fsm = Fsm::of(&result.skills, Options::default(), 3).expect("it is small");
+        let count = fsm.transitions().len();
+        format!(
+            "{}{} states, {count} transitions",
+            lines.collect::<String>(),
+            fsm.states.len()
+        )
+    }
+
+    #[test]
+    fn recalls_and_detours_of_the_papers_unit() {
+        insta::assert_snapshot!(found(2, Vec::new(), &[]), @r"
+        order recall_Left at reasonable: after Left until Right: never Left
+        order recall_Right at reasonable: after Right until Left: never Right
+        order recall_Up at reasonable: after Up until Down: never Up
+        order recall_Down at reasonable: after Down until Up: never Down
+        order recall_Release at reasonable: after Release until Grip: never Release
+        order recall_Grip at reasonable: after Grip until Release: never Grip
+        order detour_Left_Right at reasonable: never Left then Right
+        order detour_Right_Left at reasonable: never Right then Left
+        order detour_Up_Down at reasonable: never Up then Down
+        order detour_Down_Up at reasonable: never Down then Up
+        order detour_Release_Grip at reasonable: never Release then Grip
+        order detour_Grip_Release at reasonable: never Grip then Release
+        23 states, 35 transitions
+        ");
+        insta::assert_snapshot!(found(3, Vec::new(), &["detour_Left_Right"]), @r"
+        order recall_Left at reasonable: after Left until Right: never Left
+        order recall_Right at reasonable: after Right until Left: never Right
+        order recall_Up at reasonable: after Up until Down: never Up
+        order recall_Down at reasonable: after Down until Up: never Down
+        order recall_Release at reasonable: after Release until Grip: never Release
+        order recall_Grip at reasonable: after Grip until Release: never Grip
+        dropped: order detour_Left_Right at reasonable: never Left then Right
+        order detour_Right_Left at reasonable: never Right then Left
+        order detour_Up_Down at reasonable: never Up then Down
+        order detour_Down_Up at reasonable: never Down then Up
+        order detour_Release_Grip at reasonable: never Release then Grip
+        order detour_Grip_Release at reasonable: never Grip then Release
+        needed: order detour_Left_Right_Down at reasonable: never Left then Right then Down (Right Grip Left Right: left, up, open)
+        order detour_Left_Right_Grip at reasonable: never Left then Right then Grip
+        order detour_Left_Grip_Right at reasonable: never Left then Grip then Right
+        order detour_Right_Grip_Left at reasonable: never Right then Grip then Left
+        order detour_Up_Left_Right at reasonable: never Up then Left then Right
+        order detour_Up_Grip_Down at reasonable: never Up then Grip then Down
+        needed: order detour_Down_Grip_Up at reasonable: never Down then Grip then Up (Down: left, up, open)
+        order detour_Release_Up_Grip at reasonable: never Release then Up then Grip
+        needed: order detour_Grip_Down_Release at reasonable: never Grip then Down then Release (Right Grip: left, up, open)
+        23 states, 30 transitions
+        ");
+    }
+}

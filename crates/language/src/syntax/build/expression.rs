@@ -1,0 +1,599 @@
+//! Types, expressions and formulas.
+
+use super::super::ast::{BinaryOp, Domain, DomainKind, Expr, ExprKind, Name, Quantifier};
+use super::super::parser::Rule;
+use super::{Builder, Children};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::source::Span;
+use pest::iterators::Pair;
+
+impl Builder {
+    pub(super) fn domain(&mut self, pair: Pair<'_, Rule>) -> Domain {
+        // The expressions in a type are trees of their own, also where the type stands within an expression.
+        let level = std::mem::take(&mut self.level);
+        let domain = self.domain_part(pair);
+        self.level = level;
+        domain
+    }
+
+    fn domain_part(&mut self, pair: Pair<'_, Rule>) -> Domain {
+        let span = self.span(&pair);
+        if pair.as_rule() == Rule::range {
+            return self.range_domain(pair);
+        }
+        let mut children = Children::of(pair);
+        let inner = children.next();
+        let unit = children.take(Rule::unit);
+        let kind = match inner.as_rule() {
+            Rule::array_of => {
+                let mut c = Children::of(inner);
+                let length = self.expr(c.next());
+                DomainKind::Array(length, Box::new(self.domain(c.next())))
+            }
+            Rule::labels => {
+                DomainKind::Labels(Children::of(inner).rest().map(|n| self.name(&n)).collect())
+            }
+            Rule::record_of => {
+                let members: Vec<_> = Children::of(inner).rest().collect();
+                DomainKind::Record(members.into_iter().map(|m| self.member(m)).collect())
+            }
+            Rule::range => {
+                let mut domain = self.range_domain(inner);
+                if let Some(u) = unit
+                    && let DomainKind::Range(_, _, written) = &mut domain.kind
+                {
+                    *written = Some(u.as_str().trim().to_owned());
+                    domain.span = span;
+                }
+                return domain;
+            }
+            Rule::unit_type => DomainKind::Unit(inner.as_str().trim().to_owned()),
+            _ => DomainKind::Named(self.name(&inner)),
+        };
+        Domain { kind, span }
+    }
+
+    fn member(&mut self, pair: Pair<'_, Rule>) -> (Name, Domain) {
+        let mut c = Children::of(pair);
+        (self.name(&c.next()), self.domain(c.next()))
+    }
+
+    pub(super) fn range_domain(&mut self, pair: Pair<'_, Rule>) -> Domain {
+        let span = self.span(&pair);
+        let mut c = Children::of(pair);
+        let low = self.expr(c.next());
+        let high = self.expr(c.next());
+        Domain {
+            kind: DomainKind::Range(low, high, None),
+            span,
+        }
+    }
+
+    /// An expression. One whose tree is too deep is a finding, and `false` stands in for it: every later stage walks these trees
+    /// by recursion, and has the stack for [`MAX_TREE`] levels only.
+    pub(super) fn expr(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        self.level += 1;
+        let expr = self.part(pair);
+        self.level -= 1;
+        if self.level == 0 && deeper_than(&expr, MAX_TREE) {
+            let span = expr.span;
+            self.findings.push(
+                Diagnostic::error(
+                    codes::SYNTAX,
+                    span,
+                    format!("this formula is more than {MAX_TREE} operators deep"),
+                )
+                .with_help("give parts of it names with `define`"),
+            );
+            return make(ExprKind::Bool(false), span);
+        }
+        expr
+    }
+
+    fn part(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let rule = pair.as_rule();
+        match rule {
+            Rule::expression => self.patterned(pair),
+            Rule::parenthesis | Rule::wide => self.expr(Children::of(pair).next()),
+            Rule::since => self.since(pair),
+            Rule::past => self.past(pair),
+            Rule::iff
+            | Rule::disjunction
+            | Rule::exclusive
+            | Rule::conjunction
+            | Rule::additive
+            | Rule::product => self.chain(pair),
+            Rule::implication => self.implication(pair),
+            Rule::negation => self.negation(pair),
+            Rule::comparison => self.comparison(pair),
+            Rule::signed => self.signed(pair),
+            Rule::postfix => self.postfix(pair),
+            Rule::conditional => {
+                let span = self.span(&pair);
+                let mut c = Children::of(pair);
+                let (a, b, e) = (self.boxed(&mut c), self.boxed(&mut c), self.boxed(&mut c));
+                make(ExprKind::If(a, b, e), span)
+            }
+            Rule::quantifier => {
+                let span = self.span(&pair);
+                let mut c = Children::of(pair);
+                let kind = match c.next().as_str().trim() {
+                    "forall" => Quantifier::Forall,
+                    "exists" => Quantifier::Exists,
+                    "count" => Quantifier::Count,
+                    "sum" => Quantifier::Sum,
+                    _ => Quantifier::Array,
+                };
+                let name = self.name(&c.next());
+                let domain = Box::new(self.domain(c.next()));
+                make(
+                    ExprKind::Quantifier(kind, name, domain, self.boxed(&mut c)),
+                    span,
+                )
+            }
+            Rule::wide_always | Rule::wide_eventually | Rule::wide_never => self.wide(rule, pair),
+            _ => self.atom(pair),
+        }
+    }
+
+    pub(super) fn boxed(&mut self, c: &mut Children<'_>) -> Box<Expr> {
+        Box::new(self.expr(c.next()))
+    }
+
+    /// `a op b op c`: one of the levels that group to the left. A chain of one operator that may be grouped in any way is halved
+    /// instead, which keeps long conjunctions and sums shallow.
+    pub(super) fn chain(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut c = Children::of(pair);
+        let first = c.next();
+        if c.pairs.peek().is_none() {
+            return self.expr(first);
+        }
+        let mut operands = vec![self.placed(first)];
+        let mut ops = Vec::new();
+        while let Some(op) = c.pairs.next() {
+            ops.push(binary_op(op.as_str()));
+            operands.push(self.placed(c.next()));
+        }
+        if let Some(op) = ops.first()
+            && matches!(
+                op,
+                BinaryOp::And
+                    | BinaryOp::Or
+                    | BinaryOp::Xor
+                    | BinaryOp::Iff
+                    | BinaryOp::Add
+                    | BinaryOp::Mul
+            )
+            && ops.iter().all(|o| o == op)
+        {
+            return balanced(*op, operands);
+        }
+        self.limit(&mut operands);
+        let mut operands = operands.into_iter();
+        let first = operands
+            .next()
+            .unwrap_or_else(|| unreachable!("a chain has an operand"));
+        ops.into_iter()
+            .zip(operands)
+            .fold(first, |a, (op, b)| binary(op, a, b))
+            .expr
+    }
+
+    /// An operand with its place.
+    pub(super) fn placed(&mut self, pair: Pair<'_, Rule>) -> Placed {
+        let place = self.span(&pair);
+        let expr = self.expr(pair);
+        Placed { expr, place }
+    }
+
+    pub(super) fn implication(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut c = Children::of(pair);
+        let first = c.next();
+        if c.pairs.peek().is_none() {
+            return self.expr(first);
+        }
+        let mut operands = vec![self.placed(first)];
+        for p in c.rest() {
+            if p.as_rule() != Rule::implies_op {
+                operands.push(self.placed(p));
+            }
+        }
+        self.limit(&mut operands);
+        operands
+            .into_iter()
+            .rev()
+            .reduce(|b, a| binary(BinaryOp::Implies, a, b))
+            .unwrap_or_else(|| unreachable!("an implication has an operand"))
+            .expr
+    }
+
+    /// Chains that cannot be halved make deep trees; refuse what would be deeper than any real formula.
+    pub(super) fn limit(&mut self, operands: &mut Vec<Placed>) {
+        if let Some(last) = operands.get(MAX_CHAIN) {
+            self.findings.push(
+                Diagnostic::error(
+                    codes::SYNTAX,
+                    last.expr.span,
+                    format!("this chain of operators has more than {MAX_CHAIN} operands"),
+                )
+                .with_help("give parts of it names with `define`, or use `sum`"),
+            );
+            operands.truncate(1);
+        }
+    }
+
+    fn many_prefixes(&mut self, span: Span) {
+        self.findings.push(
+            Diagnostic::error(
+                codes::SYNTAX,
+                span,
+                format!("more than {MAX_PREFIXES} of these in a row"),
+            )
+            .with_help("leave out those that cancel each other"),
+        );
+    }
+
+    pub(super) fn negation(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut c = Children::of(pair);
+        let mut prefixes = Vec::new();
+        while let Some(prefix) = c.take(Rule::prefix) {
+            let span = self.span(&prefix);
+            let inner = Children::of(prefix).next();
+            prefixes.push((inner.as_rule(), inner.as_str().trim() == "GF", span));
+        }
+        if let Some((_, _, span)) = prefixes.get(MAX_PREFIXES) {
+            self.many_prefixes(*span);
+            prefixes.truncate(1);
+        }
+        if prefixes.is_empty() {
+            return self.expr(c.next());
+        }
+        let Placed { expr, place } = self.placed(c.next());
+        prefixes
+            .into_iter()
+            .rev()
+            .fold(expr, |body, (rule, both, span)| {
+                let whole = span.to(place);
+                let body = Box::new(body);
+                match rule {
+                    Rule::not_op => make(ExprKind::Not(body), whole),
+                    Rule::next_op => make(ExprKind::Next(body), whole),
+                    Rule::tight_always if both => {
+                        let inner = make(ExprKind::Eventually(body), whole);
+                        make(ExprKind::Always(Box::new(inner)), whole)
+                    }
+                    Rule::tight_always => make(ExprKind::Always(body), whole),
+                    _ => make(ExprKind::Eventually(body), whole),
+                }
+            })
+    }
+
+    pub(super) fn comparison(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let whole = pair.clone();
+        let mut c = Children::of(pair);
+        let first = c.next();
+        if c.pairs.peek().is_none() {
+            return self.expr(first);
+        }
+        let first = self.placed(first);
+        if let Some(membership) = c.take(Rule::membership) {
+            let first = first.expr;
+            let span = self.span(&whole);
+            let set = Children::of(membership).next();
+            let mut inner = Children::of(set);
+            if let Some(range) = inner.take(Rule::range) {
+                let mut r = Children::of(range);
+                let (low, high) = (self.boxed(&mut r), self.boxed(&mut r));
+                return make(ExprKind::Within(Box::new(first), low, high), span);
+            }
+            let members: Vec<_> = inner.rest().collect();
+            let members = members.into_iter().map(|m| self.expr(m)).collect();
+            return make(ExprKind::Member(Box::new(first), members), span);
+        }
+        // `a < b < c` is `a < b and b < c`.
+        let mut links: Vec<Placed> = Vec::new();
+        let mut left = first;
+        while let Some(op) = c.take(Rule::compare_op) {
+            // What stands in the middle is compared twice, so it is copied; nested copies would grow without bound.
+            if !links.is_empty() && !small_enough_for_the_middle(&left.expr) {
+                self.findings.push(
+                    Diagnostic::error(
+                        codes::SYNTAX,
+                        left.expr.span,
+                        "this is too large for the middle of a chain of comparisons",
+                    )
+                    .with_help("give it a name with `define`, or write two comparisons with `and`"),
+                );
+                return left.expr;
+            }
+            let right = self.placed(c.next());
+            links.push(binary(binary_op(op.as_str()), left, right.clone()));
+            left = right;
+        }
+        balanced(BinaryOp::And, links)
+    }
+
+    pub(super) fn signed(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut c = Children::of(pair);
+        let mut signs = Vec::new();
+        while let Some(sign) = c.take(Rule::sign) {
+            let span = self.span(&sign);
+            signs.push((Children::of(sign).next().as_rule(), span));
+        }
+        if let Some((_, span)) = signs.get(MAX_PREFIXES) {
+            self.many_prefixes(*span);
+            signs.truncate(1);
+        }
+        if signs.is_empty() {
+            return self.expr(c.next());
+        }
+        let Placed { expr, place } = self.placed(c.next());
+        signs.into_iter().rev().fold(expr, |body, (rule, span)| {
+            let whole = span.to(place);
+            let body = Box::new(body);
+            make(
+                if rule == Rule::minus {
+                    ExprKind::Neg(body)
+                } else {
+                    ExprKind::Next(body)
+                },
+                whole,
+            )
+        })
+    }
+
+    pub(super) fn postfix(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut c = Children::of(pair);
+        let base = c.next();
+        if c.pairs.peek().is_none() {
+            return self.expr(base);
+        }
+        let Placed { mut expr, place } = self.placed(base);
+        for (count, p) in c.rest().enumerate() {
+            let span = place.to(self.span(&p));
+            if count == MAX_PREFIXES {
+                self.many_prefixes(span);
+                break;
+            }
+            expr = match p.as_rule() {
+                Rule::prime => make(ExprKind::Next(Box::new(expr)), span),
+                Rule::field => {
+                    let name = self.name(&Children::of(p).next());
+                    make(ExprKind::Field(Box::new(expr), name), span)
+                }
+                _ => {
+                    let index = self.expr(Children::of(p).next());
+                    make(ExprKind::Index(Box::new(expr), Box::new(index)), span)
+                }
+            };
+        }
+        expr
+    }
+
+    pub(super) fn atom(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let pair = if pair.as_rule() == Rule::atom {
+            Children::of(pair).next()
+        } else {
+            pair
+        };
+        let span = self.span(&pair);
+        let kind = match pair.as_rule() {
+            Rule::parenthesis => return self.expr(pair),
+            Rule::boolean => ExprKind::Bool(pair.as_str().trim() == "true"),
+            Rule::quantity => self.quantity(pair),
+            Rule::list => {
+                let members: Vec<_> = Children::of(pair).rest().collect();
+                ExprKind::List(members.into_iter().map(|m| self.expr(m)).collect())
+            }
+            Rule::record => {
+                let members: Vec<_> = Children::of(pair).rest().collect();
+                ExprKind::Record(members.into_iter().map(|m| self.argument(m)).collect())
+            }
+            Rule::call => {
+                let mut c = Children::of(pair);
+                let name = self.name(&c.next());
+                let arguments: Vec<_> = c.rest().collect();
+                ExprKind::Call(name, arguments.into_iter().map(|a| self.expr(a)).collect())
+            }
+            _ => ExprKind::Path(Children::of(pair).rest().map(|n| self.name(&n)).collect()),
+        };
+        make(kind, span)
+    }
+
+    pub(super) fn quantity(&mut self, pair: Pair<'_, Rule>) -> ExprKind {
+        let mut c = Children::of(pair);
+        let number = c.next();
+        let unit = c.take(Rule::unit).map(|u| u.as_str().trim().to_owned());
+        match (number.as_rule(), unit) {
+            (Rule::integer, None) => match self.integer(&number) {
+                Some(value) => ExprKind::Int(value),
+                None => ExprKind::Unknown,
+            },
+            (_, unit) => {
+                let value: f64 = number.as_str().trim().parse().unwrap_or(f64::INFINITY);
+                if !value.is_finite() {
+                    let span = self.span(&number);
+                    self.findings.push(
+                        Diagnostic::error(codes::NUMBER_RANGE, span, "this number is too large")
+                            .with_help("the largest number is about 1.8e308"),
+                    );
+                    return ExprKind::Unknown;
+                }
+                ExprKind::Quantity(value, unit.unwrap_or_default())
+            }
+        }
+    }
+}
+
+/// Left-grouping chains have at most so many operands.
+pub(in crate::syntax) const MAX_CHAIN: usize = 200;
+/// So many `not`, signs, indices or primes may follow each other.
+const MAX_PREFIXES: usize = 100;
+/// An expression's tree is at most so deep.
+const MAX_TREE: usize = 256;
+/// The middle of `a < b < c` has at most so many operators and operands.
+const MAX_MIDDLE: usize = 64;
+
+fn deeper_than(e: &Expr, levels: usize) -> bool {
+    let mut open = vec![(e, 0)];
+    while let Some((e, depth)) = open.pop() {
+        if depth > levels {
+            return true;
+        }
+        open.extend(e.children().into_iter().map(|c| (c, depth + 1)));
+    }
+    false
+}
+
+/// Whether an expression may stand in the middle of `a < b < c`.
+pub(in crate::syntax) fn small_enough_for_the_middle(e: &Expr) -> bool {
+    smaller_than(e, MAX_MIDDLE)
+}
+
+fn smaller_than(e: &Expr, nodes: usize) -> bool {
+    let mut open = vec![e];
+    let mut count = 0;
+    while let Some(e) = open.pop() {
+        count += 1;
+        if count >= nodes {
+            return false;
+        }
+        open.extend(e.children());
+    }
+    true
+}
+
+pub(super) fn make(kind: ExprKind, span: Span) -> Expr {
+    Expr { kind, span }
+}
+
+/// An expression, and where it stands with the brackets around it: what holds it reaches so far.
+#[derive(Clone)]
+pub(super) struct Placed {
+    pub expr: Expr,
+    pub place: Span,
+}
+
+fn binary(op: BinaryOp, a: Placed, b: Placed) -> Placed {
+    let place = a.place.to(b.place);
+    let kind = ExprKind::Binary(op, Box::new(a.expr), Box::new(b.expr));
+    Placed {
+        expr: make(kind, place),
+        place,
+    }
+}
+
+fn balanced(op: BinaryOp, mut operands: Vec<Placed>) -> Expr {
+    while operands.len() > 1 {
+        let mut halved = Vec::with_capacity(operands.len().div_ceil(2));
+        let mut pairs = operands.into_iter();
+        while let Some(a) = pairs.next() {
+            halved.push(match pairs.next() {
+                Some(b) => binary(op, a, b),
+                None => a,
+            });
+        }
+        operands = halved;
+    }
+    operands
+        .pop()
+        .unwrap_or_else(|| unreachable!("a chain has an operand"))
+        .expr
+}
+
+pub(super) fn binary_op(text: &str) -> BinaryOp {
+    match text.trim() {
+        "<->" | "<=>" | "↔" | "⇔" | "iff" => BinaryOp::Iff,
+        "->" | "=>" | "→" | "⇒" | "implies" => BinaryOp::Implies,
+        "||" | "|" | "\\/" | "∨" | "or" => BinaryOp::Or,
+        "xor" => BinaryOp::Xor,
+        "&&" | "&" | "/\\" | "∧" | "and" => BinaryOp::And,
+        "!=" | "≠" => BinaryOp::Ne,
+        "<" => BinaryOp::Lt,
+        "<=" | "≤" => BinaryOp::Le,
+        ">" => BinaryOp::Gt,
+        ">=" | "≥" => BinaryOp::Ge,
+        "+" => BinaryOp::Add,
+        "-" => BinaryOp::Sub,
+        "*" => BinaryOp::Mul,
+        "/" => BinaryOp::Div,
+        "mod" => BinaryOp::Mod,
+        _ => BinaryOp::Eq,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::syntax::ast::{ContractItem, File, Item};
+    use crate::syntax::parse;
+    use linewright_core::source::FileId;
+
+    fn parsed(formula: &str) -> (String, File) {
+        let text = format!("contract A {{\n    guarantee: {formula}\n}}\n");
+        let (file, findings) = parse(FileId(0), &text);
+        assert_eq!(findings, [], "{formula}");
+        (text, file)
+    }
+
+    fn formula(file: &mut File) -> &mut Expr {
+        let Some(Item::Contract(contract)) = file.items.first_mut() else {
+            panic!("a contract");
+        };
+        let Some(ContractItem::Formula { expr, .. }) = contract.items.first_mut() else {
+            panic!("a formula");
+        };
+        expr
+    }
+
+    /// Every part of a formula stands where its span says, with all its brackets: read alone, that text is the same part.
+    #[test]
+    fn spans_hold_brackets_that_match() {
+        for (written, whole) in [
+            ("(a -> c) and (c -> a)", ""),
+            ("((a -> c) and (c -> a))", "(a -> c) and (c -> a)"),
+            ("((((a))) or ((b)))", "(((a))) or ((b))"),
+            ("(a)", "a"),
+            ("always ((a -> c) and (c -> a))", ""),
+            ("not (a and (b or c))", ""),
+            ("not not ((a))", ""),
+            ("next (x)' > -(y + (z))", ""),
+            ("(a)[(1)] and (b).c and (d)'", ""),
+            ("((x + 1) * (y - 2)) mod (3) = (0)", ""),
+            ("(x) < (y + 1) <= (z)", ""),
+            ("(x) in {(1), (2)} and (y) in (1)..(2)", ""),
+            ("(a since (b)) since (c or d)", ""),
+            ("(a -> (b -> c)) -> (d <-> (e xor (f)))", ""),
+            ("(a) and (b) and (c) and (d) and (e)", ""),
+            ("(if (a) then (b) else (c)) or (d)", ""),
+            (
+                "(forall i in 0..1: (h[i] > (0))) and (count i in 0..1: (g[i])) = (1)",
+                "",
+            ),
+            (
+                "(/* ) */ a // ( \n -> c /* ( */ ) and (\n c\n -> (a) // )\n )",
+                "",
+            ),
+            (
+                "(a /* ) */) responds to (b // (\n) within 3 steps after (c)",
+                "",
+            ),
+            ("once (a) within 2 steps or previous ((b) or (c))", ""),
+        ] {
+            let (text, mut file) = parsed(written);
+            let all = formula(&mut file).clone();
+            let text_of = |e: &Expr| &text[e.span.start as usize..e.span.end as usize];
+            let whole = if whole.is_empty() { written } else { whole };
+            assert_eq!(text_of(&all), whole);
+            let mut open = vec![&all];
+            while let Some(part) = open.pop() {
+                let mut wanted = file.clone();
+                *formula(&mut wanted) = part.clone();
+                let (_, alone) = parsed(text_of(part));
+                let (alone, wanted) = (alone.without_spans(), wanted.without_spans());
+                assert_eq!(alone, wanted, "{}", text_of(part));
+                open.extend(part.children());
+            }
+        }
+    }
+}

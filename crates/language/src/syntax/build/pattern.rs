@@ -1,0 +1,166 @@
+//! Past operators and specification patterns.
+
+use super::super::ast::{BinaryOp, Expr, ExprKind, PastOp, PatternKind, Scope, UntilOp};
+use super::super::parser::Rule;
+use super::expression::{Placed, make};
+use super::{Builder, Children};
+use linewright_core::source::Span;
+use pest::iterators::Pair;
+
+impl Builder {
+    /// An expression, which may go on with `precedes ...` or `responds to ...`.
+    pub(super) fn patterned(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let span = self.span(&pair);
+        let mut c = Children::of(pair);
+        let first = c.next();
+        let place = self.span(&first);
+        let first = self.expr(first);
+        if let Some(op) = c.take(Rule::until_word) {
+            let op = until_op(op.as_str());
+            let second = self.expr(c.next());
+            return until((first, place), op, second, span);
+        }
+        let Some(op) = c.take(Rule::pattern_op) else {
+            return first;
+        };
+        let second = self.expr(c.next());
+        let (first, second) = (Box::new(first), Box::new(second));
+        let kind = if op.as_str().starts_with("precedes") {
+            PatternKind::Precedence(first, second)
+        } else {
+            PatternKind::Response(first, second)
+        };
+        let bound = self.bound(&mut c);
+        let scope = self.scope(&mut c);
+        make(ExprKind::Pattern(kind.in_scope(bound, scope)), span)
+    }
+
+    /// `always`, `eventually` and `never`, which reach as far as they can; those with a bound or a scope are patterns.
+    pub(super) fn wide(&mut self, rule: Rule, pair: Pair<'_, Rule>) -> Expr {
+        let span = self.span(&pair);
+        let mut c = Children::of(pair);
+        c.next();
+        let body = self.boxed(&mut c);
+        let bound = self.bound(&mut c);
+        let scope = self.scope(&mut c);
+        let plain = bound.is_none() && scope == Scope::Globally;
+        let kind = match rule {
+            Rule::wide_always if plain => ExprKind::Always(body),
+            Rule::wide_eventually if plain => ExprKind::Eventually(body),
+            Rule::wide_always => {
+                ExprKind::Pattern(PatternKind::Universality(body).in_scope(bound, scope))
+            }
+            Rule::wide_eventually => {
+                ExprKind::Pattern(PatternKind::Existence(body).in_scope(bound, scope))
+            }
+            _ => ExprKind::Pattern(PatternKind::Absence(body).in_scope(bound, scope)),
+        };
+        make(kind, span)
+    }
+
+    fn bound(&mut self, c: &mut Children<'_>) -> Option<Box<Expr>> {
+        let bound = c.take(Rule::bound)?;
+        Some(self.boxed(&mut Children::of(bound)))
+    }
+
+    fn scope(&mut self, c: &mut Children<'_>) -> Scope {
+        let Some(scope) = c.take(Rule::scope) else {
+            return Scope::Globally;
+        };
+        let inner = Children::of(scope).next();
+        let rule = inner.as_rule();
+        let mut c = Children::of(inner);
+        let first = self.boxed(&mut c);
+        match rule {
+            Rule::before => Scope::Before(first),
+            Rule::between => {
+                c.next();
+                Scope::Between(first, self.boxed(&mut c))
+            }
+            _ => match c.take(Rule::until) {
+                Some(until) => Scope::AfterUntil(first, self.boxed(&mut Children::of(until))),
+                None => Scope::After(first),
+            },
+        }
+    }
+
+    /// `a since b since c` groups to the left.
+    pub(super) fn since(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let mut c = Children::of(pair);
+        let first = c.next();
+        if c.pairs.peek().is_none() {
+            return self.expr(first);
+        }
+        let mut operands = vec![self.placed(first)];
+        let mut ops = Vec::new();
+        while let Some(op) = c.pairs.next() {
+            ops.push((op.as_rule() == Rule::until_op).then(|| until_op(op.as_str())));
+            operands.push(self.placed(c.next()));
+        }
+        self.limit(&mut operands);
+        let mut operands = operands.into_iter();
+        let first = operands
+            .next()
+            .unwrap_or_else(|| unreachable!("a chain has an operand"));
+        let since = operands.zip(ops).fold(first, |a, (b, op)| {
+            let place = a.place.to(b.place);
+            let (left, right) = (Box::new(a.expr), Box::new(b.expr));
+            let kind = match op {
+                Some(op) => ExprKind::Until(op, left, right),
+                None => ExprKind::Since(left, right),
+            };
+            Placed {
+                expr: make(kind, place),
+                place,
+            }
+        });
+        since.expr
+    }
+
+    pub(super) fn past(&mut self, pair: Pair<'_, Rule>) -> Expr {
+        let span = self.span(&pair);
+        let mut c = Children::of(pair);
+        let op = match c.next().as_str().trim() {
+            "previous" => PastOp::Previous,
+            "once" => PastOp::Once,
+            _ => PastOp::Historically,
+        };
+        let body = self.boxed(&mut c);
+        let bound = self.bound(&mut c);
+        make(ExprKind::Past(op, body, bound), span)
+    }
+}
+
+fn until_op(word: &str) -> UntilOp {
+    match word.trim() {
+        "W" | "unless" => UntilOp::Weak,
+        "R" | "release" => UntilOp::Release,
+        _ => UntilOp::Strong,
+    }
+}
+
+/// `p -> a until b` is `p -> (a until b)`, as everywhere else, though the word stands loosest in the grammar. `place` is where the
+/// left side stands with its brackets: what stands in brackets stays together.
+fn until((left, place): (Expr, Span), op: UntilOp, right: Expr, whole: Span) -> Expr {
+    match left.kind {
+        ExprKind::Binary(BinaryOp::Implies, a, b) if left.span == place => {
+            let place = Span {
+                start: b.span.start,
+                ..place
+            };
+            let whole_b = Span {
+                end: whole.end,
+                ..place
+            };
+            let inner = until((*b, place), op, right, whole_b);
+            make(
+                ExprKind::Binary(BinaryOp::Implies, a, Box::new(inner)),
+                whole,
+            )
+        }
+        kind => {
+            let left = make(kind, left.span);
+            make(ExprKind::Until(op, Box::new(left), Box::new(right)), whole)
+        }
+    }
+}

@@ -1,0 +1,445 @@
+//! Expressions, formulas and types.
+//!
+//! Brackets stand where the grammar needs them to give the same tree, and where operators of different kinds are easily misread: around
+//! `and` within `or`, around what `not` and `always` speak of when it has operators of its own, around an `if` within an `if`. What the
+//! builder halves (`a and b and c`) or copies (`a < b < c`) is put together again before it is printed.
+
+use super::super::ast::{
+    BinaryOp, Domain, DomainKind, Expr, ExprKind, Pattern, PatternKind, Quantifier, Scope,
+};
+use super::parts::{Parts, binding, binds, parts, wide};
+use super::printer::Printer;
+use linewright_core::source::Span;
+
+/// Binds tighter than any expression: what is asked to bind so stands in brackets.
+const APART: u8 = u8::MAX;
+
+/// What stands behind an expression that is printed without brackets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Behind {
+    /// A closing bracket, a word of a statement, or nothing.
+    Nothing,
+    /// An operator or a scope, which a word that reaches far to the right would take for its own.
+    Operator,
+    /// `within 5 steps`, which `once` would take for its own, too.
+    Within,
+}
+
+impl Printer<'_> {
+    /// An expression with nothing behind it that it could take for its own.
+    pub fn expression(&mut self, e: &Expr) {
+        self.operand(e, binds::PATTERN, Behind::Nothing);
+    }
+
+    /// An expression where the grammar wants one that binds at least so tight.
+    pub fn operand(&mut self, e: &Expr, least: u8, behind: Behind) {
+        let parts = parts(e);
+        let tight = match &parts {
+            Parts::Chain(_, _, whole, _) | Parts::Single(whole) => *whole,
+        };
+        let open = match &e.kind {
+            ExprKind::Past(_, _, None) => behind == Behind::Within,
+            kind => wide(kind) && behind != Behind::Nothing,
+        };
+        self.before(e.span);
+        if tight < least || open {
+            self.put("(");
+            self.parts(e, parts, Behind::Nothing);
+            self.put(")");
+        } else {
+            self.parts(e, parts, behind);
+        }
+    }
+
+    /// An expression in brackets if it has operators of its own, which are easily taken for others.
+    fn argument_of_word(&mut self, e: &Expr, behind: Behind) {
+        let brackets = match &e.kind {
+            ExprKind::If(..) => true,
+            _ => (binds::COMPARISON..=binds::PRODUCT).contains(&binding(e)),
+        };
+        let least = if brackets { APART } else { binds::NEGATION };
+        self.operand(e, least, behind);
+    }
+
+    fn parts(&mut self, e: &Expr, parts: Parts<'_>, behind: Behind) {
+        match parts {
+            Parts::Single(_) => self.single(e, behind),
+            Parts::Chain(operands, signs, whole, least) => {
+                let at_break = self.at_break();
+                self.level(|p, level| {
+                    let mut last: Option<Span> = None;
+                    for (i, operand) in operands.iter().enumerate() {
+                        if let Some(last) = last {
+                            if i == 1 {
+                                p.nest(at_break);
+                            }
+                            p.put(" ");
+                            p.put(signs[i - 1]);
+                            let forced = p.broken(last, operand.span);
+                            p.gap(level, true, forced);
+                        }
+                        let ends = i + 1 == operands.len();
+                        let behind = if ends { behind } else { Behind::Operator };
+                        // Easily misread: `a - -b`, and where an `if` among operators ends.
+                        let apart = match operand.kind {
+                            ExprKind::Neg(_) => whole >= binds::ADDITIVE && i > 0,
+                            ExprKind::If(..) => true,
+                            _ => false,
+                        };
+                        p.operand(operand, if apart { APART } else { least }, behind);
+                        last = Some(operand.span);
+                    }
+                });
+            }
+        }
+    }
+
+    fn single(&mut self, e: &Expr, behind: Behind) {
+        match &e.kind {
+            ExprKind::Unknown => {
+                let written = self.number(e.span).map(str::to_owned);
+                self.put(&written.unwrap_or_else(|| "0".to_owned()));
+            }
+            ExprKind::Bool(value) => self.put(if *value { "true" } else { "false" }),
+            ExprKind::Int(value) => {
+                let written = self.number(e.span).map(str::to_owned);
+                self.put(&written.unwrap_or_else(|| value.to_string()));
+            }
+            ExprKind::Quantity(value, unit) => self.quantity(e.span, *value, unit),
+            ExprKind::Path(names) => {
+                let names: Vec<&str> = names.iter().map(|n| n.text.as_str()).collect();
+                self.put(&names.join("."));
+            }
+            ExprKind::Index(base, index) => {
+                self.base(base, !matches!(base.kind, ExprKind::Path(_)));
+                self.put("[");
+                self.expression(index);
+                self.put("]");
+            }
+            ExprKind::Field(base, name) => {
+                self.base(base, true);
+                self.put(".");
+                self.name(name);
+            }
+            ExprKind::Next(a) => {
+                self.put("next ");
+                let not = matches!(a.kind, ExprKind::Not(_));
+                self.operand(a, if not { binds::NEGATION } else { binds::SIGNED }, behind);
+            }
+            ExprKind::Neg(a) => {
+                self.put("-");
+                let twice = matches!(a.kind, ExprKind::Neg(_));
+                self.operand(a, if twice { APART } else { binds::SIGNED }, behind);
+            }
+            ExprKind::Not(a) => {
+                self.put("not ");
+                self.argument_of_word(a, behind);
+            }
+            ExprKind::Always(a) => {
+                self.put("always ");
+                self.argument_of_word(a, behind);
+            }
+            ExprKind::Eventually(a) => {
+                self.put("eventually ");
+                self.argument_of_word(a, behind);
+            }
+            ExprKind::Past(op, a, bound) => {
+                self.put(op.word());
+                self.put(" ");
+                let within = bound.is_some();
+                self.argument_of_word(a, if within { Behind::Within } else { behind });
+                self.bound(bound.as_deref());
+            }
+            ExprKind::Binary(..) | ExprKind::Since(..) | ExprKind::Until(..) => {
+                unreachable!("a chain is printed as one; please report this")
+            }
+            ExprKind::If(..) => self.ladder(e, behind),
+            ExprKind::Quantifier(kind, name, domain, body) => {
+                self.put(match kind {
+                    Quantifier::Forall => "forall ",
+                    Quantifier::Exists => "exists ",
+                    Quantifier::Count => "count ",
+                    Quantifier::Sum => "sum ",
+                    Quantifier::Array => "array ",
+                });
+                self.name(name);
+                self.put(" in ");
+                self.domain(domain);
+                self.put(":");
+                let at_break = self.at_break();
+                let forced = self.broken(domain.span, body.span);
+                self.level(|p, level| {
+                    if forced {
+                        p.nest(at_break);
+                        p.gap(level, true, true);
+                    } else {
+                        p.put(" ");
+                    }
+                    p.operand(body, binds::PATTERN, behind);
+                });
+            }
+            ExprKind::Call(name, arguments) => {
+                self.put(&name.text);
+                self.sequence(
+                    ["(", ")"],
+                    name.span,
+                    arguments,
+                    |a| a.span,
+                    Self::expression,
+                );
+            }
+            ExprKind::List(items) => {
+                let open = at_start(e.span);
+                self.sequence(["[", "]"], open, items, |a| a.span, Self::expression);
+            }
+            ExprKind::Record(items) => {
+                let open = at_start(e.span);
+                self.sequence(["{", "}"], open, items, |a| a.name.span, Self::argument);
+            }
+            ExprKind::Member(a, items) => {
+                self.operand(a, binds::ADDITIVE, Behind::Operator);
+                self.put(" in ");
+                self.sequence(["{", "}"], a.span, items, |a| a.span, Self::expression);
+            }
+            ExprKind::Within(a, low, high) => {
+                self.operand(a, binds::ADDITIVE, Behind::Operator);
+                self.put(" in ");
+                // A brace here would begin a list of values.
+                if begins_with_brace(low) {
+                    self.operand(low, APART, Behind::Nothing);
+                    self.put("..");
+                    self.limit(high, false);
+                } else {
+                    self.limits(low, high, false);
+                }
+            }
+            ExprKind::Pattern(pattern) => self.pattern(pattern, behind),
+        }
+    }
+
+    /// What an index, or a member's name, stands behind.
+    fn base(&mut self, base: &Expr, paths_apart: bool) {
+        let plain = match &base.kind {
+            ExprKind::Index(..) | ExprKind::Field(..) | ExprKind::Call(..) | ExprKind::List(_) => {
+                true
+            }
+            ExprKind::Path(_) => !paths_apart,
+            _ => false,
+        };
+        self.operand(base, if plain { 0 } else { APART }, Behind::Operator);
+    }
+
+    /// A number as the author wrote it, without its unit.
+    fn number(&self, span: Span) -> Option<&str> {
+        let text = self.written(span)?;
+        let end = text.find(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c)));
+        let text = &text[..end.unwrap_or(text.len())];
+        // The unit may stand right behind it: `1e3mm`.
+        let end = text
+            .char_indices()
+            .rev()
+            .map(|(i, c)| i + c.len_utf8())
+            .find(|end| {
+                text[..*end].ends_with(|c: char| c.is_ascii_digit())
+                    && text[..*end].parse::<f64>().is_ok()
+            });
+        end.map(|end| &text[..end])
+    }
+
+    fn quantity(&mut self, span: Span, value: f64, unit: &str) {
+        let number = match self.number(span) {
+            Some(written) => written.to_owned(),
+            None if !unit.is_empty() && value.fract() == 0.0 && value < 1e15 => {
+                format!("{value:.0}")
+            }
+            None => format!("{value:?}"),
+        };
+        self.put(&number);
+        if !unit.is_empty() {
+            self.put(" ");
+            self.put(unit);
+        }
+    }
+
+    /// `if a then b else if c then d else e`
+    fn ladder(&mut self, e: &Expr, behind: Behind) {
+        let at_break = self.at_break();
+        self.level(|p, level| {
+            p.nest(at_break);
+            let begun = p.ladder_begins(level);
+            let mut rest = e;
+            while let ExprKind::If(condition, then, otherwise) = &rest.kind {
+                p.before(rest.span);
+                p.put("if ");
+                p.expression(condition);
+                p.put(" then");
+                p.level(|p, inner| {
+                    let forced = p.broken(condition.span, then.span);
+                    p.nest += 1;
+                    p.gap(inner, true, forced);
+                    let again = matches!(then.kind, ExprKind::If(..));
+                    p.operand(then, if again { APART } else { 0 }, Behind::Nothing);
+                });
+                let forced = p.broken(then.span, otherwise.span);
+                p.gap(level, true, forced);
+                p.put("else ");
+                rest = otherwise;
+            }
+            p.operand(rest, binds::PATTERN, behind);
+            p.ladder_ends(begun);
+        });
+    }
+
+    fn bound(&mut self, bound: Option<&Expr>) {
+        if let Some(bound) = bound {
+            self.put(" within ");
+            self.operand(bound, binds::ADDITIVE, Behind::Nothing);
+            let one = matches!(bound.kind, ExprKind::Int(1));
+            self.put(if one { " step" } else { " steps" });
+        }
+    }
+
+    fn pattern(&mut self, pattern: &Pattern, behind: Behind) {
+        let after = match (&pattern.bound, &pattern.scope) {
+            (Some(_), _) => Behind::Within,
+            (None, Scope::Globally) => behind,
+            _ => Behind::Operator,
+        };
+        let at_break = self.at_break();
+        self.level(|p, level| {
+            let outer = p.nest;
+            let (word, last) = match &pattern.kind {
+                PatternKind::Absence(a) => ("never ", a),
+                PatternKind::Existence(a) => ("eventually ", a),
+                PatternKind::Universality(a) => ("always ", a),
+                PatternKind::Precedence(_, b) => (" precedes", b),
+                PatternKind::Response(_, b) => (" responds to", b),
+            };
+            if let PatternKind::Precedence(a, b) | PatternKind::Response(a, b) = &pattern.kind {
+                p.operand(a, binds::NEGATION, Behind::Operator);
+                p.put(word);
+                p.nest(at_break);
+                let forced = p.broken(a.span, b.span);
+                p.gap(level, true, forced);
+                p.operand(b, binds::NEGATION, after);
+            } else {
+                p.put(word);
+                p.argument_of_word(last, after);
+            }
+            p.bound(pattern.bound.as_deref());
+            let (word, first, second) = match &pattern.scope {
+                Scope::Globally => return,
+                Scope::Before(a) => ("before ", a, None),
+                Scope::After(a) => ("after ", a, None),
+                Scope::Between(a, b) => ("between ", a, Some((" and ", b))),
+                Scope::AfterUntil(a, b) => ("after ", a, Some((" until ", b))),
+            };
+            p.nest = outer;
+            p.nest(at_break);
+            let forced = p.broken(last.span, first.span);
+            p.gap(level, true, forced);
+            p.put(word);
+            let ends = if second.is_some() {
+                Behind::Operator
+            } else {
+                behind
+            };
+            p.operand(first, binds::NEGATION, ends);
+            if let Some((word, second)) = second {
+                p.put(word);
+                p.operand(second, binds::NEGATION, behind);
+            }
+        });
+    }
+
+    // ---- types ------------------------------------------------------------------------------------------------------
+
+    /// A type.
+    pub fn domain(&mut self, domain: &Domain) {
+        self.before(domain.span);
+        match &domain.kind {
+            DomainKind::Labels(names) => {
+                let open = at_start(domain.span);
+                self.sequence(["{", "}"], open, names, |n| n.span, Self::name);
+            }
+            DomainKind::Range(low, high, unit) => {
+                self.limits(low, high, unit.is_some());
+                if let Some(unit) = unit {
+                    self.put(" ");
+                    self.put(unit);
+                }
+            }
+            DomainKind::Record(members) => {
+                self.put("record ");
+                let open = at_start(domain.span);
+                self.sequence(
+                    ["{", "}"],
+                    open,
+                    members,
+                    |(name, domain)| name.span.to(domain.span),
+                    |p, (name, domain)| {
+                        p.name(name);
+                        p.put(": ");
+                        p.domain(domain);
+                    },
+                );
+            }
+            DomainKind::Array(length, domain) => {
+                self.put("array[");
+                self.operand(length, binds::ADDITIVE, Behind::Nothing);
+                self.put("] of ");
+                self.domain(domain);
+            }
+            DomainKind::Named(name) => self.name(name),
+            DomainKind::Unit(unit) => self.put(unit),
+        }
+    }
+
+    /// `0..n-1`. With `unit`, a unit follows that must not become that of the last number.
+    fn limits(&mut self, low: &Expr, high: &Expr, unit: bool) {
+        self.limit(low, false);
+        self.put("..");
+        self.limit(high, unit);
+    }
+
+    fn limit(&mut self, e: &Expr, unit: bool) {
+        let plain = |e: &Expr| matches!(&e.kind, ExprKind::Path(_) | ExprKind::Int(_));
+        match &e.kind {
+            ExprKind::Binary(op @ (BinaryOp::Add | BinaryOp::Sub), a, b)
+                if plain(a) && plain(b) =>
+            {
+                self.put(if unit { "(" } else { "" });
+                self.operand(a, binds::PRODUCT, Behind::Operator);
+                self.put(op.sign());
+                self.operand(b, binds::PRODUCT, Behind::Operator);
+                self.put(if unit { ")" } else { "" });
+            }
+            ExprKind::Path(_) | ExprKind::Call(..) | ExprKind::Index(..) | ExprKind::Field(..) => {
+                self.operand(e, binds::ADDITIVE, Behind::Operator);
+            }
+            _ => self.operand(
+                e,
+                if unit { APART } else { binds::ADDITIVE },
+                Behind::Operator,
+            ),
+        }
+    }
+}
+
+/// Whether the first sign of an expression may be that of a record.
+fn begins_with_brace(e: &Expr) -> bool {
+    match &e.kind {
+        ExprKind::Record(_) => true,
+        ExprKind::Binary(_, a, _) | ExprKind::Index(a, _) | ExprKind::Field(a, _) => {
+            begins_with_brace(a)
+        }
+        _ => false,
+    }
+}
+
+fn at_start(span: Span) -> Span {
+    Span {
+        end: span.start,
+        ..span
+    }
+}

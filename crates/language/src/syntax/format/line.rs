@@ -1,0 +1,225 @@
+//! Lines.
+
+use super::super::ast::{Counted, Line, LineItem, StationItem, Supply};
+use super::printer::Printer;
+use linewright_core::source::Span;
+
+impl Printer<'_> {
+    pub(super) fn plant_line(&mut self, place: Span, l: &Line) {
+        self.doc(&l.doc);
+        self.put("line ");
+        self.name(&l.name);
+        self.block(place, &l.items, false, Self::line_item);
+    }
+
+    fn counted(&mut self, c: &Counted) {
+        self.before(c.name.span);
+        self.put(&format!("{} {}", c.count, c.name.text));
+    }
+
+    fn line_item(&mut self, place: Span, item: &LineItem) {
+        match item {
+            LineItem::Part {
+                name,
+                bill,
+                properties,
+            } => {
+                self.put("part ");
+                self.name(name);
+                if !bill.is_empty() {
+                    self.put(" from ");
+                    self.list(bill, |c| c.name.span, Self::counted);
+                }
+                if !properties.is_empty() {
+                    self.block(place, properties, true, |p, _, t| p.typed("property ", t));
+                }
+            }
+            LineItem::Product(name) => {
+                self.put("product ");
+                self.name(name);
+            }
+            LineItem::Source {
+                name,
+                part,
+                supply,
+                most,
+            } => {
+                self.put("source ");
+                self.name(name);
+                self.put(": ");
+                self.name(part);
+                self.supply(supply);
+                if let Some(most) = most {
+                    self.put(&format!(", at most {most} in the line"));
+                }
+            }
+            LineItem::Store { name, stock } => {
+                self.put("store ");
+                self.name(name);
+                if !stock.is_empty() {
+                    self.put(": ");
+                    self.list(stock, |c| c.name.span, Self::counted);
+                }
+            }
+            LineItem::Sink {
+                name,
+                rejects,
+                reorder,
+            } => {
+                self.put("sink ");
+                self.name(name);
+                self.put(if *rejects { " rejects" } else { "" });
+                if let Some(source) = reorder {
+                    self.put(" reorder ");
+                    self.name(source);
+                }
+            }
+            LineItem::Buffer { name, capacity } => {
+                self.put("buffer ");
+                self.name(name);
+                self.put(&format!(" capacity {capacity}"));
+            }
+            LineItem::Conveyor {
+                name,
+                machine,
+                options,
+            } => {
+                self.put("conveyor ");
+                self.name(name);
+                let mut before = name.span;
+                if let Some((machine, arguments)) = machine {
+                    self.put(": ");
+                    self.name(machine);
+                    self.arguments(machine.span, arguments);
+                    before = arguments.last().map_or(machine.span, |a| a.value.span);
+                }
+                for (word, value) in options {
+                    self.clause(&format!("{} ", word.text), before, value);
+                    before = value.span;
+                }
+            }
+            LineItem::Station {
+                name,
+                machine,
+                arguments,
+                items,
+            } => {
+                self.put("station ");
+                self.name(name);
+                self.put(": ");
+                self.name(machine);
+                self.arguments(machine.span, arguments);
+                if !items.is_empty() {
+                    self.block(place, items, true, |p, _, item| p.station_item(item));
+                }
+            }
+            LineItem::Route { part, stops, when } => {
+                self.put("route ");
+                self.name(part);
+                self.put(": ");
+                self.level(|p, level| {
+                    for (i, stop) in stops.iter().enumerate() {
+                        if i > 0 {
+                            p.put(" ->");
+                            p.nest += usize::from(i == 1);
+                            let forced = p.broken(stops[i - 1].span, stop.span);
+                            p.gap(level, true, forced);
+                        }
+                        p.name(stop);
+                    }
+                });
+                let last = stops.last().map_or(part.span, |s| s.span);
+                if let Some(when) = when {
+                    self.clause("when ", last, when);
+                } else if self
+                    .words_between(last.end, place.end)
+                    .any(|w| w == "otherwise")
+                {
+                    // It says what is so without it, too; the tree does not hold it.
+                    self.put(" otherwise");
+                }
+            }
+            LineItem::Requirement {
+                name,
+                metric,
+                of,
+                op,
+                bound,
+                per_hour,
+                ..
+            } => {
+                self.put("requirement ");
+                self.name(name);
+                self.put(": ");
+                self.name(metric);
+                if let Some(of) = of {
+                    self.put("(");
+                    self.name(of);
+                    self.put(")");
+                }
+                self.put(&format!(" {} ", op.sign()));
+                self.expression(bound);
+                self.put(if *per_hour { " per hour" } else { "" });
+            }
+            LineItem::Shift(from, to) => {
+                self.setting("shift ", from);
+                self.setting(" to ", to);
+            }
+            LineItem::Limit(e, products) => {
+                self.setting("limit ", e);
+                self.put(if *products { " products" } else { "" });
+            }
+            LineItem::Const(c) => self.const_decl(c),
+        }
+    }
+
+    fn supply(&mut self, supply: &Supply) {
+        match supply {
+            Supply::OnOrder => self.put(" on order"),
+            Supply::Every {
+                seconds,
+                random,
+                limit,
+            } => {
+                self.put(if *random { " every random " } else { " every " });
+                self.expression(seconds);
+                if let Some(limit) = limit {
+                    self.put(&format!(" limit {limit}"));
+                }
+            }
+        }
+    }
+
+    fn station_item(&mut self, item: &StationItem) {
+        match item {
+            StationItem::Perform { operations, part } => {
+                self.put("perform ");
+                self.list(operations, |p| p.name.span, Self::performed);
+                self.put(" on ");
+                self.name(part);
+            }
+            StationItem::Setup(e) => self.setting("setup ", e),
+            StationItem::Failures(a, b) => self.failures(a, b),
+            StationItem::Defect {
+                part,
+                probability,
+                property,
+                value,
+            } => {
+                self.put("defect on ");
+                self.name(part);
+                self.setting(" probability ", probability);
+                self.put(": ");
+                let words: Vec<&str> = self
+                    .words_between(probability.span.end, property.span.start)
+                    .collect();
+                if words.ends_with(&["one", "of"]) {
+                    // It says what is so without it, too; the tree does not hold it.
+                    self.put("one of ");
+                }
+                self.name(property);
+                self.setting(" becomes ", value);
+            }
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Machines.
+
+use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Place, Typed};
+use super::printer::Printer;
+use linewright_core::source::Span;
+
+/// What stands within a component, in the order in which it was written.
+enum Part<'c> {
+    Time(&'c Expr, bool),
+    Power(&'c Expr),
+    Binding(&'c Binding),
+}
+
+impl Printer<'_> {
+    pub(super) fn machine(&mut self, place: Span, m: &Machine) {
+        self.doc(&m.header.doc);
+        self.put("machine ");
+        self.header(&m.header);
+        self.block(place, &m.items, false, Self::machine_item);
+    }
+
+    fn machine_item(&mut self, place: Span, item: &MachineItem) {
+        match item {
+            MachineItem::Step(e) => self.setting("step ", e),
+            MachineItem::IdlePower(e) => self.setting("idle power ", e),
+            MachineItem::Power(e) => self.setting("power ", e),
+            MachineItem::Limit(e) => {
+                self.setting("limit ", e);
+                self.put(" steps");
+            }
+            MachineItem::Failures(a, b) => self.failures(a, b),
+            MachineItem::Property(t) => self.typed("property ", t),
+            MachineItem::Parameter(t) => self.typed("parameter ", t),
+            MachineItem::Signal(t) => self.typed("signal ", t),
+            MachineItem::Abstract(t) => self.typed("abstract ", t),
+            MachineItem::Component(c) => self.component(place, c),
+            MachineItem::Operation {
+                name,
+                codes,
+                sequence,
+            } => {
+                self.put("operation ");
+                self.name(name);
+                self.codes(codes);
+                if !sequence.is_empty() {
+                    self.put(": ");
+                    self.list(sequence, |p| p.name.span, Self::performed);
+                }
+            }
+            MachineItem::Done(e) => self.setting("done ", e),
+            MachineItem::Write { name, index, value } => {
+                self.put("write ");
+                self.name(name);
+                let mut before = name.span;
+                if let Some(index) = index {
+                    self.put("[");
+                    self.expression(index);
+                    self.put("]");
+                    before = index.span;
+                }
+                self.value(before, value);
+            }
+            MachineItem::Skills(s) => self.skill_calls(place, s),
+            MachineItem::Refines(c) => {
+                self.put("refines ");
+                self.name(&c.contract);
+                self.arguments(c.contract.span, &c.arguments);
+                if !c.bindings.is_empty() {
+                    self.block(place, &c.bindings, true, |p, _, b| p.binding(b));
+                }
+            }
+            MachineItem::Guarantee {
+                name,
+                requirement,
+                expr,
+            } => {
+                self.put("guarantee ");
+                self.label(name.as_ref(), requirement.as_deref());
+                self.expression(expr);
+            }
+            MachineItem::Const(c) => self.const_decl(c),
+            MachineItem::Type(t) => self.type_decl(t),
+        }
+    }
+
+    pub(super) fn setting(&mut self, word: &str, e: &Expr) {
+        self.put(word);
+        self.expression(e);
+    }
+
+    pub(super) fn failures(&mut self, a: &Expr, b: &Expr) {
+        self.setting("failures mtbf ", a);
+        self.setting(" mttr ", b);
+    }
+
+    pub(super) fn typed(&mut self, word: &str, t: &Typed) {
+        self.doc(&t.doc);
+        self.put(word);
+        self.name(&t.name);
+        self.put(": ");
+        self.domain(&t.domain);
+        let mut before = t.domain.span;
+        for (i, value) in t.values.iter().enumerate() {
+            if i == 0 {
+                self.value(before, value);
+            } else {
+                self.put(",");
+                self.nest = 1;
+                let forced = self.broken(before, value.span);
+                self.gap(0, true, forced);
+                self.expression(value);
+                self.nest = 0;
+            }
+            before = value.span;
+        }
+    }
+
+    fn component(&mut self, place: Span, c: &Component) {
+        self.put(match c.place {
+            Place::Coordinator => "coordinator ",
+            Place::Action => "action ",
+            Place::Machine => "machine ",
+        });
+        self.name(&c.name);
+        self.put(": ");
+        self.name(&c.contract);
+        self.arguments(c.contract.span, &c.arguments);
+        if let Some(when) = &c.when {
+            let before = c.arguments.last().map_or(c.contract.span, |a| a.value.span);
+            self.clause("when ", before, when);
+        }
+        let mut parts: Vec<(u32, Part<'_>)> = Vec::new();
+        parts.extend(
+            c.bindings
+                .iter()
+                .map(|b| (b.name.span.start, Part::Binding(b))),
+        );
+        if let Some((time, per_step)) = &c.time {
+            parts.push((time.span.start, Part::Time(time, *per_step)));
+        }
+        if let Some(power) = &c.power {
+            parts.push((power.span.start, Part::Power(power)));
+        }
+        parts.sort_by_key(|(start, _)| *start);
+        if parts.is_empty() {
+            return;
+        }
+        self.block(place, &parts, true, |p, _, (_, part)| match part {
+            Part::Time(e, per_step) => {
+                p.setting("time ", e);
+                p.put(if *per_step { " per step" } else { "" });
+            }
+            Part::Power(e) => p.setting("power ", e),
+            Part::Binding(b) => p.binding(b),
+        });
+    }
+
+    fn binding(&mut self, b: &Binding) {
+        self.name(&b.name);
+        if let Some(index) = b.index {
+            self.put(&format!("[{index}]"));
+        }
+        if let Some(member) = &b.member {
+            self.put(".");
+            self.name(member);
+        }
+        self.value(b.member.as_ref().map_or(b.name.span, |m| m.span), &b.value);
+    }
+}

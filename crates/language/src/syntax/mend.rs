@@ -1,0 +1,398 @@
+//! A first look at a file's brackets, comments and quotes, before the grammar sees it.
+//!
+//! The grammar recovers from mistakes within an item, but not from a brace that is never closed: everything after it would be
+//! part of one broken item (and looking for its end again and again takes exponential time). This scan finds the brace, says so, and
+//! hands on a *mended copy* in which blanks before the next contract, machine or line have become the missing `}`. The copy has every
+//! other byte where it was, so places in it are places in the file.
+//!
+//! It also bounds how deep the grammar will recurse. The bound is safe because strings, comments and words are cut here exactly
+//! as the grammar cuts them, and because it only ever lets go of a prefix where no rule of the grammar could go on.
+
+use super::words::ends_expressions;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::source::{FileId, Span};
+use std::ops::Range;
+
+/// What the scan found.
+pub(super) struct Scan {
+    /// The text with its braces balanced, where they were not.
+    pub mended: Option<String>,
+    /// What it says about the file.
+    pub findings: Vec<Diagnostic>,
+    /// Ranges of the file that were reported as a whole: the grammar's own words about them are left out.
+    pub silenced: Vec<Range<usize>>,
+    /// How deep the grammar recurses at most: open brackets and prefix words.
+    pub depth: usize,
+    /// Where that is reached.
+    pub deepest: usize,
+}
+
+/// Words that an expression may follow, so that the grammar recurses at each.
+const PREFIXES: &[&str] = &[
+    "if",
+    "always",
+    "eventually",
+    "forall",
+    "exists",
+    "count",
+    "sum",
+    "array",
+    "never",
+    "previous",
+    "once",
+    "historically",
+];
+
+/// Words after which an expression goes on.
+const INFIX: &[&str] = &[
+    "and", "or", "xor", "implies", "iff", "mod", "in", "then", "else", "of", "not", "next", "G",
+    "F", "X", "O", "GF", "since", "precedes", "responds", "to", "within", "before", "between",
+    "after", "until", "unless", "release", "U", "W", "R",
+];
+
+pub(super) const UNITS: &[&str] = &[
+    "mm", "m", "kWh", "kW", "kg", "min", "cm", "ms", "deg", "rad", "W", "J", "Wh", "s", "h", "d",
+    "g",
+];
+
+/// What stood before a word.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Before {
+    /// An operand has ended: a name, a closing bracket, a prime.
+    Operand,
+    /// The same, and a unit may follow.
+    Number,
+    /// Something after which an expression goes on.
+    Open,
+}
+
+struct Bracket {
+    kind: u8,
+    offset: usize,
+    /// Prefix words before it; they count again once it is closed.
+    prefixes: usize,
+    /// Whether it opens a set of skills, in which no expression stands.
+    skills: bool,
+}
+
+struct Scanner<'t> {
+    file: FileId,
+    text: &'t str,
+    stack: Vec<Bracket>,
+    prefixes: usize,
+    before: Before,
+    /// Where the last thing that is neither blank nor comment ended.
+    code_end: usize,
+    /// Whether only blanks and comments stand before this on its line.
+    line_start: bool,
+    /// Where the next set of skills has its brace.
+    skills: Option<usize>,
+    copy: Option<Vec<u8>>,
+    scan: Scan,
+}
+
+/// Looks a file through.
+pub(super) fn scan(file: FileId, text: &str) -> Scan {
+    let mut scanner = Scanner {
+        file,
+        text,
+        stack: Vec::new(),
+        prefixes: 0,
+        before: Before::Open,
+        code_end: 0,
+        line_start: true,
+        skills: None,
+        copy: None,
+        scan: Scan {
+            mended: None,
+            findings: Vec::new(),
+            silenced: Vec::new(),
+            depth: 0,
+            deepest: 0,
+        },
+    };
+    scanner.run();
+    scanner.close_all();
+    let mut scan = scanner.scan;
+    scan.mended = scanner.copy.and_then(|bytes| String::from_utf8(bytes).ok());
+    scan
+}
+
+/// Whether this follows the word `machine` where a machine stands within another one: `left: PickUnit`, and not `PickUnit {`.
+pub fn is_component(rest: &str) -> bool {
+    let name = rest.trim_start();
+    let end = name
+        .find(|c: char| !c.is_alphanumeric() && c != '_')
+        .unwrap_or(name.len());
+    end > 0 && name[end..].trim_start().starts_with(':')
+}
+
+/// Whether this follows a word that somebody takes for a name, `line -> left` or `line = c.a`: no declaration begins so, and the word is
+/// no name, but that is not for want of a brace.
+fn is_meant_as_name(rest: &str) -> bool {
+    let rest = rest.trim_start();
+    rest.starts_with("->") || rest.starts_with([',', ';', '=', '}'])
+}
+
+/// How long the name and the blanks are between the word `skills`, which this follows, and the brace of a set of skills. Nothing but a set
+/// has a name between the two: no expression holds two names side by side.
+fn skills_head(rest: &str) -> Option<usize> {
+    let name = rest.trim_start();
+    let end = name.find(|c: char| !c.is_alphanumeric() && c != '_')?;
+    let word = &name[..end];
+    let brace = name[end..].trim_start();
+    let own = !word.is_empty() && !ends_expressions(word);
+    (own && brace.starts_with('{')).then(|| rest.len() - brace.len())
+}
+
+/// Whether this follows the word `skills` where a set of skills is declared: `PickUnit {`, and a component or an order within.
+pub fn is_skill_set(rest: &str) -> bool {
+    let Some(brace) = skills_head(rest) else {
+        return false;
+    };
+    let mut within = rest[brace + 1..].trim_start();
+    while within.starts_with("//") {
+        let end = within.find(['\n', '\r']).unwrap_or(within.len());
+        within = within[end..].trim_start();
+    }
+    // In a machine a skill may have such a name: `order = ...`.
+    let after = ["component", "order"].iter().find_map(|word| {
+        let after = within.strip_prefix(word)?;
+        (!after.starts_with(|c: char| c.is_alphanumeric() || c == '_')).then_some(after)
+    });
+    after.is_some_and(|after| !after.trim_start().starts_with('='))
+}
+
+/// Whether this follows the word `skills` where a set of skills begins outside of all braces.
+pub fn is_skills_head(rest: &str) -> bool {
+    skills_head(rest).is_some()
+}
+
+impl Scanner<'_> {
+    fn run(&mut self) {
+        let text = self.text;
+        let mut i = 0;
+        while let Some(c) = text[i..].chars().next() {
+            let rest = &text[i..];
+            let mut next = i + c.len_utf8();
+            if rest.starts_with("//") {
+                i += rest.find(['\n', '\r']).unwrap_or(rest.len());
+                continue;
+            }
+            if let Some(comment) = rest.strip_prefix("/*") {
+                let Some(end) = comment.find("*/") else {
+                    self.unclosed_comment(i);
+                    return;
+                };
+                i += end + 4;
+                continue;
+            }
+            match c {
+                '"' => match rest[1..].find(['"', '\n', '\r']) {
+                    Some(end) if rest.as_bytes()[end + 1] == b'"' => {
+                        next = i + end + 2;
+                        self.before = Before::Operand;
+                    }
+                    end => {
+                        let end = end.map_or(text.len(), |e| i + 1 + e);
+                        self.unclosed_string(i, end);
+                        next = end;
+                    }
+                },
+                '(' | '[' | '{' => self.open(c as u8, i),
+                ')' | ']' | '}' => self.close(c as u8),
+                '\'' => self.before = Before::Operand,
+                ';' => {
+                    self.expression_ends();
+                    self.before = Before::Open;
+                }
+                c if c.is_alphanumeric() || c == '_' => {
+                    let end = rest
+                        .find(|c: char| !c.is_alphanumeric() && c != '_')
+                        .unwrap_or(rest.len());
+                    self.word(&rest[..end], i);
+                    next = i + end;
+                }
+                '\n' | '\r' => {
+                    self.line_start = true;
+                    i = next;
+                    continue;
+                }
+                c if c.is_whitespace() || c == '\u{feff}' => {
+                    i = next;
+                    continue;
+                }
+                _ => self.before = Before::Open,
+            }
+            self.line_start = false;
+            self.code_end = next;
+            i = next;
+        }
+    }
+
+    fn word(&mut self, word: &str, offset: usize) {
+        let rest = &self.text[offset + word.len()..];
+        let begins_item = match word {
+            "contract" | "moore" | "line" | "import" => !is_meant_as_name(rest),
+            "machine" => !is_component(rest) && !is_meant_as_name(rest),
+            "skills" => is_skill_set(rest),
+            _ => false,
+        };
+        if begins_item && self.line_start {
+            self.missing_brace(word, offset);
+        }
+        if word == "skills" && self.stack.is_empty() {
+            self.skills = skills_head(rest).map(|length| offset + word.len() + length);
+        }
+        if matches!(word, "component" | "order")
+            && matches!(self.stack.as_slice(), [Bracket { skills: true, .. }])
+        {
+            // What an order ends with may look as if it went on: `(Left Right)*`.
+            self.expression_ends();
+        }
+        let goes_on = INFIX.contains(&word)
+            || self.before == Before::Open
+            || self.before == Before::Number && UNITS.contains(&word);
+        if ends_expressions(word) || !goes_on {
+            self.expression_ends();
+        }
+        if PREFIXES.contains(&word) {
+            self.prefixes += 1;
+            self.reach(offset);
+        }
+        self.before = if word.starts_with(|c: char| c.is_ascii_digit()) {
+            Before::Number
+        } else if INFIX.contains(&word) || PREFIXES.contains(&word) || ends_expressions(word) {
+            Before::Open
+        } else {
+            Before::Operand
+        };
+    }
+
+    fn open(&mut self, kind: u8, offset: usize) {
+        self.stack.push(Bracket {
+            kind,
+            offset,
+            prefixes: self.prefixes,
+            skills: kind == b'{' && self.skills == Some(offset),
+        });
+        self.before = Before::Open;
+        self.reach(offset);
+    }
+
+    fn close(&mut self, kind: u8) {
+        self.before = Before::Operand;
+        let opening = match kind {
+            b')' => b'(',
+            b']' => b'[',
+            _ => b'{',
+        };
+        if kind == b'}' {
+            // A brace closes whatever stands open within it.
+            let Some(at) = self.stack.iter().rposition(|b| b.kind == opening) else {
+                return;
+            };
+            self.stack.truncate(at + 1);
+        }
+        if self.stack.last().is_some_and(|b| b.kind == opening)
+            && let Some(bracket) = self.stack.pop()
+        {
+            self.prefixes = bracket.prefixes;
+        }
+    }
+
+    fn expression_ends(&mut self) {
+        self.prefixes = self.stack.last().map_or(0, |b| b.prefixes);
+    }
+
+    fn reach(&mut self, offset: usize) {
+        let depth = self.stack.len() + self.prefixes;
+        if depth > self.scan.depth {
+            (self.scan.depth, self.scan.deepest) = (depth, offset);
+        }
+    }
+
+    fn copy(&mut self) -> &mut Vec<u8> {
+        self.copy
+            .get_or_insert_with(|| self.text.as_bytes().to_vec())
+    }
+
+    fn unclosed_comment(&mut self, start: usize) {
+        self.scan.findings.push(
+            Diagnostic::error(
+                codes::SYNTAX,
+                Span::new(self.file, start, start + 2),
+                "this comment is never closed",
+            )
+            .with_help("end it with `*/`"),
+        );
+        self.copy()[start..].fill(b' ');
+    }
+
+    fn unclosed_string(&mut self, start: usize, end: usize) {
+        self.scan.findings.push(
+            Diagnostic::error(
+                codes::SYNTAX,
+                Span::new(self.file, start, end),
+                "this text in quotes does not end on its line",
+            )
+            .with_help("end it with `\"`"),
+        );
+        self.copy()[start..end].fill(b' ');
+        let line = self.text[..start].rfind('\n').map_or(0, |n| n + 1);
+        self.scan.silenced.push(line..end + 1);
+    }
+
+    /// A word that only stands outside of braces, within braces.
+    fn missing_brace(&mut self, word: &str, offset: usize) {
+        let blanks = self.text.as_bytes()[self.code_end..]
+            .iter()
+            .take_while(|b| b.is_ascii_whitespace())
+            .count();
+        let open: Vec<usize> = self
+            .stack
+            .iter()
+            .filter(|b| b.kind == b'{')
+            .map(|b| b.offset)
+            .take(blanks + 1)
+            .collect();
+        if open.is_empty() || blanks < open.len() {
+            return;
+        }
+        let end = self.code_end;
+        self.copy()[end..end + open.len()].fill(b'}');
+        self.stack.clear();
+        self.prefixes = 0;
+        let finding = self.never_closed(open[0]).with_label(
+            Span::new(self.file, offset, offset + word.len()),
+            "it has to be closed before this",
+        );
+        self.scan.findings.push(finding);
+    }
+
+    /// Braces that are open at the end of the file.
+    fn close_all(&mut self) {
+        let open: Vec<usize> = self
+            .stack
+            .iter()
+            .filter(|b| b.kind == b'{')
+            .map(|b| b.offset)
+            .collect();
+        if let Some(first) = open.first() {
+            let finding = self.never_closed(*first);
+            self.scan.findings.push(finding);
+            let copy = self.copy();
+            copy.push(b'\n');
+            copy.resize(copy.len() + open.len(), b'}');
+        }
+    }
+
+    fn never_closed(&self, offset: usize) -> Diagnostic {
+        Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(self.file, offset, offset + 1),
+            "this `{` is never closed",
+        )
+        .with_help("add the missing `}`")
+    }
+}

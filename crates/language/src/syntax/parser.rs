@@ -1,0 +1,563 @@
+//! From text to a syntax tree and findings.
+//!
+//! pest stops at the first mistake, so recovery is in the grammar: what does not match an item is taken by a `bad_*` rule up
+//! to the next item, and [`explain`] parses that piece once more with the rule that its first word asks for. The
+//! error of that second parse says what was expected where.
+
+mod skills;
+
+use super::ast::File;
+use super::build::Builder;
+use super::mend;
+use super::words::is_reserved;
+use linewright_core::diagnostics::{Diagnostic, codes, nearest};
+use linewright_core::source::{FileId, Span};
+use pest::Parser;
+use pest::error::{ErrorVariant, InputLocation};
+
+#[allow(missing_docs)] // the derive makes an undocumented enum of the rules
+mod grammar {
+    #[derive(pest_derive::Parser)]
+    #[grammar = "syntax/lw.pest"]
+    pub struct Grammar;
+}
+pub(super) use grammar::{Grammar, Rule};
+
+/// Brackets, conditionals and prefixes within one item may nest so deep, which bounds the stack that parsing needs.
+const MAX_DEPTH: usize = 200;
+/// So many levels fit the stack of any thread.
+const SMALL_DEPTH: usize = 12;
+/// Enough for `MAX_DEPTH` levels of the grammar's recursion, with a margin.
+const STACK_BYTES: usize = 256 << 20;
+
+/// Parses one file. What could not be understood is in the findings, the tree holds the rest.
+pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
+    let scan = mend::scan(file, text);
+    if scan.depth > MAX_DEPTH {
+        return (File::default(), vec![too_deep(file, scan.deepest)]);
+    }
+    let source = scan.mended.as_deref().unwrap_or(text);
+    let run = || {
+        let mut builder = Builder::new(file, text.len());
+        match Grammar::parse(Rule::file, source) {
+            Ok(pairs) => builder.file(pairs),
+            Err(error) => builder.findings.push(finding_of(file, 0, source, &error)),
+        }
+        (builder.tree, builder.findings)
+    };
+    let (tree, found) = if scan.depth <= SMALL_DEPTH {
+        run()
+    } else {
+        on_large_stack(run).unwrap_or_else(|| {
+            let finding = Diagnostic::error(
+                codes::SYNTAX,
+                Span::new(file, 0, 0),
+                "there is not enough memory to parse this file",
+            )
+            .with_help("nest its formulas less, or give parts of them names with `define`");
+            (File::default(), vec![finding])
+        })
+    };
+    let mut findings = scan.findings;
+    findings.extend(found.into_iter().filter(|f| {
+        let start = f.span.map_or(0, |s| s.start as usize);
+        !scan.silenced.iter().any(|r| r.contains(&start))
+    }));
+    for finding in &mut findings {
+        finding.span = finding.span.map(|s| within(s, text));
+    }
+    (tree, findings)
+}
+
+fn on_large_stack<T: Send>(run: impl FnOnce() -> T + Send) -> Option<T> {
+    std::thread::scope(|scope| {
+        std::thread::Builder::new()
+            .stack_size(STACK_BYTES)
+            .spawn_scoped(scope, run)
+            .ok()
+            .and_then(|handle| handle.join().ok())
+    })
+}
+
+/// The part of a span that lies within the text: a mended copy can be longer.
+fn within(span: Span, text: &str) -> Span {
+    let boundary = |offset: u32| {
+        let mut offset = (offset as usize).min(text.len());
+        while !text.is_char_boundary(offset) {
+            offset += 1;
+        }
+        offset
+    };
+    let start = boundary(span.start);
+    Span::new(span.file, start, boundary(span.end).max(start))
+}
+
+fn too_deep(file: FileId, offset: usize) -> Diagnostic {
+    Diagnostic::error(
+        codes::SYNTAX,
+        Span::new(file, offset, offset + 1),
+        format!("this is nested more than {MAX_DEPTH} levels deep"),
+    )
+    .with_help("give the inner parts names with `define`, or use a constant array instead of a long `if ... else if`")
+}
+
+/// What is wrong with a piece that matched no item. `context` is the `bad_*` rule that took it.
+pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) -> Diagnostic {
+    let text = piece.trim_end();
+    if let Some(finding) = skills::explain(file, start, text, context) {
+        return finding;
+    }
+    let first: String = after_comments(text)
+        .chars()
+        .take_while(|c| c.is_alphanumeric() || *c == '_')
+        .collect();
+    let rule = match (context, first.as_str()) {
+        (_, "import") => Some(Rule::only_import),
+        (_, "type") => Some(Rule::only_type_decl),
+        (_, "const") => Some(Rule::only_const_decl),
+        (_, "define") => Some(Rule::only_define),
+        (Rule::bad_item, "contract" | "moore") => Some(Rule::only_contract),
+        (Rule::bad_item, "machine") => Some(Rule::only_machine),
+        (Rule::bad_item, "line") => Some(Rule::only_line),
+        (Rule::bad_item, "skills") => Some(Rule::only_skills),
+        (Rule::bad_contract_item, "input" | "output" | "internal") => Some(Rule::only_variables),
+        (Rule::bad_contract_item, "counter") => Some(Rule::only_counter),
+        (Rule::bad_contract_item, "assume" | "guarantee") => Some(Rule::only_formula),
+        (
+            Rule::bad_machine_item,
+            "step" | "idle" | "power" | "limit" | "failures" | "property" | "parameter" | "signal"
+            | "abstract" | "coordinator" | "action" | "machine" | "operation" | "done" | "write"
+            | "refines" | "skills" | "guarantee",
+        ) => Some(Rule::only_machine_item),
+        (Rule::bad_skills_item, "component" | "order") => Some(Rule::only_skills_item),
+        (Rule::bad_skill_call, _) if !first.is_empty() => Some(Rule::only_skill_call),
+        (
+            Rule::bad_line_item,
+            "part" | "product" | "source" | "store" | "sink" | "buffer" | "conveyor" | "station"
+            | "route" | "requirement" | "shift" | "limit",
+        ) => Some(Rule::only_line_item),
+        (Rule::bad_station_item, "perform" | "setup" | "defect" | "failures") => {
+            Some(Rule::only_station_item)
+        }
+        (Rule::bad_component_item, _) if !first.is_empty() => Some(Rule::only_component_item),
+        _ => None,
+    };
+    if let Some(rule) = rule
+        && let Err(error) = Grammar::parse(rule, text)
+    {
+        return finding_of(file, start, text, &error);
+    }
+    let operator = word_at(text);
+    if operator == "=" {
+        return Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(file, start, start + 1),
+            "no value stands behind this `=`, or nothing before it that could have one",
+        )
+        .with_help("write `name = value`");
+    }
+    if begins_with_operator(text) && !text.starts_with([')', ']']) {
+        return Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(file, start, start + operator.len()),
+            format!("an operand is missing beside `{operator}`"),
+        )
+        .with_help("an operator stands between two expressions");
+    }
+    if text.starts_with('[') {
+        return Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(file, start, start + 1),
+            "an index or length does not belong here",
+        )
+        .with_help("an array's type is written `array[3] of bool`");
+    }
+    let code = after_comments(text);
+    let at = start + text.len() - code.len();
+    let word = word_at(code);
+    if word.is_empty() {
+        let line = text.lines().next().unwrap_or_default().trim_end();
+        return Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(file, start, start + line.len()),
+            "this describes nothing: no declaration follows",
+        )
+        .with_help(
+            "a doc comment `///` stands before what it describes; other comments begin with `//`",
+        );
+    }
+    let span = Span::new(file, at, at + word.len());
+    let opening = match word.as_str() {
+        ")" => Some("("),
+        "]" => Some("["),
+        "}" => Some("{"),
+        _ => None,
+    };
+    if let Some(opening) = opening {
+        let message = format!("this `{word}` closes nothing");
+        return Diagnostic::error(codes::SYNTAX, span, message).with_help(format!(
+            "leave it out, or look for a `{opening}` that is missing before it"
+        ));
+    }
+    let (place, words) = allowed(context);
+    let list = format!(
+        "{place} holds {}",
+        words
+            .iter()
+            .map(|w| format!("`{w}`"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    );
+    let near = nearest(&word, words.iter().copied());
+    let help = match near.ok_or_else(|| unit_meant(&word)) {
+        Ok(near) if near != word => format!("did you mean `{near}`? {list}"),
+        Err(Some(unit)) => format!("did you mean the unit `{unit}`? {list}"),
+        _ if word.starts_with(|c: char| c.is_alphanumeric() || c == '_') => list,
+        _ => format!("{list}; is something missing before this?"),
+    };
+    Diagnostic::error(
+        codes::SYNTAX,
+        span,
+        format!("`{word}` does not begin anything that {place} can hold"),
+    )
+    .with_help(help)
+}
+
+/// Whether a piece goes on where an expression has broken off, so that the expression is not what was meant.
+pub(super) fn begins_with_operator(text: &str) -> bool {
+    text.starts_with([
+        ')', ']', '&', '|', '+', '-', '*', '<', '>', '=', '!', '∧', '∨', '→', '↔', '⇒', '⇔',
+    ]) || text.starts_with('/') && !text.starts_with("//") && !text.starts_with("/*")
+        || ["and", "or", "xor", "implies", "iff", "mod"].contains(&word_at(text).as_str())
+}
+
+/// What the place that a `bad_*` rule stands for is called, and the words that begin an item in it.
+fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
+    match context {
+        Rule::bad_contract_item => (
+            "a contract",
+            &[
+                "input",
+                "output",
+                "internal",
+                "define",
+                "assume",
+                "guarantee",
+                "counter",
+                "type",
+                "const",
+            ],
+        ),
+        Rule::bad_machine_item => (
+            "a machine",
+            &[
+                "property",
+                "parameter",
+                "signal",
+                "abstract",
+                "coordinator",
+                "action",
+                "machine",
+                "operation",
+                "done",
+                "write",
+                "refines",
+                "skills",
+                "guarantee",
+                "step",
+                "power",
+                "idle power",
+                "limit",
+                "failures",
+                "type",
+                "const",
+            ],
+        ),
+        Rule::bad_component_item => ("a component", &["input = ...", "time", "power"]),
+        Rule::bad_line_item => (
+            "a line",
+            &[
+                "part",
+                "product",
+                "source",
+                "store",
+                "sink",
+                "buffer",
+                "conveyor",
+                "station",
+                "route",
+                "requirement",
+                "shift",
+                "limit",
+                "const",
+            ],
+        ),
+        Rule::bad_skills_item => ("a set of skills", &["component", "order"]),
+        Rule::bad_skill_call => ("what a machine says of its skills", &["Skill = ..."]),
+        Rule::bad_station_item => ("a station", &["perform", "setup", "defect", "failures"]),
+        _ => (
+            "a file",
+            &[
+                "import", "type", "const", "define", "contract", "machine", "line", "skills",
+            ],
+        ),
+    }
+}
+
+/// Where the last thing that is neither blank nor comment ends.
+fn code_end(text: &str) -> usize {
+    let (mut end, mut i) = (0, 0);
+    while i < text.len() {
+        let rest = after_comments(&text[i..]);
+        i = text.len() - rest.len();
+        let quoted = rest
+            .strip_prefix('"')
+            .and_then(|r| r.find('"'))
+            .map(|n| n + 2);
+        let step = quoted.or_else(|| rest.chars().next().map(char::len_utf8));
+        i += step.unwrap_or(0);
+        if step.is_some() {
+            end = i;
+        }
+    }
+    end
+}
+
+/// What stands behind the blanks and comments at the beginning of a text.
+fn after_comments(text: &str) -> &str {
+    let mut rest = text.trim_start();
+    loop {
+        rest = if rest.starts_with("//") {
+            rest.find(['\n', '\r']).map_or("", |n| &rest[n..])
+        } else if let Some(comment) = rest.strip_prefix("/*") {
+            comment.split_once("*/").map_or("", |(_, after)| after)
+        } else {
+            return rest;
+        }
+        .trim_start();
+    }
+}
+
+fn finding_of(
+    file: FileId,
+    start: usize,
+    text: &str,
+    error: &pest::error::Error<Rule>,
+) -> Diagnostic {
+    let at = match error.location {
+        InputLocation::Pos(p) | InputLocation::Span((p, _)) => p,
+    };
+    // Point at the word that does not fit, not at the blanks and comments before it; at the end, right behind the last word.
+    let at = text.len() - after_comments(&text[at..]).len();
+    let (at, word) = if at == text.len() {
+        (code_end(text), String::new())
+    } else {
+        (at, word_at(&text[at..]))
+    };
+    let (expected, hint) = match &error.variant {
+        ErrorVariant::ParsingError { positives, .. } => {
+            let around = (&text[..at], &text[at + word.len()..]);
+            (
+                expectations(positives),
+                skills::hint(&word, around, positives),
+            )
+        }
+        ErrorVariant::CustomError { message } => (message.clone(), None),
+    };
+    let end = at + word.len();
+    let message = if word.is_empty() {
+        "something is missing here".to_owned()
+    } else {
+        format!("`{word}` does not fit here")
+    };
+    let span = Span::new(
+        file,
+        start + at,
+        start + end.max(at + usize::from(at < text.len())),
+    );
+    let finding = Diagnostic::error(codes::SYNTAX, span, message);
+    if let Some(hint) = hint {
+        return finding.with_help(hint);
+    }
+    if is_reserved(&word) && !expected.contains("an expression") && expected.contains("a name") {
+        return finding.with_help(format!(
+            "expected {expected}; `{word}` is a word of the language and cannot be a name"
+        ));
+    }
+    if expected.contains("an expression") && WIDE.contains(&word.as_str()) {
+        return finding.with_help(format!(
+            "put brackets around it: `{word}` reaches as far to the right as it can, and may not follow an operator that binds tighter"
+        ));
+    }
+    if expected.contains("a unit")
+        && let Some(near) = unit_meant(&word)
+    {
+        return finding.with_help(format!("did you mean the unit `{near}`?"));
+    }
+    if expected.is_empty() {
+        finding.with_help("`linewright explain LW002` shows what a declaration looks like")
+    } else {
+        finding.with_help(format!("expected {expected}"))
+    }
+}
+
+/// The unit that a word that is none may stand for.
+fn unit_meant(word: &str) -> Option<&'static str> {
+    Some(match word.to_lowercase().as_str() {
+        "sec" | "secs" | "second" | "seconds" => "s",
+        "minute" | "minutes" | "mins" => "min",
+        "hour" | "hours" | "hr" => "h",
+        "millimeter" | "millimeters" | "millimetre" | "millimetres" => "mm",
+        "meter" | "meters" | "metre" | "metres" => "m",
+        "degree" | "degrees" => "deg",
+        "watt" | "watts" => "W",
+        "kilowatt" | "kilowatts" => "kW",
+        "gram" | "grams" => "g",
+        "kilogram" | "kilograms" | "kilo" => "kg",
+        _ => return nearest(word, mend::UNITS.iter().copied()),
+    })
+}
+
+/// Words that take all that follows.
+const WIDE: &[&str] = &[
+    "always",
+    "eventually",
+    "if",
+    "forall",
+    "exists",
+    "count",
+    "sum",
+    "never",
+];
+
+fn word_at(text: &str) -> String {
+    let mut chars = text.chars();
+    let Some(first) = chars.next() else {
+        return String::new();
+    };
+    if first.is_alphanumeric() || first == '_' {
+        text.chars()
+            .take_while(|c| c.is_alphanumeric() || *c == '_')
+            .collect()
+    } else {
+        first.to_string()
+    }
+}
+
+/// The rules that could have matched, in words; several rules share one phrase.
+fn expectations(rules: &[Rule]) -> String {
+    let mut words: Vec<String> = Vec::new();
+    for rule in rules {
+        // A keyword's rule is called `k_` and the word.
+        let name = format!("{rule:?}");
+        // What follows an order only ends it.
+        if matches!(rule, Rule::k_component | Rule::k_order) && rules.contains(&Rule::EOI) {
+            continue;
+        }
+        if let Some(keyword) = name.strip_prefix("k_") {
+            let word = format!("`{keyword}`");
+            if !words.contains(&word) {
+                words.push(word);
+            }
+            continue;
+        }
+        let word = match rule {
+            Rule::name | Rule::path => "a name",
+            Rule::integer => "a whole number",
+            Rule::expression
+            | Rule::iff
+            | Rule::implication
+            | Rule::disjunction
+            | Rule::exclusive
+            | Rule::conjunction
+            | Rule::since
+            | Rule::past
+            | Rule::past_op
+            | Rule::never_word
+            | Rule::wide_never
+            | Rule::record
+            | Rule::negation
+            | Rule::prefix
+            | Rule::comparison
+            | Rule::additive
+            | Rule::product
+            | Rule::signed
+            | Rule::sign
+            | Rule::postfix
+            | Rule::atom
+            | Rule::parenthesis
+            | Rule::list
+            | Rule::call
+            | Rule::quantity
+            | Rule::boolean
+            | Rule::wide
+            | Rule::conditional
+            | Rule::quantifier
+            | Rule::wide_always
+            | Rule::wide_eventually
+            | Rule::not_op
+            | Rule::next_op
+            | Rule::minus
+            | Rule::always_word
+            | Rule::eventually_word
+            | Rule::tight_always
+            | Rule::tight_eventually
+            | Rule::quantifier_op
+            | Rule::real => "an expression",
+            Rule::iff_op
+            | Rule::implies_op
+            | Rule::or_op
+            | Rule::xor_op
+            | Rule::and_op
+            | Rule::since_op
+            | Rule::until_op
+            | Rule::until_word
+            | Rule::pattern_op
+            | Rule::field
+            | Rule::compare_op
+            | Rule::add_op
+            | Rule::mul_op
+            | Rule::membership
+            | Rule::index
+            | Rule::prime => "an operator",
+            Rule::domain
+            | Rule::labels
+            | Rule::record_of
+            | Rule::range
+            | Rule::array_of
+            | Rule::unit_type => "a type",
+            Rule::unit => "a unit",
+            Rule::parameters | Rule::parameter => "parameters",
+            Rule::arguments | Rule::argument => "arguments",
+            Rule::implements => "`implements`",
+            Rule::code => "a code such as `din:4.3.1`",
+            Rule::EOI => "the end of the item",
+            Rule::set => "a set `{a, b}` or a range",
+            Rule::string => "a path in quotes",
+            Rule::open_brace => "`{`",
+            Rule::open_bracket => "`[`",
+            Rule::arrow => "`->`",
+            Rule::dots => "`..`",
+            Rule::close_paren => "`)`",
+            Rule::close_bracket => "`]`",
+            Rule::close_brace => "`}`",
+            Rule::colon | Rule::label | Rule::requirement_id => "`:`",
+            Rule::equals => "`=`",
+            Rule::in_line => "`, at most N in the line`",
+            Rule::at_most => "`at most`",
+            Rule::the_line => "`the line`",
+            other => match skills::phrase(*other) {
+                Some(phrase) => phrase,
+                None => continue,
+            },
+        };
+        if !words.iter().any(|w| w == word) {
+            words.push(word.to_owned());
+        }
+    }
+    match words.as_slice() {
+        [] => String::new(),
+        [one] => one.clone(),
+        [most @ .., last] => format!("{} or {last}", most.join(", ")),
+    }
+}

@@ -1,0 +1,147 @@
+//! What is said of skills and orders that do not parse.
+
+use super::super::words::is_reserved_among_skills;
+use super::{Rule, after_comments, word_at};
+use linewright_core::diagnostics::{Diagnostic, codes, nearest};
+use linewright_core::source::{FileId, Span};
+
+/// Words that may follow the name of a skill or of an order.
+const FOLLOWING: [&str; 11] = [
+    "before",
+    "only",
+    "until",
+    "then",
+    "twice",
+    "between",
+    "and",
+    "deletes",
+    "at",
+    "order",
+    "component",
+];
+
+/// What is wrong with a piece of a component that is no skill, or with what a machine says of a skill that has no name.
+pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> Option<Diagnostic> {
+    if !matches!(context, Rule::bad_skill | Rule::bad_skill_call) {
+        return None;
+    }
+    let code = after_comments(text);
+    // `Left -> then`: the skill itself was read.
+    let target = code.strip_prefix("->").map(after_comments);
+    let code = target
+        .filter(|t| is_reserved_among_skills(&word_at(t)))
+        .unwrap_or(code);
+    let word = sign_at(code);
+    let at = start + text.len() - code.len();
+    let finding = Diagnostic::error(
+        codes::SYNTAX,
+        Span::new(file, at, at + word.len()),
+        format!("`{word}` does not fit here"),
+    );
+    if is_reserved_among_skills(&word) {
+        return Some(finding.with_help(no_name(&word)));
+    }
+    if context == Rule::bad_skill_call || word.is_empty() {
+        return None;
+    }
+    Some(finding.with_help(
+        "a skill is written with the situation that it leads to: `Left -> left`; commas or new lines stand between skills",
+    ))
+}
+
+/// What to do instead, where something stands that does not follow events, or operands of a regular expression, or is no name. The text
+/// before and behind it says how it is meant.
+pub(super) fn hint(word: &str, (before, after): (&str, &str), expected: &[Rule]) -> Option<String> {
+    if expected.contains(&Rule::k_order)
+        && let Some(near) = nearest(word, ["component", "order"].into_iter())
+    {
+        return Some(format!("did you mean `{near}`?"));
+    }
+    let in_regex = expected.contains(&Rule::element);
+    let list = expected.contains(&Rule::comma);
+    let behind_operand = [Rule::ampersand, Rule::bar]
+        .iter()
+        .any(|r| expected.contains(r));
+    let hint = match word {
+        "or" | "|" | "and" if list && behind_operand => {
+            "a list of which any is meant is written with commas, `Left, Right`; what is called at once with `&`, `Left & Right`"
+        }
+        "and" | "," if expected.contains(&Rule::arrow) && behind_operand => {
+            "situations of several components are written with `&`: `left & down -> right`"
+        }
+        "or" if in_regex && behind_operand => {
+            "between alternatives there is a `|`: `(Left | Right)`"
+        }
+        "and" | "then" if in_regex && behind_operand => {
+            "skills that follow each other stand side by side, `(Left Right)`; between skills that are called at once there is an `&`"
+        }
+        "*" | "+" | "?" | "{" if expected.contains(&Rule::ampersand) && !list => {
+            "put brackets around what is repeated: `(Left & Down)*`"
+        }
+        _ if !is_reserved_among_skills(word) || !(in_regex || expected.contains(&Rule::word)) => {
+            return None;
+        }
+        _ if last_word(before) == "at" => return Some(no_level(word)),
+        _ if in_regex || is_meant_as_name(after) => return Some(no_name(word)),
+        _ => return None,
+    };
+    Some(hint.to_owned())
+}
+
+fn no_name(word: &str) -> String {
+    // All words of the language are written in small letters.
+    let (first, rest) = word.split_at(1);
+    format!(
+        "expected a name; `{word}` is a word of the language and cannot be a name: write `{}{rest}` or `{word}_`",
+        first.to_ascii_uppercase()
+    )
+}
+
+fn no_level(word: &str) -> String {
+    format!("expected a level, such as `at reasonable`; `{word}` is a word of the language")
+}
+
+/// Whether what stands behind a word is what stands behind a name: in `order home never Left` a sign is missing before the word.
+fn is_meant_as_name(after: &str) -> bool {
+    let next = word_at(after_comments(after));
+    !next.starts_with(|c: char| c.is_alphanumeric() || c == '_')
+        || FOLLOWING.contains(&next.as_str())
+}
+
+fn last_word(text: &str) -> &str {
+    let text = text.trim_end();
+    let start = text.rfind(|c: char| !c.is_alphanumeric() && c != '_');
+    // The sign may have several bytes.
+    start.map_or(text, |s| {
+        text[s..].trim_start_matches(|c: char| !c.is_alphanumeric() && c != '_')
+    })
+}
+
+/// The phrase for a rule.
+pub(super) fn phrase(rule: Rule) -> Option<&'static str> {
+    Some(match rule {
+        Rule::word | Rule::order_name | Rule::event | Rule::events => "a name",
+        Rule::skill | Rule::regex | Rule::in_turn | Rule::element => "a skill",
+        Rule::situation | Rule::together => "a situation",
+        Rule::order_rule => "a rule such as `never Left` or `after Down until Up: never Left`",
+        Rule::situations => "situations `{left, right}`",
+        Rule::group => "`(`",
+        Rule::times => "`*`, `+`, `?` or `{2,3}`",
+        Rule::effect => "`->`",
+        Rule::initial => "`=`",
+        Rule::level => "`at`",
+        Rule::comma | Rule::up_to => "`,`",
+        Rule::ampersand => "`&`",
+        Rule::bar => "`|`",
+        _ => return None,
+    })
+}
+
+/// A word, or signs that belong together.
+fn sign_at(text: &str) -> String {
+    let sign: String = text
+        .chars()
+        .take_while(|c| "-=<>&|*+?.:".contains(*c))
+        .collect();
+    if sign.is_empty() { word_at(text) } else { sign }
+}

@@ -1,0 +1,205 @@
+//! Who waits for whom in a state of the abstraction, followed until it closes in a circle or ends at what does not come.
+
+use super::Abstraction;
+use super::shape::PlaceKind;
+use super::vocabulary::{Phase, Queue};
+use linewright_core::gr1::eval::{eval, holds};
+use linewright_core::gr1::{Expr, VarId};
+
+/// A chain of reasons.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Chain {
+    /// The places, each of which waits for the one after it.
+    pub(super) places: Vec<usize>,
+    /// Why.
+    pub(super) texts: Vec<String>,
+    /// The last one waits for the first.
+    pub(super) circle: bool,
+}
+
+/// One state, to be looked at.
+pub(super) struct View<'a> {
+    pub(super) abstraction: &'a Abstraction,
+    pub(super) state: &'a [i64],
+}
+
+impl View<'_> {
+    fn is(&self, expr: &Expr) -> bool {
+        holds(expr, self.state, &[])
+    }
+
+    fn value(&self, variable: VarId) -> i64 {
+        eval(&Expr::now(variable), self.state, &[])
+    }
+
+    fn name(&self, place: usize) -> &str {
+        &self.abstraction.shape.places[place].name
+    }
+
+    /// The first circle from any of these places, or else the longest chain.
+    pub(super) fn chain(&self, starts: impl IntoIterator<Item = usize>) -> Chain {
+        let mut open = Chain::default();
+        for start in starts {
+            let chain = self.follow(start);
+            if chain.circle {
+                return chain;
+            }
+            if chain.texts.len() > open.texts.len() {
+                open = chain;
+            }
+        }
+        open
+    }
+
+    fn follow(&self, start: usize) -> Chain {
+        let mut chain = Chain {
+            places: vec![start],
+            ..Chain::default()
+        };
+        let mut at = start;
+        while let Some((text, next)) = self.reason(at) {
+            chain.texts.push(text);
+            let Some(next) = next else { break };
+            if let Some(first) = chain.places.iter().position(|p| *p == next) {
+                chain.places.drain(..first);
+                chain.texts.drain(..first);
+                chain.circle = true;
+                break;
+            }
+            chain.places.push(next);
+            at = next;
+        }
+        chain
+    }
+
+    /// Why a place does not go on, and the place that this is due to.
+    fn reason(&self, place: usize) -> Option<(String, Option<usize>)> {
+        let model = self.abstraction.model();
+        let shape = model.shape;
+        let name = self.name(place);
+        for to in shape.after(place) {
+            let Some(part) = shape
+                .between(place, to)
+                .find(|part| self.is(&model.offers(place, *part, to)))
+            else {
+                continue;
+            };
+            let kind = &shape.types[part];
+            let room = match shape.places[to].kind {
+                PlaceKind::Conveyor { .. } => "room on ",
+                PlaceKind::Room { .. } => "room in ",
+                _ => "",
+            };
+            return Some((
+                format!("{name} has a {kind} that waits for {room}{}", self.name(to)),
+                Some(to),
+            ));
+        }
+        let vars = model.vars(place);
+        let PlaceKind::Station { tasks } = &shape.places[place].kind else {
+            return match (&shape.places[place].kind, vars.in_line) {
+                (PlaceKind::Supply { part, .. }, Some((in_line, most)))
+                    if self.value(in_line) >= i64::from(most) =>
+                {
+                    let kind = &shape.types[*part];
+                    Some((
+                        format!("{name} gives no more {kind} while {most} are in the line"),
+                        None,
+                    ))
+                }
+                _ => None,
+            };
+        };
+        let begun = |task: &usize| {
+            vars.bills[*task]
+                .iter()
+                .any(|(there, _)| self.value(*there) > 0)
+        };
+        let joining = (0..tasks.len()).filter(|t| !vars.bills[*t].is_empty());
+        let mut joining: Vec<usize> = joining.collect();
+        joining.sort_by_key(|task| !begun(task));
+        for task in joining {
+            for (line, (there, count)) in vars.bills[task].iter().enumerate() {
+                if self.value(*there) >= i64::from(*count) {
+                    continue;
+                }
+                let part = tasks[task].bill[line].0;
+                let text = format!("{name} waits for a {}", shape.types[part]);
+                // A queue that has one, but not in front, or one that would bring it.
+                let mut from = shape.places[place].from.clone();
+                from.retain(|from| shape.between(*from, place).any(|p| p == part));
+                from.sort_by_key(|from| !self.contains(*from, part));
+                return Some(match from.first() {
+                    Some(from) => (format!("{text} from {}", self.name(*from)), Some(*from)),
+                    None => (text, None),
+                });
+            }
+        }
+        // Nothing is here, and nothing comes from where it would.
+        let from = shape.places[place].from.first()?;
+        Some((
+            format!("{name} waits for a part from {}", self.name(*from)),
+            Some(*from),
+        ))
+    }
+
+    fn contains(&self, place: usize, part: usize) -> bool {
+        let model = self.abstraction.model();
+        match &model.vars(place).queue {
+            Some(Queue::Count(held, _)) => self.value(*held) > 0,
+            Some(Queue::Slots(slots, types)) => slots.iter().any(|slot| {
+                let label = self.value(*slot);
+                label > 0 && types.get(label as usize - 1) == Some(&part)
+            }),
+            None => false,
+        }
+    }
+
+    /// What is in a place, in words; `None` for nothing.
+    pub(super) fn contents(&self, place: usize) -> Option<String> {
+        let model = self.abstraction.model();
+        let shape = model.shape;
+        let vars = model.vars(place);
+        let mut found: Vec<(usize, i64)> = Vec::new();
+        let mut add = |part: usize, count: i64| {
+            if let Some(entry) = found.iter_mut().find(|(p, _)| *p == part) {
+                entry.1 += count;
+            } else if count > 0 {
+                found.push((part, count));
+            }
+        };
+        match &vars.queue {
+            Some(Queue::Count(held, _)) => {
+                for ways in &shape.places[place].ways {
+                    add(ways.part, self.value(*held));
+                }
+            }
+            Some(Queue::Slots(slots, types)) => {
+                for slot in slots {
+                    if let Some(part) = types.get((self.value(*slot) - 1) as usize) {
+                        add(*part, 1);
+                    }
+                }
+            }
+            None => {}
+        }
+        if let PlaceKind::Station { tasks } = &shape.places[place].kind {
+            let at = vars.phase.map_or(0, |phase| self.value(phase));
+            if let Some(Phase::Work(part) | Phase::Done(part, _)) =
+                vars.phases.get((at - 1) as usize)
+            {
+                add(*part, 1);
+            }
+            for (task, bill) in vars.bills.iter().enumerate() {
+                for (line, (there, _)) in bill.iter().enumerate() {
+                    add(tasks[task].bill[line].0, self.value(*there));
+                }
+            }
+        }
+        let texts: Vec<String> = found
+            .iter()
+            .map(|(part, n)| format!("{n} {}", shape.types[*part]))
+            .collect();
+        (!texts.is_empty()).then(|| format!("{} has {}", self.name(place), texts.join(" and ")))
+    }
+}

@@ -1,0 +1,261 @@
+//! What is claimed of a line, and what is given.
+//!
+//! Given is what no place can guarantee: that parts come in at all, and that the properties of parts send them each way again and
+//! again, so that a replacement is good in the end. That is no promise that parts come somewhere: a decision waits until it is made use
+//! of, and where none is any more, it may say so. (That is a guess about the future, which every run has one right answer to: who says
+//! so and is asked again cannot go on.)
+
+use super::lemmas;
+use super::parts::formula;
+use super::shape::PlaceKind;
+use super::vocabulary::{Model, Phase, Queue};
+use super::words::{all, any, becomes, count, is, later, stays, sum};
+use linewright_algebra::proof::{Claim, Exports};
+use linewright_algebra::system::System;
+use linewright_core::gr1::{BinaryOp, Expr, Formula, Side};
+use linewright_language::contract::line::Line;
+
+/// The requirements, by what they are about; the names of the goal's formulas begin with these.
+pub const NO_PART_LOST: &str = "no_part_lost";
+/// No place takes more than it has room for.
+pub const NO_OVERFLOW: &str = "no_overflow";
+/// Something can always move.
+pub const NO_CIRCULAR_WAIT: &str = "no_circular_wait";
+/// What is in a place goes on.
+pub const GOES_ON: &str = "goes_on";
+/// What waits in a place to be joined is joined.
+pub const COMPONENTS_GO_ON: &str = "components_go_on";
+/// End products are finished again and again.
+pub const ORDERS_ARE_FINISHED: &str = "orders_are_finished";
+
+/// The claim of a line, whose places have these contracts.
+pub(super) fn claim(model: Model<'_>, line: &Line, system: &System) -> Claim {
+    let mut claim = Claim {
+        given: given(model, line),
+        goal: goal(model, line),
+        exports: Exports::Never,
+        ..Claim::default()
+    };
+    lemmas::add(model, line, system, &mut claim);
+    claim
+}
+
+fn given(model: Model<'_>, line: &Line) -> Side {
+    let mut given = Side::default();
+    for (&(place, part), &decision) in &model.vocabulary.decisions {
+        let declared = &model.shape.places[place];
+        let span = line.nodes[declared.node].span;
+        let kind = &model.shape.types[part];
+        let vars = model.vars(place);
+        let used = if let Some(phase) = vars.phase {
+            let at = |wanted: Phase| {
+                vars.phases
+                    .iter()
+                    .position(|p| *p == wanted)
+                    .map_or(0, |i| i + 1)
+            };
+            let work = at(Phase::Work(part));
+            is(phase, work).and(becomes(phase, work).not())
+        } else {
+            let offers = |to: &usize| model.offers(place, part, *to);
+            let offered = any(model.shape.to(place, part).iter().map(offers));
+            offered.clone().not().and(later(&offered))
+        };
+        let name = format!("{}_keeps_the_way_of_{kind}", declared.name);
+        let text = format!(
+            "the way of the next {kind} from {} does not change before it is taken, unless there will be none",
+            declared.name
+        );
+        let none = model.shape.to(place, part).len();
+        let rule =
+            becomes(decision, none).or(is(decision, none).not().and(used.or(stays(decision))));
+        given.safety.push(formula(span, &name, &text, &rule));
+        for (way, to) in model.shape.to(place, part).iter().enumerate() {
+            let to = &model.shape.places[*to].name;
+            let name = format!("{}_sends_{kind}_to_{to}", declared.name);
+            let text = format!(
+                "as long as {} sends on {kind} parts, one of them goes to {to} in the end",
+                declared.name
+            );
+            let sent = is(decision, way).or(is(decision, none));
+            given.justice.push(formula(span, &name, &text, &sent));
+        }
+    }
+    for (place, declared) in model.shape.places.iter().enumerate() {
+        let PlaceKind::Supply { part, .. } = &declared.kind else {
+            continue;
+        };
+        let comes = model.may_offer(place).not();
+        let name = format!("{}_goes_on", declared.name);
+        let text = format!(
+            "{} has another {} at some time",
+            declared.name, model.shape.types[*part]
+        );
+        let span = line.nodes[declared.node].span;
+        given.justice.push(formula(span, &name, &text, &comes));
+    }
+    given
+}
+
+fn goal(model: Model<'_>, line: &Line) -> Side {
+    let mut goal = Side::default();
+    for (place, declared) in model.shape.places.iter().enumerate() {
+        let span = line.nodes[declared.node].span;
+        let name = &declared.name;
+        let push = |list: &mut Vec<Formula>, what: &str, text: String, expr: Expr| {
+            let formula = formula(span, &format!("{what}_at_{name}"), &text, &expr);
+            if formula.expr != Expr::TRUE {
+                list.push(formula);
+            }
+        };
+        let text = format!("what comes to {name} is there, and leaves it only for one other place");
+        push(&mut goal.safety, NO_PART_LOST, text, kept(model, place));
+        let text = format!("{name} takes no part that it has no room for");
+        push(&mut goal.invariants, NO_OVERFLOW, text, fits(model, place));
+        for (what, text, expr) in going_on(model, place) {
+            push(&mut goal.justice, what, text, expr);
+        }
+    }
+    let text = "something can move, or is at work";
+    let moves = any((0..model.shape.places.len()).map(|place| can_go_on(model, place)));
+    goal.invariants
+        .push(formula(line.span, NO_CIRCULAR_WAIT, text, &moves));
+    let finished = model
+        .shape
+        .places
+        .iter()
+        .enumerate()
+        .filter_map(|(place, declared)| match &declared.kind {
+            PlaceKind::End { finishes, .. } if finishes.contains(&model.shape.product) => {
+                Some(model.arrives(place, model.shape.product))
+            }
+            _ => None,
+        });
+    let product = &model.shape.types[model.shape.product];
+    let text = format!("a {product} is finished again and again, as long as more are ordered");
+    let finished = any(finished);
+    goal.justice
+        .push(formula(line.span, ORDERS_ARE_FINISHED, &text, &finished));
+    goal
+}
+
+/// How many parts are in a place, that can lose some.
+fn load(model: Model<'_>, place: usize) -> Option<Expr> {
+    let vars = model.vars(place);
+    if let Some(phase) = vars.phase {
+        let bills = vars.bills.iter().flatten().map(|(v, _)| Expr::now(*v));
+        return Some(sum([count([is(phase, 0).not()])].into_iter().chain(bills)));
+    }
+    match vars.queue.as_ref()? {
+        Queue::Count(held, _) => Some(Expr::now(*held)),
+        Queue::Slots(slots, _) => Some(count(slots.iter().map(|s| is(*s, 0).not()))),
+    }
+}
+
+/// What was there and what comes is there afterwards, less what goes to one other place; only what waits is taken.
+fn kept(model: Model<'_>, place: usize) -> Expr {
+    let mut rules = Vec::new();
+    for to in model.shape.after(place) {
+        rules.push(model.taken(place, to).implies(model.offers_any(place, to)));
+    }
+    if let Some(load) = load(model, place) {
+        let vars = model.vars(place);
+        let out = model
+            .shape
+            .after(place)
+            .into_iter()
+            .map(|to| model.taken(place, to));
+        let mut after = sum([load.clone(), count([model.arrives_any(place)])]);
+        after = Expr::binary(BinaryOp::Sub, after, count(out));
+        // Where `n` are joined, there is one.
+        for (value, task) in &vars.joins {
+            let bill = vars.bills[*task].iter().map(|(_, n)| i64::from(*n));
+            let fewer = Expr::Const(bill.sum::<i64>() - 1);
+            let joined = count(vars.takes.map(|takes| is(takes, *value)));
+            after = Expr::binary(
+                BinaryOp::Sub,
+                after,
+                Expr::binary(BinaryOp::Mul, joined, fewer),
+            );
+        }
+        rules.push(later(&load).equals(after));
+    }
+    all(rules)
+}
+
+/// Whoever is taken has room.
+fn fits(model: Model<'_>, place: usize) -> Expr {
+    let vars = model.vars(place);
+    let mut rules = Vec::new();
+    for from in &model.shape.places[place].from {
+        let types = model.shape.between(*from, place);
+        let taken = model.taken(*from, place);
+        rules.extend(types.map(|part| {
+            let comes = taken.clone().and(model.offers(*from, part, place));
+            comes.implies(model.room(place, part)).simplify()
+        }));
+    }
+    for (value, _) in &vars.joins {
+        let joined = any(vars.takes.map(|takes| is(takes, *value)));
+        rules.push(joined.implies(model.free(place)));
+    }
+    if let Some((in_line, most)) = vars.in_line {
+        let more = Expr::binary(
+            BinaryOp::Lt,
+            Expr::now(in_line),
+            Expr::Const(i64::from(most)),
+        );
+        rules.push(model.leaves(place).implies(more));
+    }
+    all(rules)
+}
+
+/// That what is in a place goes on.
+fn going_on(model: Model<'_>, place: usize) -> Vec<(&'static str, String, Expr)> {
+    let vars = model.vars(place);
+    let name = &model.shape.places[place].name;
+    let mut found = Vec::new();
+    if let Some(phase) = vars.phase {
+        let text = format!("what {name} works on leaves it in the end");
+        found.push((GOES_ON, text, is(phase, 0)));
+        for bill in vars.bills.iter().filter(|b| !b.is_empty()) {
+            let text = format!("what waits in {name} to be joined is joined in the end");
+            let none = all(bill.iter().map(|(v, _)| is(*v, 0)));
+            found.push((COMPONENTS_GO_ON, text, none));
+        }
+    } else if vars.queue.is_some() {
+        let text = format!("what is in {name} leaves it in the end, one part after the other");
+        found.push((GOES_ON, text, model.empty(place).or(model.leaves(place))));
+    } else if let PlaceKind::Supply { part, .. } = model.shape.places[place].kind {
+        let kind = &model.shape.types[part];
+        let text = format!("every {kind} that {name} has comes into the line in the end");
+        let offered = any(model
+            .shape
+            .after(place)
+            .into_iter()
+            .map(|to| model.offers_any(place, to)));
+        found.push((GOES_ON, text, offered.not().or(model.leaves(place))));
+    }
+    found
+}
+
+/// Something can move here, or is at work.
+fn can_go_on(model: Model<'_>, place: usize) -> Expr {
+    let vars = model.vars(place);
+    let mut ways = Vec::new();
+    if let Some(takes) = vars.takes {
+        ways.push(is(takes, 0).not());
+        ways.push(model.owes(place));
+    }
+    if let Some(phase) = vars.phase {
+        let work = vars
+            .phases
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| matches!(p, Phase::Work(_)));
+        ways.extend(work.map(|(i, _)| is(phase, i + 1)));
+    }
+    ways.push(model.may_offer(place));
+    ways.extend(vars.open.map(|open| Expr::now(open).not()));
+    any(ways)
+}

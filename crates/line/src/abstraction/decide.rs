@@ -1,0 +1,148 @@
+//! Whether a claim holds of all places together, with one look at what can be reached: the quick answer that `check` gives.
+//!
+//! The table of what rests on what is the business of [`linewright_algebra::proof::prove`]; it asks these questions again and again
+//! with formulas left away.
+
+use super::{Abstraction, Unfit};
+pub use linewright_algebra::proof::Open;
+use linewright_algebra::proof::{self, Broken, Claim};
+use linewright_algebra::system::{FormulaRef, formulas, list, rule};
+use linewright_core::gr1::Side;
+use linewright_language::contract::line::Line;
+use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, Slip};
+
+/// What came out.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Verdict {
+    /// Formulas of the goal that do not hold, with runs that show it. Where something is wrong with safety, nothing is asked of what comes in the end.
+    pub open: Vec<Open>,
+    /// What was not decided: only justice, for safety is decided or else there is no verdict.
+    pub undecided: Vec<FormulaRef>,
+    /// What is open was found where parts may move late, and whether it is so when they move at once was not decided.
+    pub late: bool,
+}
+
+impl Verdict {
+    /// Whether the whole claim holds.
+    pub fn holds(&self) -> bool {
+        self.open.is_empty() && self.undecided.is_empty()
+    }
+}
+
+/// Where everything that takes time waits for everything that does not, no question is about a few places only.
+const MOST_AT_ONCE: usize = 24;
+
+/// The rules of a line: what all places guarantee, and what is given. Rules of the goal come after them.
+fn rules(abstraction: &Abstraction) -> Vec<Rule> {
+    let sides = abstraction.system.parts.iter().map(|p| &p.guarantees);
+    let sides = sides.chain([&abstraction.claim.given, &abstraction.claim.goal]);
+    sides
+        .flat_map(formulas)
+        .map(|(kind, _, f)| rule(kind, &f.expr))
+        .collect()
+}
+
+/// Decides whether a line is sound, and gives the abstraction that shows it. What comes in the end, and what holds where parts move at once,
+/// is only asked of lines with at most so many variables; of larger ones it stays undecided.
+///
+/// # Errors
+/// The reason why it was not decided.
+pub fn examine(
+    line: &Line,
+    limits: &Limits,
+    most_variables: usize,
+) -> Result<(Abstraction, Verdict), Unfit> {
+    let is_small = |a: &Abstraction| a.system.variables.len() <= most_variables;
+    let asked = |abstraction: &Abstraction| {
+        let mut verdict = safety(abstraction, limits)?;
+        if verdict.open.is_empty() && is_small(abstraction) {
+            justice(abstraction, limits, &mut verdict);
+        } else if verdict.open.is_empty() {
+            verdict.undecided.extend(liveness(&abstraction.claim));
+        }
+        Ok(verdict)
+    };
+    let loose = Abstraction::of(line)?;
+    let mut verdict = asked(&loose).map_err(|limit: Limit| Unfit(limit.to_string()))?;
+    if verdict.open.is_empty() {
+        return Ok((loose, verdict));
+    }
+    let strict = Abstraction::at_once(line)?;
+    if strict.system.variables.len() <= most_variables.min(MOST_AT_ONCE)
+        && let Ok(verdict) = asked(&strict)
+    {
+        return Ok((strict, verdict));
+    }
+    verdict.late = true;
+    Ok((loose, verdict))
+}
+
+/// Decides the claim of one abstraction.
+///
+/// # Errors
+/// When a limit was reached.
+pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> {
+    let mut verdict = safety(abstraction, limits)?;
+    if verdict.open.is_empty() {
+        justice(abstraction, limits, &mut verdict);
+    }
+    Ok(verdict)
+}
+
+/// What is claimed to come again and again.
+fn liveness(claim: &Claim) -> impl Iterator<Item = FormulaRef> {
+    let goals = claim.goals().map(|(at, _)| at);
+    goals.filter(|at| at.kind == RuleKind::Justice && !claim.lemmas.contains_key(at))
+}
+
+fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> {
+    let rules = rules(abstraction);
+    let first_goal = rules.len() - abstraction.claim.goal.all().count();
+    let keep: Vec<usize> = (0..first_goal)
+        .filter(|r| rules[*r].kind != RuleKind::Justice)
+        .collect();
+    let mut runs = Runs::new(&abstraction.system.variables, rules, limits)?;
+    let mut verdict = Verdict::default();
+    for (place, (what, _)) in abstraction.claim.goals().enumerate() {
+        if what.kind == RuleKind::Justice || abstraction.claim.lemmas.contains_key(&what) {
+            continue;
+        }
+        let slip = Slip {
+            before: keep.clone(),
+            last: keep.clone(),
+            broken: first_goal + place,
+        };
+        verdict.open.extend(runs.step(&slip)?.map(|trace| Open {
+            what,
+            why: Broken::Trace(trace),
+        }));
+    }
+    Ok(verdict)
+}
+
+/// What comes in the end, goal by goal: a proof goes from what is near to what is far, so that most goals are about a few places only.
+fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
+    let claim = &abstraction.claim;
+    // What safety shows is known, and places keep their guarantees whatever others do.
+    let mut alone = abstraction.system.clone();
+    for part in &mut alone.parts {
+        part.assumptions = Side::default();
+    }
+    let safety = claim.goals().map(|(at, _)| at);
+    let safety = safety.filter(|at| at.kind != RuleKind::Justice);
+    let asked = Claim {
+        known: safety.filter(|at| !claim.lemmas.contains_key(at)).collect(),
+        ..claim.clone()
+    };
+    match proof::decide(&alone, &asked, limits) {
+        Ok(proof) => verdict.open.extend(proof.open),
+        Err(_) => verdict.undecided.extend(liveness(claim)),
+    }
+}
+
+impl Abstraction {
+    /// The formula of the goal that is pointed at.
+    pub fn goal(&self, at: FormulaRef) -> &linewright_core::gr1::Formula {
+        &list(&self.claim.goal, at.kind)[at.index]
+    }
+}

@@ -1,0 +1,212 @@
+//! What does not hold of a line, in words: who waits for whom, how it comes to that, and the way out.
+
+use super::Abstraction;
+use super::chain::{Chain, View};
+use super::claim::{NO_CIRCULAR_WAIT, ORDERS_ARE_FINISHED};
+use super::decide::{Open, Verdict};
+use super::shape::PlaceKind;
+use linewright_algebra::proof::Broken;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::eval::holds;
+use linewright_language::contract::line::Line;
+use std::collections::BTreeMap;
+
+/// The findings of a verdict: at most one for each thing that is wrong.
+pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    let mut told = false;
+    for open in &verdict.open {
+        let name = &abstraction.goal(open.what).name;
+        match &open.why {
+            Broken::Trace(trace) if name == NO_CIRCULAR_WAIT => found.push(stuck(line, abstraction, trace)),
+            Broken::Lasso(lasso) => {
+                // Where one place does not go on, those before it do not either, and orders are not finished.
+                if !std::mem::replace(&mut told, true) {
+                    let run: Vec<&Vec<i64>> = lasso.prefix.iter().chain(&lasso.cycle).collect();
+                    found.push(unfinished(line, abstraction, open, &run, &lasso.cycle));
+                }
+            }
+            Broken::Trace(_) => found.push(
+                Diagnostic::error(
+                    codes::LINE_PART_LOST,
+                    line.span,
+                    format!("the line's abstraction breaks its own rule {name}: this is a mistake in Linewright"),
+                )
+                .with_help("please report this with the line's files"),
+            ),
+        }
+    }
+    if verdict.late {
+        for finding in &mut found {
+            finding.notes.push(
+                "a part may move later than it could in this; whether it comes to that when all move at once was not decided \
+                 in time"
+                    .to_owned(),
+            );
+        }
+    }
+    found
+}
+
+fn stuck(line: &Line, abstraction: &Abstraction, trace: &[Vec<i64>]) -> Diagnostic {
+    let last = trace.last().map_or(&[][..], Vec::as_slice);
+    let view = View {
+        abstraction,
+        state: last,
+    };
+    let chain = view.chain(0..abstraction.shape.places.len());
+    let mut message = "parts can wait for one another for ever".to_owned();
+    if !chain.texts.is_empty() {
+        message = format!("{message}: {}", chain.texts.join(", "));
+    }
+    let mut finding = Diagnostic::warning(codes::LINE_CIRCLE, line.span, message);
+    for place in &chain.places {
+        let node = &line.nodes[abstraction.shape.places[*place].node];
+        finding = finding.with_label(node.span, format!("{} is here", node.name));
+    }
+    let there: Vec<String> = (0..abstraction.shape.places.len())
+        .filter_map(|p| view.contents(p))
+        .collect();
+    let states: Vec<&Vec<i64>> = trace.iter().collect();
+    finding
+        .with_note(format!(
+            "it comes to that, whatever the times, when {}",
+            there.join(", ")
+        ))
+        .with_note(format!(
+            "on the shortest way there, {}",
+            moves(abstraction, &states)
+        ))
+        .with_help(advice(abstraction, &chain))
+}
+
+fn unfinished(
+    line: &Line,
+    abstraction: &Abstraction,
+    open: &Open,
+    run: &[&Vec<i64>],
+    cycle: &[Vec<i64>],
+) -> Diagnostic {
+    let goal = abstraction.goal(open.what);
+    let state = cycle.first().map_or(&[][..], Vec::as_slice);
+    let view = View { abstraction, state };
+    // What never moves in the cycle is what is stuck.
+    let model = abstraction.model();
+    let quiet = (0..abstraction.shape.places.len()).filter(|place| {
+        cycle.iter().all(|s| {
+            !holds(&model.leaves(*place), s, &[]) && !holds(&model.arrives_any(*place), s, &[])
+        })
+    });
+    let chain = view.chain(quiet);
+    let (code, mut message) = if chain.circle {
+        (
+            codes::LINE_CIRCLE,
+            "parts can wait for one another for ever, while others go on".to_owned(),
+        )
+    } else if goal.name == ORDERS_ARE_FINISHED {
+        let product = &abstraction.shape.types[abstraction.shape.product];
+        (
+            codes::LINE_UNFINISHED,
+            format!("it may be that no {product} is finished any more, though more are ordered"),
+        )
+    } else {
+        (
+            codes::LINE_UNFINISHED,
+            format!("it need not be so that {}", goal.text),
+        )
+    };
+    if !chain.texts.is_empty() {
+        message = format!("{message}: {}", chain.texts.join(", "));
+    }
+    let mut finding = Diagnostic::warning(code, goal.span, message);
+    for place in &chain.places {
+        let node = &line.nodes[abstraction.shape.places[*place].node];
+        finding = finding.with_label(node.span, format!("{} is here", node.name));
+    }
+    let going = moves(
+        abstraction,
+        &cycle.iter().chain(cycle.first()).collect::<Vec<_>>(),
+    );
+    finding
+        .with_note(format!("before that, {}", moves(abstraction, run)))
+        .with_note(format!("from then on, again and again, {going}"))
+        .with_help(advice(abstraction, &chain))
+}
+
+/// How many parts went which way.
+fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
+    let model = abstraction.model();
+    let shape = model.shape;
+    let mut counts: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    for (to, place) in shape.places.iter().enumerate() {
+        for from in &place.from {
+            let taken = model.taken(*from, to);
+            // What is taken in a step has moved in the next one.
+            let moved = run.iter().take(run.len().saturating_sub(1));
+            let count = moved.filter(|state| holds(&taken, state, &[])).count();
+            if count > 0 {
+                counts.insert((*from, to), count);
+            }
+        }
+    }
+    let texts = counts.iter().map(|((from, to), n)| {
+        format!(
+            "{n} from {} to {}",
+            shape.places[*from].name, shape.places[*to].name
+        )
+    });
+    let texts: Vec<String> = texts.collect();
+    if texts.is_empty() {
+        "nothing moves".to_owned()
+    } else {
+        format!("these parts move: {}", texts.join(", "))
+    }
+}
+
+fn advice(abstraction: &Abstraction, chain: &Chain) -> String {
+    let shape = &abstraction.shape;
+    let limits = |words: fn(&str, u32) -> String| -> Vec<String> {
+        let places = shape.places.iter();
+        let limited = places.filter_map(|place| match place.kind {
+            PlaceKind::Supply {
+                most: Some(most), ..
+            } => Some(words(&place.name, most)),
+            _ => None,
+        });
+        limited.collect()
+    };
+    let rooms = chain.places.iter().filter(|place| {
+        matches!(
+            shape.places[**place].kind,
+            PlaceKind::Conveyor { .. } | PlaceKind::Room { .. }
+        )
+    });
+    if chain.circle {
+        let names: Vec<&str> = chain
+            .places
+            .iter()
+            .map(|p| shape.places[*p].name.as_str())
+            .collect();
+        let room = match rooms.count() {
+            0 => "Put a buffer into the circle, or let fewer parts in".to_owned(),
+            _ => format!(
+                "Let fewer parts in than fill the circle {}",
+                names.join(", ")
+            ),
+        };
+        let limits = limits(|name, most| format!("make the limit of {name} less than {most}"));
+        let limit = if limits.is_empty() {
+            "write `at most N in the line` behind the source that feeds it".to_owned()
+        } else {
+            limits.join(" or ")
+        };
+        format!("{room}: {limit}. Or give parts in it a way out by another station.")
+    } else if let limits = limits(|name, most| format!("{name} lets at most {most} into the line"))
+        && !limits.is_empty()
+    {
+        format!("See what is missing; {}.", limits.join(", "))
+    } else {
+        "See that what is missing can come: it must not wait behind parts that are not needed yet."
+            .to_owned()
+    }
+}

@@ -1,0 +1,499 @@
+//! Lines into which a supply lets only so many parts: a proof in small steps that it goes on to let in others.
+//!
+//! Whether a station that joins parts gets the next one of a limited kind depends on everything: it comes when the supply may give it, the
+//! supply may give it when others have left the line, and they leave when they were joined. Asked of all places at once, that takes
+//! minutes and explains nothing. In words it is short:
+//!
+//! 1. What the supply counts is what is in the places.
+//! 2. While the supply gives nothing, one place after the other, from the first on, is rid of what it gave, and stays so.
+//! 3. When all are rid of it, the count is 0, and the supply gives again. So it gives again and again.
+//! 4. So the first place gets another part again and again, and then the next one, up to the station that joins it.
+//!
+//! Each of these steps is one lemma, about one place and the one before it.
+
+use super::claim::{COMPONENTS_GO_ON, GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST};
+use super::lemmas::Book;
+use super::shape::PlaceKind;
+use super::vocabulary::{Model, Phase, Queue};
+use super::words::{all, count, is, later, sum};
+use linewright_algebra::proof::Reach;
+use linewright_algebra::system::FormulaRef;
+use linewright_core::gr1::{BinaryOp, Expr, VarId};
+use linewright_solver::game::RuleKind;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A supply that lets only so many parts into the line, and where they may be.
+pub(super) struct Limited<'a> {
+    model: Model<'a>,
+    supply: usize,
+    part: usize,
+    in_line: VarId,
+    most: u32,
+    /// Where its parts may be. Each comes after those that parts come from, unless they may go round in a circle.
+    stages: Vec<Stage>,
+    /// Whether they may.
+    is_round: bool,
+}
+
+/// A type of part at a place.
+struct Stage {
+    at: Spot,
+    /// Those that parts come from, by their places in the list; none is the supply.
+    from: Vec<usize>,
+}
+
+/// Where a part of a type may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Spot {
+    place: usize,
+    kind: usize,
+    /// The task and the line of its bill where it waits to be joined.
+    bill: Option<(usize, usize)>,
+}
+
+impl<'a> Limited<'a> {
+    /// Of a supply with a limit.
+    pub fn new(model: Model<'a>, supply: usize) -> Option<Self> {
+        let (in_line, most) = model.vars(supply).in_line?;
+        let PlaceKind::Supply { part, .. } = model.shape.places[supply].kind else {
+            return None;
+        };
+        let mut before: BTreeMap<Spot, BTreeSet<Spot>> = BTreeMap::new();
+        let mut open: Vec<(Option<Spot>, Spot)> = spots_after(model, supply, part)
+            .map(|to| (None, to))
+            .collect();
+        while let Some((from, to)) = open.pop() {
+            let is_new = !before.contains_key(&to);
+            before.entry(to).or_default().extend(from);
+            if is_new {
+                open.extend(after(model, to).into_iter().map(|next| (Some(to), next)));
+            }
+        }
+        let mut order: Vec<Spot> = Vec::new();
+        while let Some((next, _)) = before
+            .iter()
+            .find(|(spot, from)| !order.contains(spot) && from.iter().all(|f| order.contains(f)))
+        {
+            order.push(*next);
+        }
+        let is_round = order.len() < before.len();
+        if is_round {
+            order = before.keys().copied().collect();
+        }
+        let stage = |at: &Spot| Stage {
+            at: *at,
+            from: (0..order.len())
+                .filter(|i| before[at].contains(&order[*i]))
+                .collect(),
+        };
+        Some(Self {
+            stages: order.iter().map(stage).collect(),
+            model,
+            supply,
+            part,
+            in_line,
+            most,
+            is_round,
+        })
+    }
+
+    /// Whether a component that a station joins is looked after here.
+    pub fn brings(&self, place: usize, task: usize, line: usize) -> bool {
+        let wanted = (place, Some((task, line)));
+        !self.is_round
+            && self
+                .stages
+                .iter()
+                .any(|s| (s.at.place, s.at.bill) == wanted)
+    }
+
+    /// Its lemmas. `others` are lemmas about components, by place, that come from elsewhere.
+    pub fn add(&self, book: &mut Book<'_>, others: &[(usize, FormulaRef)]) {
+        let circles = self.circles();
+        let joins = !self.is_round && self.stages.iter().any(|s| s.at.bill.is_some());
+        if circles.is_empty() && !joins {
+            return;
+        }
+        let counted = self.counts(book);
+        let mut known = BTreeSet::from([counted]);
+        for circle in circles {
+            known.insert(self.never_overrun(book, &circle, counted));
+        }
+        book.rests_on(NO_CIRCULAR_WAIT, known);
+        if joins {
+            let gone = self.drains(book, others);
+            let gives = self.gives_again(book, counted, gone);
+            self.comes(book, gives);
+        }
+    }
+
+    // ---- 1. what is counted ----------------------------------------------------------------------------------------
+
+    /// So many parts of a type, as how many that came from the supply they are.
+    fn weighed(&self, kind: usize, number: Expr) -> Expr {
+        let content = self.model.shape.contents[kind][self.part];
+        let content = i64::try_from(content).unwrap_or(i64::MAX);
+        Expr::binary(BinaryOp::Mul, Expr::Const(content), number).simplify()
+    }
+
+    /// All that came from the supply and is in some places.
+    fn total(&self, places: impl Fn(usize) -> bool) -> Expr {
+        let there = self.stages.iter().filter(|s| places(s.at.place));
+        sum(there.map(|s| self.weighed(s.at.kind, self.held(&s.at))))
+    }
+
+    /// What the supply counts is what is in the places.
+    fn counts(&self, book: &mut Book<'_>) -> FormulaRef {
+        let (model, part) = (self.model, &self.model.shape.types[self.part]);
+        let name = &model.shape.places[self.supply].name;
+        let places: BTreeSet<usize> = self.stages.iter().map(|s| s.at.place).collect();
+        let mut from = BTreeSet::new();
+        from.extend(book.goal(NO_PART_LOST, self.supply));
+        for place in &places {
+            let all = book.guarantees(*place);
+            from.extend(all.filter(|at| at.kind != RuleKind::Justice));
+            from.extend(book.goal(NO_PART_LOST, *place));
+        }
+        let mut left = Vec::new();
+        for (end, declared) in model.shape.places.iter().enumerate() {
+            if let PlaceKind::End { leaves, .. } = &declared.kind {
+                let content = |kind: &&usize| model.shape.contents[**kind][self.part];
+                left.extend(leaves.iter().filter(|k| content(k) > 0).map(|kind| {
+                    let one = count([model.arrives(end, *kind)]);
+                    self.weighed(*kind, one)
+                }));
+            }
+        }
+        let total = self.total(|_| true);
+        let came = sum([total.clone(), count([model.leaves(self.supply)])]);
+        let kept = later(&total);
+        let kept = sum([kept].into_iter().chain(left)).equals(came);
+        let text = format!(
+            "each {part} that {name} gives is in one place, alone or in something else, until it leaves the line"
+        );
+        let title = format!("{part}_goes_from_place_to_place");
+        let kept = book.lemma(
+            self.supply,
+            RuleKind::Safety,
+            (&title, &text),
+            &kept,
+            from,
+            Reach::Named,
+        );
+
+        let mut from = BTreeSet::from([kept]);
+        from.extend(book.guarantees(self.supply));
+        from.extend(book.goal(NO_OVERFLOW, self.supply));
+        for place in &places {
+            let all = book.guarantees(*place);
+            from.extend(all.filter(|at| at.kind == RuleKind::Initial));
+        }
+        let counted = Expr::now(self.in_line).equals(total);
+        let title = format!("{name}_counts_right");
+        let text = format!("what {name} counts is what is in the line");
+        book.lemma(
+            self.supply,
+            RuleKind::Invariant,
+            (&title, &text),
+            &counted,
+            from,
+            Reach::Named,
+        )
+    }
+
+    /// The sets of places from each of which parts may come to each other one, as far as its parts come there.
+    fn circles(&self) -> BTreeSet<BTreeSet<usize>> {
+        let places: BTreeSet<usize> = self.stages.iter().map(|s| s.at.place).collect();
+        let mut circles = all_circles(self.model);
+        circles.retain(|circle| !circle.is_disjoint(&places));
+        circles
+    }
+
+    /// There are not more of its parts in a circle than in the line.
+    fn never_overrun(
+        &self,
+        book: &mut Book<'_>,
+        circle: &BTreeSet<usize>,
+        counted: FormulaRef,
+    ) -> FormulaRef {
+        let held = self.total(|place| circle.contains(&place));
+        let few = Expr::binary(BinaryOp::Le, held, Expr::Const(i64::from(self.most)));
+        let names: Vec<&str> = circle
+            .iter()
+            .map(|p| self.model.shape.places[*p].name.as_str())
+            .collect();
+        let text = format!(
+            "at most {} of {} are in {}, alone or in something else",
+            self.most,
+            self.model.shape.types[self.part],
+            names.join(", ")
+        );
+        let part = &self.model.shape.types[self.part];
+        let name = format!("{}_are_never_overrun_by_{part}", names.join("_"));
+        let from = BTreeSet::from([counted]);
+        book.lemma(
+            self.supply,
+            RuleKind::Invariant,
+            (&name, &text),
+            &few,
+            from,
+            Reach::Near,
+        )
+    }
+
+    // ---- 2. and 3. the line is emptied, and so something new comes ----------------------------------------------------
+
+    /// While the supply gives nothing, place after place is rid of what it gave, and stays so. Gives the last of these lemmas.
+    fn drains(&self, book: &mut Book<'_>, others: &[(usize, FormulaRef)]) -> Option<FormulaRef> {
+        let model = self.model;
+        let gives = model.leaves(self.supply);
+        let part = &model.shape.types[self.part];
+        let supply = &model.shape.places[self.supply].name;
+        let mut rid: Vec<Expr> = Vec::new();
+        let (mut stays, mut drains) = (None, None);
+        for stage in &self.stages {
+            let place = stage.at.place;
+            rid.push(self.held(&stage.at).equals(Expr::Const(0)));
+            let here = self.name(&stage.at);
+            let mut about: BTreeSet<FormulaRef> = self.near(book, stage);
+            about.extend(stays);
+
+            let gone = all(rid.clone());
+            let on = after(model, stage.at).into_iter();
+            let on = on.filter(|to| to.place != place).map(|to| {
+                let offered = model.offers(place, stage.at.kind, to.place);
+                model.taken(place, to.place).and(offered).not()
+            });
+            let stay = later(&gone).and(all(on));
+            let stay = gone.clone().and(gives.clone().not()).implies(stay);
+            let name = format!("{part}_stays_gone_up_to_{here}");
+            let text = format!(
+                "where {supply} gives nothing and the places up to the {here} are empty of what it gave, they stay so, and nothing comes from there"
+            );
+            let safe = about.iter().copied();
+            let safe = safe.filter(|at| at.kind != RuleKind::Justice).collect();
+            let words = (name.as_str(), text.as_str());
+            let next = book.lemma(place, RuleKind::Safety, words, &stay, safe, Reach::Named);
+
+            about.extend(drains);
+            about.extend(book.given(place));
+            about.extend(book.goal(GOES_ON, place));
+            let here_too = others
+                .iter()
+                .filter(|(p, _)| *p == place && stage.at.bill.is_some());
+            about.extend(here_too.map(|(_, lemma)| *lemma));
+            let again = gives.clone().or(gone);
+            let name = format!("{part}_is_gone_up_to_{here}");
+            let text = format!(
+                "{supply} gives something, or all places up to the {here} get empty of what it gave"
+            );
+            let words = (name.as_str(), text.as_str());
+            let next_one = book.lemma(place, RuleKind::Justice, words, &again, about, Reach::Named);
+            drains = Some(next_one);
+            stays = Some(next);
+        }
+        drains
+    }
+
+    /// The supply gives something again and again.
+    fn gives_again(
+        &self,
+        book: &mut Book<'_>,
+        counted: FormulaRef,
+        gone: Option<FormulaRef>,
+    ) -> FormulaRef {
+        let name = &self.model.shape.places[self.supply].name;
+        let mut from: BTreeSet<FormulaRef> = book.guarantees(self.supply).collect();
+        from.extend(book.given(self.supply));
+        from.extend(book.goal(GOES_ON, self.supply));
+        from.insert(counted);
+        from.extend(gone);
+        let gives = self.model.leaves(self.supply);
+        let title = format!("{name}_gives_again");
+        let text = format!("{name} lets another part into the line, again and again");
+        let words = (title.as_str(), text.as_str());
+        book.lemma(
+            self.supply,
+            RuleKind::Justice,
+            words,
+            &gives,
+            from,
+            Reach::Named,
+        )
+    }
+
+    // ---- 4. on to the stations that join it --------------------------------------------------------------------------
+
+    /// What the supply gives comes to place after place, as far as stations that join it.
+    fn comes(&self, book: &mut Book<'_>, gives: FormulaRef) {
+        let mut wanted: BTreeSet<usize> = (0..self.stages.len())
+            .filter(|i| self.stages[*i].at.bill.is_some())
+            .collect();
+        for i in (0..self.stages.len()).rev() {
+            if wanted.contains(&i) {
+                wanted.extend(&self.stages[i].from);
+            }
+        }
+        let mut known: BTreeMap<usize, FormulaRef> = BTreeMap::new();
+        for (i, stage) in self.stages.iter().enumerate() {
+            if !wanted.contains(&i) {
+                continue;
+            }
+            let place = stage.at.place;
+            let mut from = self.near(book, stage);
+            from.insert(gives);
+            for before in &stage.from {
+                let before = self.stages[*before].at.place;
+                from.extend(book.guarantees(before));
+                from.extend(book.given(before));
+                from.extend(book.goal(GOES_ON, before));
+                from.extend(book.goal(COMPONENTS_GO_ON, before));
+            }
+            from.extend(stage.from.iter().filter_map(|i| known.get(i)));
+            let there = match stage.at.bill {
+                Some((task, line)) => {
+                    let (there, most) = self.model.vars(place).bills[task][line];
+                    is(there, most as usize)
+                }
+                None => self.held(&stage.at).equals(Expr::Const(0)).not(),
+            };
+            let (kind, name) = (
+                &self.model.shape.types[stage.at.kind],
+                &self.model.shape.places[place].name,
+            );
+            let text = match stage.at.bill {
+                Some(_) => format!("{name} has the {kind} that it joins, again and again"),
+                None => format!("a {kind} comes to {name}, again and again"),
+            };
+            let reach = match stage.at.bill {
+                Some(_) => Reach::Near,
+                None => Reach::Named,
+            };
+            let title = match &self.model.shape.types[self.part] {
+                part if part == kind => format!("{kind}_comes_to_{name}"),
+                part => format!("{part}_in_{kind}_comes_to_{name}"),
+            };
+            let lemma = book.lemma(
+                place,
+                RuleKind::Justice,
+                (&title, &text),
+                &there,
+                from,
+                reach,
+            );
+            known.insert(i, lemma);
+        }
+    }
+
+    /// What a lemma about a stage is looked for among: the contract of its place, and that no part is lost there and in the places before.
+    fn near(&self, book: &Book<'_>, stage: &Stage) -> BTreeSet<FormulaRef> {
+        let place = stage.at.place;
+        let mut from: BTreeSet<FormulaRef> = book.guarantees(place).collect();
+        let before = stage.from.iter().map(|i| self.stages[*i].at.place);
+        for place in before.chain([place]) {
+            from.extend(book.goal(NO_PART_LOST, place));
+        }
+        from
+    }
+
+    fn name(&self, at: &Spot) -> String {
+        let (place, kind) = (
+            &self.model.shape.places[at.place].name,
+            &self.model.shape.types[at.kind],
+        );
+        match at.bill {
+            Some(_) => format!("{kind}_to_be_joined_at_{place}"),
+            None => format!("{kind}_at_{place}"),
+        }
+    }
+
+    /// How many are there.
+    fn held(&self, at: &Spot) -> Expr {
+        let vars = self.model.vars(at.place);
+        if let Some((task, line)) = at.bill {
+            return Expr::now(vars.bills[task][line].0);
+        }
+        if let Some(phase) = vars.phase {
+            let phases = vars.phases.iter().enumerate();
+            let own = phases.filter(|(_, p)| match p {
+                Phase::Work(kind) | Phase::Done(kind, _) => *kind == at.kind,
+            });
+            return count([super::words::any(own.map(|(i, _)| is(phase, i + 1)))]);
+        }
+        match &vars.queue {
+            Some(Queue::Count(held, _)) => Expr::now(*held),
+            Some(Queue::Slots(slots, types)) => {
+                let label = types.iter().position(|kind| *kind == at.kind);
+                count(slots.iter().filter_map(|s| Some(is(*s, label? + 1))))
+            }
+            None => Expr::Const(0),
+        }
+    }
+}
+
+/// Where a part of a type may come to next from a place.
+fn spots_after(model: Model<'_>, place: usize, kind: usize) -> impl Iterator<Item = Spot> {
+    let to = model.shape.to(place, kind).iter();
+    to.flat_map(move |to| {
+        let mut found = Vec::new();
+        let mut add = |bill| {
+            found.push(Spot {
+                place: *to,
+                kind,
+                bill,
+            });
+        };
+        match &model.shape.places[*to].kind {
+            PlaceKind::Station { tasks } => {
+                for (task, work) in tasks.iter().enumerate() {
+                    if work.plain && work.part == kind {
+                        add(None);
+                    }
+                    let lines = work.bill.iter().enumerate();
+                    let lines = lines.filter(|(_, (component, _))| *component == kind);
+                    lines.for_each(|(line, _)| add(Some((task, line))));
+                }
+            }
+            PlaceKind::Conveyor { .. } | PlaceKind::Room { .. } => add(None),
+            PlaceKind::Supply { .. } | PlaceKind::End { .. } => {}
+        }
+        found
+    })
+}
+
+/// Where a part comes to next.
+fn after(model: Model<'_>, at: Spot) -> Vec<Spot> {
+    let Some((task, _)) = at.bill else {
+        return spots_after(model, at.place, at.kind).collect();
+    };
+    let PlaceKind::Station { tasks } = &model.shape.places[at.place].kind else {
+        return Vec::new();
+    };
+    vec![Spot {
+        place: at.place,
+        kind: tasks[task].part,
+        bill: None,
+    }]
+}
+
+/// The sets of places from each of which parts may come to each other one.
+fn all_circles(model: Model<'_>) -> BTreeSet<BTreeSet<usize>> {
+    let reached = |from: usize| {
+        let mut seen = BTreeSet::new();
+        let mut open = vec![from];
+        while let Some(place) = open.pop() {
+            let after = model.shape.after(place).into_iter();
+            open.extend(after.filter(|to| seen.insert(*to)));
+        }
+        seen
+    };
+    let reached: Vec<BTreeSet<usize>> = (0..model.shape.places.len()).map(reached).collect();
+    (0..reached.len())
+        .filter(|place| reached[*place].contains(place))
+        .map(|place| {
+            let back = reached[place].iter().copied();
+            back.filter(|other| reached[*other].contains(&place))
+                .collect()
+        })
+        .collect()
+}

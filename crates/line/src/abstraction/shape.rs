@@ -1,0 +1,500 @@
+//! A line as its abstraction sees it: places with room for parts, and the ways between them.
+//!
+//! A node of the line is one place, with two exceptions. A store is one for what comes in and one for each type that leaves it, which
+//! have nothing to do with each other. A belt with a contract that takes parts from other such belts has a place before it, as it
+//! has in the runner: one belt can hand over only in its own step, and take only in its own step.
+
+use super::belt::{self, Room};
+use linewright_language::contract::line::{Belt, Line, Node, NodeKind, Task};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// A place where parts are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Its name: the node's, with the part type where the node has several places.
+    pub name: String,
+    /// The node it belongs to.
+    pub node: usize,
+    /// What it is.
+    pub kind: PlaceKind,
+    /// The types of parts that can be in it and leave it, each with the places that one may go to from here, in the order of the text.
+    pub ways: Vec<Ways>,
+    /// The places that parts come from.
+    pub from: Vec<usize>,
+}
+
+/// Where parts of a type may go.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Ways {
+    /// The type.
+    pub part: usize,
+    /// The places; several only where conditions decide.
+    pub to: Vec<usize>,
+}
+
+/// What a place is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum PlaceKind {
+    /// Parts of one type come into the line here.
+    Supply {
+        /// The type.
+        part: usize,
+        /// Whether the next part is there as soon as the one before has left; otherwise some time may pass.
+        always: bool,
+        /// The line takes no more while so many of the type are in it.
+        most: Option<u32>,
+    },
+    /// Parts leave the line here.
+    End {
+        /// The types that are finished here; others are rejected, or wait in a store for their next way.
+        finishes: Vec<usize>,
+        /// The types that leave the line here in one way or the other.
+        leaves: Vec<usize>,
+    },
+    /// A machine that works on one part at a time.
+    Station {
+        /// What it does.
+        tasks: Vec<Work>,
+    },
+    /// Parts travel in their order.
+    Conveyor {
+        /// How many fit.
+        places: u32,
+        /// With fewer on it, another one is taken in the end even while the first one waits; otherwise perhaps only when that has
+        /// left. What accumulates takes as many as fit.
+        sure: u32,
+        /// Whether a machine moves it, step by step, and so hands over and takes only in its own steps.
+        machine: bool,
+    },
+    /// Parts wait in their order.
+    Room {
+        /// How many fit.
+        capacity: u32,
+    },
+}
+
+/// What a station does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Work {
+    /// The type that leaves.
+    pub part: usize,
+    /// Whether it takes parts of this type as they are.
+    pub plain: bool,
+    /// What it joins them from: types and how many of each. Empty where it joins nothing.
+    pub bill: Vec<(usize, u32)>,
+}
+
+/// Why a line has no abstraction.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unfit(pub String);
+
+/// The places of a line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shape {
+    /// All of them, in the order of the nodes.
+    pub places: Vec<Place>,
+    /// The names of the part types.
+    pub types: Vec<String>,
+    /// The end product.
+    pub product: usize,
+    /// How many of part type `b` are in one of part type `a`, at `[a][b]`; 1 for itself.
+    pub contents: Vec<Vec<u64>>,
+}
+
+impl Shape {
+    /// The places of a line, and what can be in each.
+    ///
+    /// # Errors
+    /// When something in it has no abstraction.
+    pub fn of(line: &Line) -> Result<Self, Unfit> {
+        let mut places = Vec::new();
+        // Of each node: where its parts come in, and the place before a belt.
+        let mut intake = vec![None; line.nodes.len()];
+        let mut before = vec![None; line.nodes.len()];
+        for (node, declared) in line.nodes.iter().enumerate() {
+            let mut add = |name: String, kind| {
+                places.push(Place {
+                    name,
+                    node,
+                    kind,
+                    ways: Vec::new(),
+                    from: Vec::new(),
+                });
+                places.len() - 1
+            };
+            if let NodeKind::Store { .. } = declared.kind {
+                let leaving = (0..line.parts.len()).filter(|part| {
+                    line.routes
+                        .iter()
+                        .any(|r| r.from == node && r.part == *part)
+                });
+                for part in leaving {
+                    let name = format!("{}.{}", declared.name, line.parts[part].name);
+                    add(name, stock(line, node, part));
+                }
+            }
+            if belt(declared)
+                && line
+                    .routes
+                    .iter()
+                    .any(|r| r.to == node && belt(&line.nodes[r.from]))
+            {
+                let name = format!("{}.before", declared.name);
+                before[node] = Some(add(name, PlaceKind::Room { capacity: 1 }));
+            }
+            let comes = line.routes.iter().any(|r| r.to == node);
+            if let Some(kind) =
+                Some(kind(line, node)).filter(|k| comes || !matches!(k, PlaceKind::End { .. }))
+            {
+                intake[node] = Some(add(declared.name.clone(), kind));
+            }
+        }
+        look_at_belts(line, &mut places)?;
+        let mut shape = Self {
+            places,
+            types: line.parts.iter().map(|p| p.name.clone()).collect(),
+            product: line.product,
+            contents: Self::contents(line),
+        };
+        shape.connect(line, &intake, &before)?;
+        Ok(shape)
+    }
+
+    /// Finds out what can be where, from the supplies on.
+    fn connect(
+        &mut self,
+        line: &Line,
+        intake: &[Option<usize>],
+        before: &[Option<usize>],
+    ) -> Result<(), Unfit> {
+        let mut there: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); self.places.len()];
+        let mut open: Vec<(usize, usize)> = Vec::new();
+        for (place, declared) in self.places.iter().enumerate() {
+            if let PlaceKind::Supply { part, .. } = declared.kind {
+                open.push((place, part));
+            }
+        }
+        // What came to a station, joined or not, and what leaves a place.
+        let mut leaves = there.clone();
+        while let Some((place, part)) = open.pop() {
+            if !leaves[place].insert(part) {
+                continue;
+            }
+            let to = self.ways(line, place, part, intake, before);
+            if to.is_empty() {
+                return Err(Unfit(format!(
+                    "{} has no way onward from {}",
+                    self.types[part], self.places[place].name
+                )));
+            }
+            for next in &to {
+                if !self.places[*next].from.contains(&place) {
+                    self.places[*next].from.push(place);
+                }
+                there[*next].insert(part);
+                match &self.places[*next].kind {
+                    PlaceKind::Station { tasks } => {
+                        let all = |bill: &[(usize, u32)]| {
+                            bill.iter().all(|(c, _)| there[*next].contains(c))
+                        };
+                        let made = tasks.iter().filter(|t| {
+                            t.plain && t.part == part || !t.bill.is_empty() && all(&t.bill)
+                        });
+                        open.extend(made.map(|t| (*next, t.part)));
+                    }
+                    PlaceKind::Conveyor { .. } | PlaceKind::Room { .. } => open.push((*next, part)),
+                    PlaceKind::Supply { .. } | PlaceKind::End { .. } => {}
+                }
+            }
+            self.places[place].ways.push(Ways { part, to });
+        }
+        for (place, there) in self.places.iter_mut().zip(&there) {
+            place.from.sort_unstable();
+            place.ways.sort_by_key(|w| w.part);
+            // A task that nothing ever comes for is no task.
+            if let PlaceKind::Station { tasks } = &mut place.kind {
+                tasks.retain(|task| {
+                    let mut bill = task.bill.iter();
+                    task.plain && there.contains(&task.part)
+                        || bill.any(|(component, _)| there.contains(component))
+                });
+            }
+        }
+        self.check_limits(line)
+    }
+
+    /// Somewhere on the way of every part time has to pass, or else all others wait for ever for parts that move at once. Work always takes
+    /// time here; where it takes none is found with the values of parts ([`crate::calls`]).
+    pub(super) fn check_time(&self, line: &Line) -> Result<(), Unfit> {
+        let Some((from, to)) = self.timeless(line) else {
+            return Ok(());
+        };
+        Err(Unfit(format!(
+            "parts go from {} to {} on and on, and no time passes",
+            self.places[from].name, self.places[to].name
+        )))
+    }
+
+    /// Two places between which parts can go on and on, and no time passes: on a circle, or from a source without an end to what is never
+    /// full, a sink or a store.
+    fn timeless(&self, line: &Line) -> Option<(usize, usize)> {
+        for (start, declared) in self.places.iter().enumerate() {
+            let endless = endless(line, declared);
+            let (PlaceKind::Room { .. } | PlaceKind::Supply { .. }) = declared.kind else {
+                continue;
+            };
+            let mut seen = BTreeSet::new();
+            let mut open: Vec<usize> = self.onward(start).into_iter().collect();
+            while let Some(place) = open.pop() {
+                let timeless = match &self.places[place].kind {
+                    PlaceKind::End { .. } => endless,
+                    PlaceKind::Room { .. } | PlaceKind::Supply { .. } => place == start,
+                    _ => continue,
+                };
+                if timeless {
+                    return Some((start, place));
+                }
+                if seen.insert(place) {
+                    open.extend(self.onward(place));
+                }
+            }
+        }
+        None
+    }
+
+    /// The places that parts may be in next. What a store takes in it may give out again.
+    fn onward(&self, place: usize) -> BTreeSet<usize> {
+        let mut next = self.after(place);
+        if let PlaceKind::End { .. } = self.places[place].kind {
+            let (node, comes) = (self.places[place].node, self.comes(place));
+            let given_out = self.places.iter().enumerate().filter(|(_, other)| {
+                other.node == node
+                    && matches!(other.kind, PlaceKind::Supply { part, .. } if comes.contains(&part))
+            });
+            next.extend(given_out.map(|(other, _)| other));
+        }
+        next
+    }
+
+    /// A limit of work in progress counts a type; what would make that count inexact is refused.
+    fn check_limits(&self, line: &Line) -> Result<(), Unfit> {
+        for place in &self.places {
+            let PlaceKind::Supply {
+                part,
+                most: Some(_),
+                ..
+            } = place.kind
+            else {
+                continue;
+            };
+            let name = &self.types[part];
+            let others = self.places.iter().filter(|other| {
+                matches!(other.kind, PlaceKind::Supply { part: p, .. } if self.contents[p][part] > 0)
+            });
+            if others.count() > 1 {
+                return Err(Unfit(format!(
+                    "{name} comes from several places, one of which has a limit"
+                )));
+            }
+            let waits = line.routes.iter().any(|r| {
+                matches!(line.nodes[r.from].kind, NodeKind::Store { .. })
+                    && self.contents[r.part][part] > 0
+            });
+            if waits {
+                return Err(Unfit(format!("{name} has a limit and may lie in a store")));
+            }
+        }
+        Ok(())
+    }
+
+    fn ways(
+        &self,
+        line: &Line,
+        place: usize,
+        part: usize,
+        intake: &[Option<usize>],
+        before: &[Option<usize>],
+    ) -> Vec<usize> {
+        let node = self.places[place].node;
+        if before[node] == Some(place) {
+            return intake[node].into_iter().collect();
+        }
+        let mut found = Vec::new();
+        for route in line
+            .routes
+            .iter()
+            .filter(|r| r.from == node && r.part == part)
+        {
+            let to = match before[route.to] {
+                Some(room) if belt(&line.nodes[node]) => Some(room),
+                _ => intake[route.to],
+            };
+            found.extend(to.filter(|to| !found.contains(to)));
+            if route.condition.is_none() {
+                break;
+            }
+        }
+        found
+    }
+
+    /// How many of part type `b` are in one of part type `a`, at `[a][b]`; 1 for itself.
+    pub fn contents(line: &Line) -> Vec<Vec<u64>> {
+        let types = line.parts.len();
+        let mut contents = vec![vec![0_u64; types]; types];
+        for (whole, row) in contents.iter_mut().enumerate() {
+            let mut level = vec![(whole, 1_u64)];
+            // Bills have no circles (the resolver refuses them); the count of rounds makes that certain.
+            for _ in 0..types {
+                let mut below = Vec::new();
+                for (part, count) in level {
+                    row[part] = row[part].saturating_add(count);
+                    let bill = line.parts[part].bill.iter();
+                    below.extend(bill.map(|(c, n)| (*c, count.saturating_mul(u64::from(*n)))));
+                }
+                level = below;
+            }
+        }
+        contents
+    }
+
+    /// Where parts of a type may go from a place.
+    pub fn to(&self, place: usize, part: usize) -> &[usize] {
+        let ways = self.places[place].ways.iter().find(|w| w.part == part);
+        ways.map_or(&[], |w| &w.to)
+    }
+
+    /// The types that may go from one place to another.
+    pub fn between(&self, from: usize, to: usize) -> impl Iterator<Item = usize> {
+        let ways = self.places[from].ways.iter();
+        ways.filter(move |w| w.to.contains(&to)).map(|w| w.part)
+    }
+
+    /// The places that parts may go to from here.
+    pub fn after(&self, place: usize) -> BTreeSet<usize> {
+        let ways = self.places[place].ways.iter();
+        ways.flat_map(|w| w.to.iter().copied()).collect()
+    }
+
+    /// The types that can come to a place.
+    pub fn comes(&self, place: usize) -> BTreeSet<usize> {
+        let from = self.places[place].from.iter();
+        from.flat_map(|from| self.between(*from, place)).collect()
+    }
+}
+
+/// Asks the contracts of belts how much room they are sure of; belts of one machine are alike.
+fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Unfit> {
+    let mut known: Vec<(&Belt, Room)> = Vec::new();
+    for place in places {
+        let PlaceKind::Conveyor { sure, .. } = &mut place.kind else {
+            continue;
+        };
+        let NodeKind::Conveyor {
+            belt: Some(belt), ..
+        } = &line.nodes[place.node].kind
+        else {
+            continue;
+        };
+        let same = |other: &Belt| Arc::ptr_eq(&other.machine, &belt.machine);
+        let room = match known.iter().find(|(other, _)| same(other)) {
+            Some((_, room)) => *room,
+            None => belt::room(belt).map_err(|limit| {
+                Unfit(format!(
+                    "the contract of {} is too large to be asked about its room: {limit}",
+                    place.name
+                ))
+            })?,
+        };
+        known.push((belt, room));
+        match room {
+            Room::Sure(number) => *sure = number,
+            Room::TakesNone => {
+                return Err(Unfit(format!(
+                    "the contract of {} does not say that it takes a part while it is empty",
+                    place.name
+                )));
+            }
+            Room::BringsNone => {
+                return Err(Unfit(format!(
+                    "the contract of {} does not say that a part on it comes to its end",
+                    place.name
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn belt(node: &Node) -> bool {
+    matches!(node.kind, NodeKind::Conveyor { belt: Some(_), .. })
+}
+
+/// What a store gives out. Stock is taken to last, unless parts of the type come in as well: then they are there when they are there.
+fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
+    let comes = line.routes.iter().any(|r| r.to == node && r.part == part);
+    PlaceKind::Supply {
+        part,
+        always: !comes,
+        most: None,
+    }
+}
+
+/// Whether a source has another part at once, however many it has given. The stock of a store has an end.
+fn endless(line: &Line, place: &Place) -> bool {
+    matches!(place.kind, PlaceKind::Supply { always: true, .. })
+        && matches!(line.nodes[place.node].kind, NodeKind::Source { .. })
+}
+
+fn kind(line: &Line, node: usize) -> PlaceKind {
+    let leaves_again = |part: usize| line.routes.iter().any(|r| r.from == node && r.part == part);
+    match &line.nodes[node].kind {
+        NodeKind::Source { part, supply, most } => PlaceKind::Supply {
+            part: *part,
+            always: supply.is_endless(),
+            most: *most,
+        },
+        NodeKind::Sink { reject, .. } => PlaceKind::End {
+            finishes: (0..line.parts.len()).filter(|_| !reject).collect(),
+            leaves: (0..line.parts.len()).collect(),
+        },
+        NodeKind::Store { .. } => {
+            let stays: Vec<usize> = (0..line.parts.len())
+                .filter(|p| !leaves_again(*p))
+                .collect();
+            PlaceKind::End {
+                finishes: stays.clone(),
+                leaves: stays,
+            }
+        }
+        NodeKind::Station { tasks, .. } => PlaceKind::Station {
+            tasks: tasks
+                .iter()
+                .map(|t| work(line, node, t.part, tasks))
+                .collect(),
+        },
+        NodeKind::Conveyor { places, belt, .. } => PlaceKind::Conveyor {
+            places: *places,
+            sure: *places,
+            machine: belt.is_some(),
+        },
+        NodeKind::Buffer { capacity } => PlaceKind::Room {
+            capacity: *capacity,
+        },
+    }
+}
+
+/// What a task does, as [`Task::part`](linewright_language::contract::line::Task::part) says it.
+fn work(line: &Line, node: usize, part: usize, all: &[Task]) -> Work {
+    let comes = |kind: usize| line.routes.iter().any(|r| r.to == node && r.part == kind);
+    let bill = &line.parts[part].bill;
+    let joins = !comes(part)
+        || bill
+            .iter()
+            .all(|(c, _)| comes(*c) && !all.iter().any(|t| t.part == *c));
+    Work {
+        part,
+        plain: bill.is_empty() || comes(part),
+        bill: if joins { bill.clone() } else { Vec::new() },
+    }
+}

@@ -1,0 +1,200 @@
+//! What a conveyor's contract assumes of the line, and whether it keeps every part.
+//!
+//! A belt is stepped, again and again, with what its neighbours do: whether a part waits to come on, and whether the next place would take
+//! the first one. A part that waits goes on waiting until it is let on; nothing else is known. Its other inputs are what its file says.
+
+use super::Calls;
+use crate::abstraction::words::{all, any, count, is, later};
+use linewright_algebra::machine::of_machine;
+use linewright_algebra::proof::{Claim, Exports, decide};
+use linewright_algebra::system::formulas;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, VarId};
+use linewright_language::contract::line::{Belt, Line, NodeKind};
+use linewright_language::contract::machine::{Machine, PlantSource};
+use linewright_solver::game::{Limit, Limits, RuleKind};
+use linewright_station::messages;
+
+/// Looks at the belts of a line.
+pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
+    for (node, declared) in line.nodes.iter().enumerate() {
+        let NodeKind::Conveyor {
+            belt: Some(belt), ..
+        } = &declared.kind
+        else {
+            continue;
+        };
+        if let Some(wire) = constant_outside(&belt.machine) {
+            let input = &belt.machine.plant[wire];
+            let message = format!(
+                "{}: the plant input `{}` gets a value that is not one of {}",
+                declared.name,
+                input.name,
+                input.describe()
+            );
+            let finding = Diagnostic::error(codes::LINE_REFUSED, declared.span, message)
+                .with_label(input.span, "this input")
+                .with_help("correct the default of the property that it reads");
+            calls.findings.push(finding);
+            continue;
+        }
+        match open(belt, limits) {
+            Ok(found) => calls.findings.extend(found.into_iter().map(|what| match what {
+                Broken::Assumption(text, formula) => {
+                    Diagnostic::warning(
+                        codes::LINE_ASKS,
+                        declared.span,
+                        format!("{} may be asked for what {text} forbids: {}", declared.name, formula.text),
+                    )
+                    .with_label(formula.span, "this would be broken")
+                    .with_help("a line only sees to it that a part that waits to come on goes on waiting; weaken the assumption")
+                }
+                Broken::Keeping => Diagnostic::warning(
+                    codes::LINE_PART_LOST,
+                    declared.span,
+                    format!("the contract of {} does not say that every part on it stays on it, in its order, until it is taken", declared.name),
+                )
+                .with_help("see what it guarantees of each place in terms of the places before it"),
+            })),
+            Err(limit) => calls.undecided.push((node, limit.to_string())),
+        }
+    }
+}
+
+/// What a belt's contracts leave open.
+enum Broken {
+    /// An assumption, as it is spoken of.
+    Assumption(String, Formula),
+    /// That every part stays on it, in its order.
+    Keeping,
+}
+
+/// A plant input whose constant value is not in its domain.
+fn constant_outside(machine: &Machine) -> Option<usize> {
+    let defaults: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
+    machine.plant.iter().position(|input| match &input.source {
+        PlantSource::Property(expr) => !input.domain.contains_real(expr.eval(&defaults, &[])),
+        _ => false,
+    })
+}
+
+fn open(belt: &Belt, limits: &Limits) -> Result<Vec<Broken>, Limit> {
+    let machine = &belt.machine;
+    let (mut system, claim) = of_machine(machine);
+    // What comes again and again is asked elsewhere: with the whole line.
+    for part in &mut system.parts {
+        part.assumptions.justice.clear();
+        part.guarantees.justice.clear();
+    }
+    let assumed = system
+        .parts
+        .iter()
+        .any(|p| formulas(&p.assumptions).next().is_some());
+    let claim = Claim {
+        given: given(belt),
+        goal: keeping(belt),
+        exports: Exports::Never,
+        ..claim
+    };
+    let proof = decide(&system, &claim, limits)?;
+    if !proof.loops.is_empty() && assumed {
+        return Err(Limit::Size);
+    }
+    let mut found = Vec::new();
+    let mut told = std::collections::BTreeSet::new();
+    for open in proof.open {
+        match open.what.part {
+            Some(part) => {
+                let side = &system.parts[part].assumptions;
+                let formula =
+                    linewright_algebra::system::list(side, open.what.kind)[open.what.index].clone();
+                let component = &machine.components[part];
+                if told.insert((part, formula.span)) {
+                    found.push(Broken::Assumption(
+                        messages::assumed(component, &formula),
+                        formula,
+                    ));
+                }
+            }
+            None if open.what.kind == RuleKind::Justice => {}
+            None => {
+                if !found.iter().any(|f| matches!(f, Broken::Keeping)) {
+                    found.push(Broken::Keeping);
+                }
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn formula(belt: &Belt, name: &str, expr: &Expr) -> Formula {
+    Formula {
+        name: name.to_owned(),
+        requirement: None,
+        expr: expr.simplify(),
+        span: belt.machine.span,
+        text: name.to_owned(),
+    }
+}
+
+/// What the line and the machine's file see to.
+fn given(belt: &Belt) -> Side {
+    let mut side = Side::default();
+    let on = |wire: usize| is(VarId(wire as u32), 1);
+    let waits = on(belt.load)
+        .and(on(belt.ready).not())
+        .implies(later(&on(belt.load)));
+    side.safety.push(formula(
+        belt,
+        "what waits to come on goes on waiting",
+        &waits,
+    ));
+    let defaults: Vec<f64> = belt.machine.properties.iter().map(|p| p.default).collect();
+    for (wire, input) in belt.machine.plant.iter().enumerate() {
+        if wire == belt.load || wire == belt.unload_ready {
+            continue;
+        }
+        let values = match &input.source {
+            PlantSource::Signal { script } => script.clone(),
+            PlantSource::Property(expr) => vec![expr.eval(&defaults, &[]).round() as i64],
+            PlantSource::Operation => vec![input.domain.low()],
+        };
+        let wire = Expr::now(VarId(wire as u32));
+        let known = any(values
+            .into_iter()
+            .map(|v| wire.clone().equals(Expr::Const(v))));
+        side.invariants
+            .push(formula(belt, "inputs of the machine's file", &known));
+    }
+    side
+}
+
+/// As many places are occupied as there are parts on the belt, and no part moves backwards: behind each place there never come to be more
+/// than there were, but for the one that comes on.
+fn keeping(belt: &Belt) -> Side {
+    let mut side = Side::default();
+    let on = |wire: usize| is(VarId(wire as u32), 1);
+    let number = |condition: Expr| count([condition]);
+    let none = all(belt.places.iter().map(|p| on(*p).not()));
+    side.initial
+        .push(formula(belt, "a belt is empty at first", &none));
+    let last = belt.places.last().map_or(Expr::FALSE, |p| on(*p));
+    let taken = number(on(belt.unload_ready).and(last));
+    let comes = number(on(belt.load).and(on(belt.ready)));
+    let sub = |a: Expr, b: Expr| Expr::binary(BinaryOp::Sub, a, b);
+    let held = count(belt.places.iter().map(|p| on(*p)));
+    let after = Expr::binary(BinaryOp::Add, sub(held.clone(), taken.clone()), comes);
+    side.safety.push(formula(
+        belt,
+        "a belt keeps every part",
+        &later(&held).equals(after),
+    ));
+    for place in 1..belt.places.len() {
+        let ahead = count(belt.places[place..].iter().map(|p| on(*p)));
+        let rest = sub(ahead.clone(), taken.clone());
+        let kept = Expr::binary(BinaryOp::Ge, later(&ahead), rest);
+        side.safety
+            .push(formula(belt, "a belt keeps the order of its parts", &kept));
+    }
+    side
+}

@@ -1,0 +1,199 @@
+//! The calls of one station: every call that can come, in every state that calls can lead to.
+//!
+//! A call is a task with the values that the machine is given. After a call that is refused the station is as it was before the operation that
+//! failed, as in the runner; operations of the same task that went well before it have happened.
+
+use super::{Real, ordered, plain};
+use linewright_language::contract::line::Task;
+use linewright_language::contract::machine::{Machine, PropertyKind};
+use linewright_station::interpret::{Interpreter, Relevance, State};
+use linewright_station::{CallError, ErrorCode};
+use std::collections::{BTreeMap, VecDeque};
+
+/// A station: its states and calls, and what it answers.
+#[derive(Debug)]
+pub(super) struct Desk {
+    interpreter: Interpreter,
+    relevance: Relevance,
+    states: Vec<State>,
+    known: BTreeMap<State, usize>,
+    /// By state, from which state and by which call it was first reached.
+    before: Vec<Option<(usize, usize)>>,
+    /// What is asked for.
+    pub calls: Vec<Call>,
+    asked: BTreeMap<(usize, Vec<Real>), usize>,
+    /// Pairs of state and call that were not tried yet.
+    open: VecDeque<(usize, usize)>,
+}
+
+/// A task with the values of the machine's properties.
+#[derive(Debug)]
+pub(super) struct Call {
+    /// By its index in the station's tasks.
+    pub task: usize,
+    /// The machine's properties.
+    pub values: Vec<Real>,
+    /// By state, what is answered.
+    pub answers: BTreeMap<usize, Result<Answer, Refusal>>,
+}
+
+/// What a task came to.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Answer {
+    /// The machine's properties afterwards.
+    pub values: Vec<Real>,
+    /// How long it took, in seconds.
+    pub seconds: Real,
+}
+
+/// A call that is not answered.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Refusal {
+    /// The operation, as an index into the machine's.
+    pub operation: usize,
+    /// What the library says.
+    pub error: CallError,
+}
+
+impl Desk {
+    pub fn new(interpreter: Interpreter) -> Self {
+        let relevance = Relevance::of(&interpreter);
+        let first = relevance.reduce(interpreter.initial());
+        Self {
+            relevance,
+            known: BTreeMap::from([(first.clone(), 0)]),
+            states: vec![first],
+            before: vec![None],
+            calls: Vec::new(),
+            asked: BTreeMap::new(),
+            open: VecDeque::new(),
+            interpreter,
+        }
+    }
+
+    /// A call that may come; whether it is a new one.
+    pub fn ask(&mut self, task: usize, values: Vec<Real>) -> (usize, bool) {
+        let key = (task, values);
+        if let Some(known) = self.asked.get(&key) {
+            return (*known, false);
+        }
+        let index = self.calls.len();
+        self.calls.push(Call {
+            task,
+            values: key.1.clone(),
+            answers: BTreeMap::new(),
+        });
+        self.asked.insert(key, index);
+        self.open.extend((0..self.states.len()).map(|s| (s, index)));
+        (index, true)
+    }
+
+    /// Tries one call in one state: which call, and the steps it took. `None` when all were tried.
+    pub fn try_next(&mut self, tasks: &[Task]) -> Option<(usize, usize, u64)> {
+        let (state, call) = self.open.pop_front()?;
+        let task = &tasks[self.calls[call].task];
+        let (after, answer, steps) = self.perform(state, task, &plain(&self.calls[call].values));
+        let after = self.relevance.reduce(after);
+        if !self.known.contains_key(&after) {
+            let index = self.states.len();
+            self.known.insert(after.clone(), index);
+            self.states.push(after);
+            self.before.push(Some((state, call)));
+            self.open.extend((0..self.calls.len()).map(|c| (index, c)));
+        }
+        self.calls[call].answers.insert(state, answer);
+        Some((state, call, steps))
+    }
+
+    /// Runs the operations of a task, as the runner does.
+    fn perform(
+        &self,
+        state: usize,
+        task: &Task,
+        values: &[f64],
+    ) -> (State, Result<Answer, Refusal>, u64) {
+        let machine = self.interpreter.machine();
+        let mut state = self.states[state].clone();
+        let mut values = values.to_vec();
+        let (mut seconds, mut joules, mut steps) = (0.0, 0.0, 1);
+        for (operation, parameters) in &task.operations {
+            set_parameters(machine, parameters, &mut values);
+            match self.interpreter.perform(&state, *operation, &values) {
+                Ok((after, new, service)) => {
+                    state = after;
+                    values = new;
+                    seconds += service.seconds;
+                    joules += service.joules;
+                    steps += service.steps;
+                }
+                Err(error) => {
+                    if error.code == ErrorCode::Limit {
+                        state = self.interpreter.initial();
+                        steps += machine.step_limit;
+                    }
+                    let refusal = Refusal {
+                        operation: *operation,
+                        error,
+                    };
+                    return (state, Err(refusal), steps);
+                }
+            }
+            if let Some(error) = CallError::unmeasured(seconds, joules) {
+                let refusal = Refusal {
+                    operation: *operation,
+                    error,
+                };
+                return (state, Err(refusal), steps);
+            }
+        }
+        let answer = Answer {
+            values: ordered(&values),
+            seconds: Real(seconds),
+        };
+        (state, Ok(answer), steps)
+    }
+
+    /// How many states calls can lead to.
+    pub fn states(&self) -> usize {
+        self.states.len()
+    }
+
+    /// The calls that lead to a state, from the first on.
+    pub fn way_to(&self, mut state: usize) -> Vec<usize> {
+        let mut calls = Vec::new();
+        while let Some((from, call)) = self.before[state] {
+            calls.push(call);
+            state = from;
+        }
+        calls.reverse();
+        calls
+    }
+
+    /// How many steps an operation takes that does not end within the machine's limit, if it ends within many times that.
+    pub fn steps_needed(&self, state: usize, task: &Task, call: &Call, most: u64) -> Option<u64> {
+        let mut machine = self.interpreter.machine().clone();
+        machine.step_limit = machine.step_limit.saturating_mul(1000).min(most);
+        let patient = self.interpreter.with_machine(machine);
+        let mut state = self.states[state].clone();
+        let mut values = plain(&call.values);
+        let mut longest = None;
+        for (operation, parameters) in &task.operations {
+            set_parameters(patient.machine(), parameters, &mut values);
+            let (after, new, service) = patient.perform(&state, *operation, &values).ok()?;
+            (state, values) = (after, new);
+            longest = longest.max(Some(service.steps));
+        }
+        longest
+    }
+}
+
+fn set_parameters(machine: &Machine, given: &[(usize, f64)], values: &mut [f64]) {
+    for (value, property) in values.iter_mut().zip(&machine.properties) {
+        if property.kind == PropertyKind::Parameter {
+            *value = property.default;
+        }
+    }
+    for &(index, value) in given {
+        values[index] = value;
+    }
+}

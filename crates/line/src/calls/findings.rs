@@ -1,0 +1,477 @@
+//! What goes wrong with the parts of a line, in words, with the way of the part as evidence.
+
+use super::desk::Refusal;
+use super::walk::{Choice, Misfit, Stage, Vertex, Walk};
+use super::{Calls, machine_of};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::Formula;
+use linewright_language::contract::line::{Line, NodeKind};
+use linewright_language::contract::machine::{Component, Machine};
+use linewright_station::{ErrorCode, messages};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Maximum operations, or changes of values, that are listed on the way to a mistake.
+const MOST_TOLD: usize = 8;
+
+/// Adds what was found.
+pub(super) fn add(walk: &Walk<'_>, calls: &mut Calls) {
+    let writer = Writer {
+        walk,
+        certain: certain(walk),
+    };
+    for node in 0..walk.line.nodes.len() {
+        writer.refusals(node, &mut calls.findings);
+    }
+    writer.misfits(&mut calls.findings);
+    writer.stranded(&mut calls.findings);
+    if walk.is_complete() {
+        writer.dead_routes(calls);
+        writer.empty_stores(calls);
+    }
+}
+
+/// The vertices that some part certainly comes to if the line goes on: nothing on the way there depends on what is left open.
+fn certain(walk: &Walk<'_>) -> Vec<bool> {
+    let mut certain = vec![false; walk.vertices.len()];
+    let mut open: Vec<usize> = walk.births.clone();
+    while let Some(at) = open.pop() {
+        if std::mem::replace(&mut certain[at], true) {
+            continue;
+        }
+        let vertex = &walk.vertices[at];
+        let refused = vertex.call.is_some_and(|call| {
+            let desk = walk.desks[vertex.node].as_ref();
+            desk.is_some_and(|d| d.calls[call].answers.values().any(Result::is_err))
+        });
+        let decided = vertex.choice == Choice::Chance || vertex.next.len() == 1;
+        if decided && !refused {
+            open.extend(&vertex.next);
+        }
+    }
+    certain
+}
+
+struct Writer<'a> {
+    walk: &'a Walk<'a>,
+    certain: Vec<bool>,
+}
+
+impl Writer<'_> {
+    fn line(&self) -> &Line {
+        self.walk.line
+    }
+
+    fn name(&self, node: usize) -> &str {
+        &self.line().nodes[node].name
+    }
+
+    /// One finding for each operation and thing that is wrong: the most certain, and then the one with the shortest way.
+    fn refusals(&self, node: usize, findings: &mut Vec<Diagnostic>) {
+        let (Some(machine), Some(desk)) = (machine_of(self.line(), node), &self.walk.desks[node])
+        else {
+            return;
+        };
+        let mut best: BTreeMap<(usize, i32, String), (Rank, Refused<'_>)> = BTreeMap::new();
+        for (call, state, refusal) in self.walk.refusals(node) {
+            let always = desk.calls[call].answers.values().all(Result::is_err);
+            let before = desk.way_to(state).len();
+            for at in self.walk.askers(node, call) {
+                let way = self.way(*at).len();
+                let rank = (!(always && self.certain[*at]), before, way, *at);
+                let what = refusal
+                    .error
+                    .rule
+                    .clone()
+                    .unwrap_or_else(|| without_numbers(&refusal.error.message));
+                let refused = Refused {
+                    at: *at,
+                    call,
+                    state,
+                    always,
+                    refusal,
+                };
+                let key = (refusal.operation, refusal.error.code as i32, what);
+                let kept = best.entry(key).or_insert((rank, refused));
+                if rank < kept.0 {
+                    *kept = (rank, refused);
+                }
+            }
+        }
+        let found = best.into_values().map(|(_, r)| self.refused(machine, &r));
+        findings.extend(found);
+    }
+
+    fn refused(&self, machine: &Machine, refused: &Refused<'_>) -> Diagnostic {
+        let vertex = &self.walk.vertices[refused.at];
+        let (node, error) = (&self.line().nodes[vertex.node], &refused.refusal.error);
+        let rule = error
+            .rule
+            .as_ref()
+            .and_then(|rule| formula_of(machine, rule));
+        let kind = &self.line().parts[vertex.part].name;
+        let way = self.walk.desks[vertex.node].as_ref();
+        let earlier = way.map_or(Vec::new(), |desk| desk.way_to(refused.state));
+        let of_order = error.code == ErrorCode::Order || !refused.always;
+        let is_assumed = matches!(error.code, ErrorCode::Order | ErrorCode::Assumption);
+        let mut finding = match rule.filter(|_| of_order && is_assumed) {
+            Some((component, formula)) => {
+                let forbids = messages::assumed(component, formula);
+                let message = format!(
+                    "{} may be asked for what {forbids} forbids: {}",
+                    node.name, formula.text
+                );
+                Diagnostic::warning(codes::LINE_ASKS, node.span, message)
+            }
+            None if of_order || !self.certain[refused.at] => {
+                let message = format!("{} may refuse a {kind}: {}", node.name, error.message);
+                Diagnostic::warning(codes::LINE_REFUSED, node.span, message)
+            }
+            None => {
+                let message = format!("{} refuses a {kind}: {}", node.name, error.message);
+                Diagnostic::error(codes::LINE_REFUSED, node.span, message)
+            }
+        };
+        if let Some((_, formula)) = rule {
+            finding = finding.with_label(formula.span, "this would be broken");
+        }
+        if of_order {
+            let asked = self.operations(vertex.node, machine, &earlier, refused);
+            finding = finding.with_note(format!(
+                "it comes to that when {} is asked for {}: {} is refused, and the part at work is taken out of the line",
+                node.name,
+                in_turn(&asked),
+                if asked.len() == 1 { "that" } else { "the last of these" }
+            ));
+        }
+        if !self.line().parts[vertex.part].properties.is_empty() {
+            finding = finding.with_note(self.story(refused.at));
+        }
+        finding.with_help(self.help(refused, machine, of_order))
+    }
+
+    fn help(&self, refused: &Refused<'_>, machine: &Machine, of_order: bool) -> String {
+        let vertex = &self.walk.vertices[refused.at];
+        match refused.refusal.error.code {
+            ErrorCode::Limit => {
+                let desk = self.walk.desks[vertex.node].as_ref();
+                let NodeKind::Station { tasks, .. } = &self.line().nodes[vertex.node].kind else {
+                    return String::new();
+                };
+                let needed = desk.and_then(|desk| {
+                    let call = &desk.calls[refused.call];
+                    desk.steps_needed(refused.state, &tasks[call.task], call, self.walk.bounds.steps)
+                });
+                match needed {
+                    Some(steps) => format!(
+                        "it would take {steps} steps, and `{}` allows {}: write `limit {steps} steps`, or a larger number",
+                        machine.name, machine.step_limit
+                    ),
+                    None => "the operation does not end with a far larger limit either: see what its actions wait for"
+                        .to_owned(),
+                }
+            }
+            ErrorCode::Domain => {
+                "keep such values away by a route with a condition, or let the machine's expressions and ranges allow for them"
+                    .to_owned()
+            }
+            _ if of_order => {
+                "let the station perform other operations, or the same ones in another order; or weaken what forbids it".to_owned()
+            }
+            _ => "keep such parts away by a route with a condition, change what the machine makes of their values, or weaken the assumption"
+                .to_owned(),
+        }
+    }
+
+    /// The operations that are asked for up to a refusal.
+    fn operations<'m>(
+        &self,
+        node: usize,
+        machine: &'m Machine,
+        earlier: &[usize],
+        refused: &Refused<'_>,
+    ) -> Vec<&'m str> {
+        let NodeKind::Station { tasks, .. } = &self.line().nodes[node].kind else {
+            return Vec::new();
+        };
+        let Some(desk) = &self.walk.desks[node] else {
+            return Vec::new();
+        };
+        let of_call = |call: usize| tasks[desk.calls[call].task].operations.iter();
+        let name = |operation: usize| machine.operations[operation].name.as_str();
+        let mut asked: Vec<&str> = earlier
+            .iter()
+            .flat_map(|call| of_call(*call))
+            .map(|(operation, _)| name(*operation))
+            .collect();
+        for (operation, _) in of_call(refused.call) {
+            asked.push(name(*operation));
+            if *operation == refused.refusal.operation {
+                break;
+            }
+        }
+        asked
+    }
+
+    fn misfits(&self, findings: &mut Vec<Diagnostic>) {
+        let mut told = BTreeSet::new();
+        for misfit in &self.walk.misfits {
+            let vertex = &self.walk.vertices[misfit.vertex];
+            if told.insert((vertex.node, vertex.part, misfit.property, misfit.defect)) {
+                findings.push(self.misfit(misfit, vertex));
+            }
+        }
+    }
+
+    fn misfit(&self, misfit: &Misfit, vertex: &Vertex) -> Diagnostic {
+        let node = &self.line().nodes[vertex.node];
+        let part = &self.line().parts[vertex.part];
+        let property = &part.properties[misfit.property];
+        let defect = match &node.kind {
+            NodeKind::Station { defects, .. } => misfit.defect.map(|d| &defects[d]),
+            _ => None,
+        };
+        let range = property.describe();
+        let who = match (defect, vertex.stage) {
+            (Some(_), _) => format!("a defect at {}", node.name),
+            (None, Stage::Joined | Stage::Comes) => format!("joining at {}", node.name),
+            (None, _) => format!("the work of {}", node.name),
+        };
+        let message = format!(
+            "{who} gives `{}` of {} the value {}, which is not one of {range}",
+            property.name, part.name, misfit.value
+        );
+        let span = defect.map_or(node.span, |d| d.span);
+        let finding = if self.certain[misfit.vertex] {
+            Diagnostic::error(codes::LINE_VALUE, span, message)
+        } else {
+            Diagnostic::warning(codes::LINE_VALUE, span, message)
+        };
+        finding
+            .with_note(self.story(misfit.vertex))
+            .with_help("keep the value in its range with `min`, `max` or `mod`, or declare a wider range for the property")
+    }
+
+    fn stranded(&self, findings: &mut Vec<Diagnostic>) {
+        let mut told = BTreeSet::new();
+        for at in &self.walk.stranded {
+            let vertex = &self.walk.vertices[*at];
+            if !told.insert((vertex.node, vertex.part)) {
+                continue;
+            }
+            let (node, kind) = (
+                &self.line().nodes[vertex.node],
+                &self.line().parts[vertex.part].name,
+            );
+            let message = format!(
+                "a {kind} has no way onward from {}: none of the conditions of its routes holds",
+                node.name
+            );
+            let finding = if self.certain[*at] {
+                Diagnostic::error(codes::LINE_ROUTE, node.span, message)
+            } else {
+                Diagnostic::warning(codes::LINE_ROUTE, node.span, message)
+            };
+            findings.push(
+                finding
+                    .with_note(self.story(*at))
+                    .with_help("end the last route with `otherwise`"),
+            );
+        }
+    }
+
+    fn dead_routes(&self, calls: &mut Calls) {
+        for (index, route) in self.line().routes.iter().enumerate() {
+            let leaves = |v: &Vertex| {
+                v.stage == Stage::Leaves && (v.node, v.part) == (route.from, route.part)
+            };
+            let is_stranded = |at: &usize| leaves(&self.walk.vertices[*at]);
+            // What is left over may be nothing, unless a station is there for it alone; and where no part comes at all, something before is
+            // told.
+            let is_net = route.condition.is_none() && !self.is_idle_station(route.to);
+            if calls.taken[index]
+                || is_net
+                || self.walk.stranded.iter().any(is_stranded)
+                || !self.walk.vertices.iter().any(leaves)
+            {
+                continue;
+            }
+            let kind = &self.line().parts[route.part].name;
+            let why = if route.condition.is_some() {
+                "its condition never holds there"
+            } else {
+                "the routes before this one take them all"
+            };
+            let message = format!(
+                "no {kind} ever goes from {} to {}: {why}",
+                self.name(route.from),
+                self.name(route.to)
+            );
+            calls.remarks.push(
+                Diagnostic::warning(codes::LINE_ROUTE, route.span, message)
+                    .with_help("see which values the part can have there; or leave the route out"),
+            );
+        }
+    }
+
+    /// Stores that have routes for parts of a type and never any to give.
+    fn empty_stores(&self, calls: &mut Calls) {
+        let line = self.line();
+        for (node, declared) in line.nodes.iter().enumerate() {
+            if !matches!(declared.kind, NodeKind::Store { .. }) {
+                continue;
+            }
+            let routes = line.routes.iter().filter(|r| r.from == node);
+            let parts: BTreeSet<usize> = routes.map(|r| r.part).collect();
+            for part in parts {
+                if self
+                    .walk
+                    .vertices
+                    .iter()
+                    .any(|v| (v.node, v.part) == (node, part))
+                {
+                    continue;
+                }
+                let kind = &line.parts[part].name;
+                let message = format!(
+                    "no {kind} ever leaves {}: it has none in stock, and none comes to it",
+                    declared.name
+                );
+                calls.remarks.push(
+                    Diagnostic::warning(codes::LINE_ROUTE, declared.span, message)
+                        .with_help("give it a stock, or leave the route out"),
+                );
+            }
+        }
+    }
+
+    /// Whether a node is a station to which no part ever comes.
+    fn is_idle_station(&self, node: usize) -> bool {
+        let is_station = matches!(self.line().nodes[node].kind, NodeKind::Station { .. });
+        is_station && !self.walk.vertices.iter().any(|v| v.node == node)
+    }
+
+    /// The vertices on the way of a part, from where it is made on.
+    fn way(&self, at: usize) -> Vec<usize> {
+        let mut way = vec![at];
+        while let Some(before) = self.walk.vertices[way[way.len() - 1]].before {
+            way.push(before);
+        }
+        way.reverse();
+        way
+    }
+
+    /// `the way of that part: it is made at s with x = 0; m makes it x = 1; it comes to n`.
+    fn story(&self, at: usize) -> String {
+        let way = self.way(at);
+        let mut told: Vec<String> = Vec::new();
+        let mut last: Option<&Vertex> = None;
+        for vertex in way.iter().map(|v| &self.walk.vertices[*v]) {
+            let node = self.name(vertex.node);
+            let all = self.values(vertex, None);
+            match last {
+                None => told.push(format!("made at {node}{}", with(&all))),
+                Some(before) if before.part != vertex.part => {
+                    let kind = &self.line().parts[vertex.part].name;
+                    told.push(format!("joined to a {kind} at {node}{}", with(&all)));
+                }
+                Some(before) => {
+                    let changed = self.values(vertex, Some(before));
+                    if !changed.is_empty() {
+                        let how = match vertex.stage {
+                            Stage::Leaves => format!("a defect at {node}"),
+                            _ => node.to_owned(),
+                        };
+                        told.push(format!("{how} makes {}", changed.join(", ")));
+                    }
+                }
+            }
+            last = Some(vertex);
+        }
+        let left_out = told.len().saturating_sub(MOST_TOLD + 1);
+        if left_out > 0 {
+            let rest = format!("{left_out} more changes");
+            told.splice(1..=left_out, [rest]);
+        }
+        format!("the way of that part: {}", told.join("; "))
+    }
+
+    /// The values of a part, or those of them that are others than before.
+    fn values(&self, vertex: &Vertex, before: Option<&Vertex>) -> Vec<String> {
+        let properties = self.line().parts[vertex.part].properties.iter().enumerate();
+        let changed = |i: &usize| before.is_none_or(|b| b.values[*i] != vertex.values[*i]);
+        properties
+            .filter(|(i, _)| changed(i) && !self.walk.unread[vertex.part][*i])
+            .map(|(i, property)| {
+                let value = vertex.values[i].0;
+                let shown = match &property.domain {
+                    Some(domain) if domain.contains_real(value) => domain.show(value as i64),
+                    _ if value.abs() >= 1e15 => format!("{value:e}"),
+                    _ => value.to_string(),
+                };
+                format!("{} = {shown}", property.name)
+            })
+            .collect()
+    }
+}
+
+/// Smaller is better: whether it depends on something that is left open, how many calls come before, how long the part's way is.
+type Rank = (bool, usize, usize, usize);
+
+#[derive(Clone, Copy)]
+struct Refused<'a> {
+    at: usize,
+    call: usize,
+    state: usize,
+    /// In whatever state the station is.
+    always: bool,
+    refusal: &'a Refusal,
+}
+
+fn with(values: &[String]) -> String {
+    if values.is_empty() {
+        String::new()
+    } else {
+        format!(" with {}", values.join(", "))
+    }
+}
+
+/// A message without its numbers, which tells alike mistakes from others.
+fn without_numbers(message: &str) -> String {
+    message.chars().filter(|c| !c.is_ascii_digit()).collect()
+}
+
+/// The formula that a library names.
+fn formula_of<'m>(machine: &'m Machine, rule: &str) -> Option<(&'m Component, &'m Formula)> {
+    machine.components.iter().find_map(|component| {
+        let sides = [
+            &component.specification.assumptions,
+            &component.specification.guarantees,
+        ];
+        let mut formulas = sides.into_iter().flat_map(linewright_core::gr1::Side::all);
+        let formula = formulas.find(|f| messages::rule(component, f) == rule)?;
+        Some((component, formula))
+    })
+}
+
+/// Operations in order, for a message: `` `left` twice, then `right` ``. Of a long sequence only the end.
+pub fn in_turn(operations: &[&str]) -> String {
+    let mut told: Vec<(&str, usize)> = Vec::new();
+    for name in operations {
+        match told.last_mut() {
+            Some((last, times)) if last == name => *times += 1,
+            _ => told.push((name, 1)),
+        }
+    }
+    let text = |(name, times): &(&str, usize)| match times {
+        1 => format!("`{name}`"),
+        2 => format!("`{name}` twice"),
+        times => format!("`{name}` {times} times"),
+    };
+    let left_out = told.len().saturating_sub(MOST_TOLD);
+    let mut texts: Vec<String> = Vec::new();
+    if left_out > 0 {
+        texts.push(format!("{left_out} others"));
+    }
+    texts.extend(told[left_out..].iter().map(text));
+    texts.join(", then ")
+}

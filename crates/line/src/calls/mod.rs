@@ -1,0 +1,169 @@
+//! What a line asks of its stations: every value that a part can carry to them, every state in which they can be, and what they answer.
+//!
+//! The proof of a line ([`super::abstraction`]) leaves properties and times out. What it takes for granted is shown here: that no part is
+//! refused, that no value leaves its range, that every part has a way onward, and that time passes. `docs/proof.md` has the theorem.
+//!
+//! ```text
+//! Line, controllers ─walk→ Walk (a graph of parts with their values) ─examine→ Calls ─findings→ Diagnostics
+//! ```
+//!
+//! # How
+//!
+//! A station answers a call as its controllers say, and by nothing else: given its state and the values of the part, the answer is fixed. So
+//! the calls of a line are explored one by one, with the very interpreter that the station libraries are tested against
+//! ([`linewright_station::interpret`]). The order in which parts come to a station is left open: every part that can come is
+//! tried in every state that calls can lead to (`desk.rs`). Chance branches. Everything else about times and orders is forgotten, so more is
+//! explored than can happen, and never less.
+//!
+//! - What can be explored within its limits is exact but for the order of parts: a refusal that does not depend on the state of the station
+//!   is an error, one that does is a warning.
+//! - What cannot be is undecided, and the line is not proved.
+//!
+//! Where several routes remain for parts of a type, a proof that all goes on needs each of them to be taken again and again. Chance sees to
+//! that, almost surely, where every part that is made has a chance to come to that route whatever the stations' states are (`chance.rs`).
+
+mod belt;
+mod chance;
+mod desk;
+mod findings;
+mod premises;
+mod time;
+mod unread;
+mod walk;
+
+pub use findings::in_turn;
+pub use premises::{Premise, premises};
+pub use time::Timeless;
+
+use linewright_core::diagnostics::Diagnostic;
+use linewright_language::contract::line::{Line, NodeKind};
+use linewright_language::contract::machine::Machine;
+use linewright_solver::game::Limits;
+use linewright_station::interpret::Interpreter;
+use std::cmp::Ordering;
+
+/// How much is explored.
+#[derive(Debug, Clone, Copy)]
+pub struct Bounds {
+    /// Maximum combinations of values of parts, over all places.
+    pub values: usize,
+    /// Maximum steps of controllers.
+    pub steps: u64,
+}
+
+/// What is known of the calls of a line.
+#[derive(Debug, Default)]
+pub struct Calls {
+    /// Parts that are refused, values that leave their range, parts without a way: with any of these the line is not proved.
+    pub findings: Vec<Diagnostic>,
+    /// What is odd, and breaks nothing: routes that no part takes.
+    pub remarks: Vec<Diagnostic>,
+    /// Stations and belts of which it was not decided whether they refuse a part, each with the reason.
+    pub undecided: Vec<(usize, String)>,
+    /// By route: whether a part can take it. All are where something was not decided.
+    pub taken: Vec<bool>,
+    /// By route: whether every part that comes as far as to ask for its condition takes it.
+    pub always: Vec<bool>,
+    /// By route: whether chance sees to it that it is taken again and again as long as parts come.
+    pub by_chance: Vec<bool>,
+    /// A way on which parts move on and on while no time passes.
+    pub timeless: Option<Timeless>,
+}
+
+impl Calls {
+    /// The line without routes that no part takes, and without conditions that always hold.
+    pub fn simplified(&self, line: &Line) -> Line {
+        let routes = line.routes.iter().enumerate();
+        let routes = routes.filter(|(at, _)| self.taken[*at]);
+        let routes = routes.map(|(at, route)| {
+            let mut route = route.clone();
+            if self.always[at] {
+                route.condition = None;
+            }
+            route
+        });
+        Line {
+            routes: routes.collect(),
+            ..line.clone()
+        }
+    }
+}
+
+/// Explores the calls of a line that the resolver has passed. `interpreter` gives the machine of a station with its controllers; without one
+/// nothing is known of that station.
+pub fn examine(
+    line: &Line,
+    interpreter: impl Fn(&Machine) -> Option<Interpreter>,
+    bounds: &Bounds,
+    limits: &Limits,
+) -> Calls {
+    let walk = walk::Walk::new(line, interpreter, bounds).explore(limits);
+    let mut calls = Calls {
+        findings: Vec::new(),
+        remarks: Vec::new(),
+        undecided: walk.undecided.clone(),
+        taken: vec![true; line.routes.len()],
+        always: vec![false; line.routes.len()],
+        by_chance: (0..line.routes.len()).map(|r| is_alone(line, r)).collect(),
+        timeless: time::timeless(&walk),
+    };
+    if walk.is_complete() {
+        walk.routes(&mut calls);
+        chance::branches(&walk, &mut calls);
+    }
+    findings::add(&walk, &mut calls);
+    belt::examine(line, limits, &mut calls);
+    calls
+}
+
+/// A number that a part carries, with an order.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Real(pub f64);
+
+impl PartialEq for Real {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Real {}
+
+impl PartialOrd for Real {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Real {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+/// The numbers as they are.
+fn plain(numbers: &[Real]) -> Vec<f64> {
+    numbers.iter().map(|n| n.0).collect()
+}
+
+/// The numbers with their order.
+fn ordered(numbers: &[f64]) -> Vec<Real> {
+    numbers.iter().map(|n| Real(*n)).collect()
+}
+
+/// Whether a route is the only one for its part from where it begins.
+fn is_alone(line: &Line, route: usize) -> bool {
+    let of = |r: &linewright_language::contract::line::Route| (r.from, r.part);
+    let rivals = line
+        .routes
+        .iter()
+        .filter(|r| of(r) == of(&line.routes[route]));
+    rivals.count() == 1
+}
+
+/// The machine of a station.
+fn machine_of(line: &Line, node: usize) -> Option<&Machine> {
+    match &line.nodes[node].kind {
+        NodeKind::Station { machine, .. } => Some(machine),
+        _ => None,
+    }
+}

@@ -1,0 +1,117 @@
+//! What the proof of a line takes for granted of the world around it, by name.
+
+use super::Calls;
+use crate::abstraction::Shape;
+use linewright_language::contract::line::{Line, NodeKind, Supply};
+
+/// Something that a proof rests on and that the line itself does not show.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Premise {
+    /// The name: `stock_of_Brick_at_warehouse`.
+    pub name: String,
+    /// In words: `the stock of Brick at warehouse does not run out`.
+    pub text: String,
+}
+
+/// The premises of a line, of which `calls` are known. The line is the one that the user wrote.
+pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
+    let mut found = Vec::new();
+    for (node, declared) in line.nodes.iter().enumerate() {
+        let name = &declared.name;
+        match &declared.kind {
+            NodeKind::Store { .. } => stock(line, calls, node, &mut found),
+            NodeKind::Source {
+                supply: Supply::Every { limit: Some(n), .. },
+                ..
+            } => found.push(Premise {
+                name: format!("more_from_{name}"),
+                text: format!("{name} goes on after its limit of {n}"),
+            }),
+            NodeKind::Source {
+                part,
+                supply: Supply::OnOrder,
+                ..
+            } => found.extend(orders(line, calls, node, *part)),
+            _ => {}
+        }
+    }
+    for (index, route) in line.routes.iter().enumerate() {
+        if calls.taken[index] && !calls.by_chance[index] {
+            let kind = &line.parts[route.part].name;
+            let (from, to) = (&line.nodes[route.from].name, &line.nodes[route.to].name);
+            let premise = Premise {
+                name: format!("{from}_sends_{kind}_to_{to}"),
+                text: format!(
+                    "as long as {kind} parts leave {from}, one of them goes to {to} in the end"
+                ),
+            };
+            if !found.contains(&premise) {
+                found.push(premise);
+            }
+        }
+    }
+    found
+}
+
+/// Stock is finite, and what a store gives out of what came to it need not come again.
+fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
+    let store = &line.nodes[node].name;
+    for (part, kind) in line.parts.iter().enumerate() {
+        let mut routes = line.routes.iter().zip(&calls.taken);
+        if !routes.any(|(r, taken)| *taken && r.from == node && r.part == part) {
+            continue;
+        }
+        let mut routes = line.routes.iter().zip(&calls.taken);
+        let comes = routes.any(|(r, taken)| *taken && r.to == node && r.part == part);
+        let kind = &kind.name;
+        found.push(if comes {
+            Premise {
+                name: format!("more_{kind}_at_{store}"),
+                text: format!("{store} has another {kind} again and again"),
+            }
+        } else {
+            Premise {
+                name: format!("stock_of_{kind}_at_{store}"),
+                text: format!("the stock of {kind} at {store} does not run out"),
+            }
+        });
+    }
+}
+
+/// A source on order makes as many parts as the wanted products need. Where one of them leaves the line otherwise, and is not ordered again,
+/// some product lacks it.
+fn orders(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<Premise> {
+    let contents = Shape::contents(line);
+    if contents[line.product][part] == 0 {
+        return None;
+    }
+    let leaves = |node: usize, kind: usize| {
+        let mut routes = line.routes.iter();
+        routes.any(|r| r.from == node && r.part == kind)
+    };
+    let routes = line.routes.iter().zip(&calls.taken);
+    let mut taken = routes.filter(|(_, taken)| **taken).map(|(route, _)| route);
+    let lost = taken.find(|route| {
+        let contained = contents[route.part][part] > 0;
+        contained
+            && match &line.nodes[route.to].kind {
+                NodeKind::Sink {
+                    reject: true,
+                    reorder,
+                } => *reorder != Some(source),
+                NodeKind::Sink { .. } => route.part != line.product,
+                NodeKind::Store { .. } => {
+                    route.part != line.product && !leaves(route.to, route.part)
+                }
+                _ => false,
+            }
+    })?;
+    let name = &line.nodes[source].name;
+    let (kind, to) = (&line.parts[lost.part].name, &line.nodes[lost.to].name);
+    Some(Premise {
+        name: format!("more_orders_for_{name}"),
+        text: format!(
+            "{name} gets further orders: for a {kind} that ends at {to} nothing is ordered again from {name}"
+        ),
+    })
+}

@@ -1,0 +1,210 @@
+//! Whether parts can move on and on at one instant.
+//!
+//! It takes no time to move, to lie in a buffer or a store, and to be worked on where that work is shorter than [`SHORTEST_SECONDS`]. Such ways
+//! are followed with the values of parts, so that a part which goes round three times and then leaves is no circle. Parts move for ever
+//! at one instant
+//!
+//! - on a circle of such ways, and
+//! - where a source that always has another part leads to a sink or a store by such ways alone, since neither is ever full. The stock of a
+//!   store comes to an end. What is joined comes as often as the slowest of its components.
+
+use super::walk::{Stage, Vertex, Walk};
+use linewright_language::contract::SHORTEST_SECONDS;
+use linewright_language::contract::line::NodeKind;
+use std::collections::BTreeSet;
+
+/// A way on which parts move on and on while no time passes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Timeless {
+    /// The node where it begins.
+    pub from: usize,
+    /// The node where it ends: the same one for a circle.
+    pub to: usize,
+    /// Whether a part on it is never on any other way; otherwise values, chance or the order of parts may lead to where time passes.
+    pub always: bool,
+    /// Stations that may work on a part without any time passing.
+    pub stations: Vec<usize>,
+}
+
+/// What happens to a part next.
+struct Edge {
+    to: usize,
+    /// Whether it can happen without any time passing.
+    free: bool,
+    /// Whether it never takes time.
+    always_free: bool,
+}
+
+/// The graph of a walk, with what takes time.
+struct Timed<'a> {
+    walk: &'a Walk<'a>,
+    edges: Vec<Vec<Edge>>,
+}
+
+/// A way on which no time passes, if there is one among the parts of the walk. Linear in its edges, but for joined parts.
+pub(super) fn timeless(walk: &Walk<'_>) -> Option<Timeless> {
+    let all = 0..walk.vertices.len();
+    let timed = Timed {
+        walk,
+        edges: all.map(|at| edges(walk, at)).collect(),
+    };
+    let (from, to, always) = timed.circle().or_else(|| timed.endless())?;
+    let stations = 0..walk.desks.len();
+    Some(Timeless {
+        from,
+        to,
+        always,
+        stations: stations.filter(|node| is_quick(walk, *node)).collect(),
+    })
+}
+
+/// The times of the answers to a call.
+fn seconds(walk: &Walk<'_>, node: usize, call: usize) -> impl Iterator<Item = f64> {
+    let desk = walk.desks[node].iter();
+    let answers = desk.flat_map(move |d| d.calls[call].answers.values());
+    answers.flatten().map(|a| a.seconds.0)
+}
+
+/// Whether a station may work on a part in no time.
+fn is_quick(walk: &Walk<'_>, node: usize) -> bool {
+    let calls = walk.desks[node].as_ref().map_or(0, |d| d.calls.len());
+    (0..calls).any(|call| seconds(walk, node, call).any(|s| s < SHORTEST_SECONDS))
+}
+
+fn edges(walk: &Walk<'_>, at: usize) -> Vec<Edge> {
+    let vertex = &walk.vertices[at];
+    let on_belt = matches!(walk.line.nodes[vertex.node].kind, NodeKind::Conveyor { .. });
+    let edge = |to: usize| {
+        let (free, always_free) = match (walk.vertices[to].stage, vertex.call) {
+            (Stage::Served, Some(call)) => {
+                let mut known = seconds(walk, vertex.node, call);
+                let quick = |s: f64| s < SHORTEST_SECONDS;
+                let free = seconds(walk, vertex.node, call).any(quick);
+                (free, free && known.all(quick))
+            }
+            (Stage::Leaves, _) if on_belt => (false, false),
+            _ => (true, true),
+        };
+        Edge {
+            to,
+            free,
+            always_free,
+        }
+    };
+    vertex.next.iter().copied().map(edge).collect()
+}
+
+impl Timed<'_> {
+    fn vertex(&self, at: usize) -> &Vertex {
+        &self.walk.vertices[at]
+    }
+
+    /// A circle: what is left when vertices without a way onward, or without one that leads to them, are taken away again and again.
+    fn circle(&self) -> Option<(usize, usize, bool)> {
+        let count = self.edges.len();
+        let mut before = vec![Vec::new(); count];
+        for (from, edges) in self.edges.iter().enumerate() {
+            for edge in edges.iter().filter(|e| e.free) {
+                before[edge.to].push(from);
+            }
+        }
+        let after = |at: usize| self.edges[at].iter().filter(|e| e.free).map(|e| e.to);
+        let mut there = vec![true; count];
+        let mut onward: Vec<usize> = (0..count).map(|at| after(at).count()).collect();
+        let mut towards: Vec<usize> = before.iter().map(Vec::len).collect();
+        let mut open: Vec<usize> = (0..count).collect();
+        while let Some(at) = open.pop() {
+            if !there[at] || onward[at] > 0 && towards[at] > 0 {
+                continue;
+            }
+            there[at] = false;
+            for next in after(at) {
+                towards[next] -= 1;
+                open.push(next);
+            }
+            for previous in &before[at] {
+                onward[*previous] -= 1;
+                open.push(*previous);
+            }
+        }
+        let left = (0..count).filter(|at| there[*at]);
+        let node = left.map(|at| self.vertex(at).node).min()?;
+        let caught = self.never_out_of(there, |_| false);
+        Some((node, node, caught.contains(&true)))
+    }
+
+    /// From a source without an end to what is never full.
+    fn endless(&self) -> Option<(usize, usize, bool)> {
+        let is_end = |at: usize| {
+            let vertex = self.vertex(at);
+            let kind = &self.walk.line.nodes[vertex.node].kind;
+            vertex.stage == Stage::Comes
+                && matches!(kind, NodeKind::Sink { .. } | NodeKind::Store { .. })
+        };
+        // By vertex, the node of a source that leads there in no time.
+        let mut origin: Vec<Option<usize>> = vec![None; self.edges.len()];
+        let mut open: Vec<usize> = Vec::new();
+        for at in self.walk.births.iter().filter(|at| self.is_endless(**at)) {
+            origin[*at] = Some(self.vertex(*at).node);
+            open.push(*at);
+        }
+        let births = open.clone();
+        let mut ends = BTreeSet::new();
+        while let Some(at) = open.pop() {
+            if is_end(at) {
+                ends.insert((origin[at], self.vertex(at).node));
+                continue;
+            }
+            for edge in self.edges[at].iter().filter(|e| e.free) {
+                if origin[edge.to].is_none() && self.is_complete(edge.to, &origin) {
+                    origin[edge.to] = origin[at];
+                    open.push(edge.to);
+                }
+            }
+        }
+        let (from, to) = ends.into_iter().next()?;
+        let reached = origin.iter().map(Option::is_some).collect();
+        let caught = self.never_out_of(reached, is_end);
+        Some((from?, to, births.iter().any(|at| caught[*at])))
+    }
+
+    /// Whether a source has another part at once, however many it has given.
+    fn is_endless(&self, birth: usize) -> bool {
+        match &self.walk.line.nodes[self.vertex(birth).node].kind {
+            NodeKind::Source { supply, .. } => supply.is_endless(),
+            _ => false,
+        }
+    }
+
+    /// Whether all components of what is joined have come.
+    fn is_complete(&self, at: usize, origin: &[Option<usize>]) -> bool {
+        let joined = self.vertex(at);
+        let bill = &self.walk.line.parts[joined.part].bill;
+        joined.stage != Stage::Joined
+            || bill.iter().all(|(kind, _)| {
+                let mut known = origin.iter().enumerate();
+                known.any(|(from, origin)| {
+                    let (of, there) = (self.vertex(from), origin.is_some());
+                    there && of.part == *kind && of.next.contains(&at)
+                })
+            })
+    }
+
+    /// Of these vertices those from which no part comes to where time passes, nor out of them, but at an end.
+    fn never_out_of(&self, mut there: Vec<bool>, is_end: impl Fn(usize) -> bool) -> Vec<bool> {
+        loop {
+            let leads_out = |at: &usize| {
+                let edges = &self.edges[*at];
+                let stays = edges.iter().all(|e| e.always_free && there[e.to]);
+                there[*at] && !is_end(*at) && (edges.is_empty() || !stays)
+            };
+            let out: Vec<usize> = (0..there.len()).filter(leads_out).collect();
+            if out.is_empty() {
+                return there;
+            }
+            for at in out {
+                there[at] = false;
+            }
+        }
+    }
+}

@@ -1,0 +1,435 @@
+//! Properties on which nothing depends: no condition, no range, no time and no controller reads them, be it by way of others.
+//!
+//! Such a property may take any number of values (a count of the rounds that a part was reworked), so their values are not followed one by
+//! one. All that has to be shown is that they stay finite. That is an induction: from values within ±[`BOUND`] every change leads to values
+//! within it, in the arithmetic of doubles. Where the induction fails, the property is followed as the others are.
+
+use linewright_language::contract::line::{InitialValue, Line, NodeKind, Task};
+use linewright_language::contract::machine::{
+    ActionTime, Machine, PlantSource, RealBinary, RealExpr, RealUnary,
+};
+use std::collections::BTreeSet;
+
+/// Large enough that what adds to a value is lost in its rounding long before.
+const BOUND: f64 = 1e300;
+
+/// By part type and property: whether nothing depends on it.
+pub(super) fn unread(line: &Line) -> Vec<Vec<bool>> {
+    let flows = Flows::of(line);
+    let needed = flows.needed();
+    let parts = line.parts.iter().zip(&flows.first);
+    parts
+        .map(|(part, first)| {
+            let properties = 0..part.properties.len();
+            properties.map(|p| !needed.contains(&(first + p))).collect()
+        })
+        .collect()
+}
+
+/// A number that changes: a property of a part type, or of a machine while it does a task.
+type Slot = usize;
+
+/// What a slot may get.
+enum Value<'a> {
+    Number(f64),
+    Copy(Slot),
+    /// Over these slots, and the wires of the machine.
+    Computed(&'a RealExpr, Vec<Slot>, Option<&'a Machine>),
+}
+
+/// All slots, and what they may get.
+struct Flows<'a> {
+    /// By part type, its first slot.
+    first: Vec<Slot>,
+    changes: Vec<(Slot, Value<'a>)>,
+    /// Slots that are read.
+    read: BTreeSet<Slot>,
+    /// By slot, its values where these are known beforehand: it only ever gets numbers, or has the range of a part's property.
+    ranges: Vec<Option<Interval>>,
+}
+
+impl<'a> Flows<'a> {
+    fn of(line: &'a Line) -> Self {
+        let mut flows = Self {
+            first: Vec::new(),
+            changes: Vec::new(),
+            read: BTreeSet::new(),
+            ranges: Vec::new(),
+        };
+        for part in &line.parts {
+            flows.first.push(flows.ranges.len());
+            for property in &part.properties {
+                if property.domain.is_some() {
+                    flows.read.insert(flows.ranges.len());
+                }
+                flows.ranges.push(None);
+            }
+        }
+        for (part, &first) in line.parts.iter().zip(&flows.first) {
+            for (p, property) in part.properties.iter().enumerate() {
+                let value = match property.initial {
+                    InitialValue::Number(number) => Value::Number(number),
+                    InitialValue::Component(kind, number) => {
+                        Value::Copy(flows.first[kind] + number)
+                    }
+                };
+                flows.changes.push((first + p, value));
+            }
+        }
+        for route in &line.routes {
+            if let Some(condition) = &route.condition {
+                let first = flows.first[route.part];
+                flows.reads(condition, |p| first + p);
+            }
+        }
+        for node in &line.nodes {
+            let NodeKind::Station {
+                machine,
+                tasks,
+                defects,
+                ..
+            } = &node.kind
+            else {
+                continue;
+            };
+            for task in tasks {
+                flows.task(line, machine, task);
+            }
+            for defect in defects {
+                let first = flows.first[defect.part];
+                let count = line.parts[defect.part].properties.len();
+                for &property in &defect.properties {
+                    let mut slots: Vec<Slot> = (first..first + count).collect();
+                    slots.push(first + property);
+                    let value = Value::Computed(&defect.value, slots, None);
+                    flows.changes.push((first + property, value));
+                }
+            }
+        }
+        flows.constants();
+        flows
+    }
+
+    fn task(&mut self, line: &Line, machine: &'a Machine, task: &Task) {
+        let first = self.ranges.len();
+        for (m, property) in machine.properties.iter().enumerate() {
+            let slot = first + m;
+            if property.domain.is_some() {
+                self.read.insert(slot);
+            }
+            self.ranges.push(None);
+            let Some(carried) = task.properties[m] else {
+                self.changes.push((slot, Value::Number(property.default)));
+                continue;
+            };
+            let part = self.first[task.part] + carried;
+            self.changes.push((slot, Value::Copy(part)));
+            self.changes.push((part, Value::Copy(slot)));
+            // A part whose value is outside its range is not worked on.
+            let domain = &line.parts[task.part].properties[carried].domain;
+            let is_written = machine.writes.iter().any(|(written, _)| *written == m);
+            self.ranges[slot] = domain.as_ref().filter(|_| !is_written).map(Interval::of);
+        }
+        for (m, value) in task.operations.iter().flat_map(|(_, given)| given) {
+            self.changes.push((first + m, Value::Number(*value)));
+        }
+        for (m, value) in &machine.writes {
+            let slots = (first..first + machine.properties.len()).collect();
+            let value = Value::Computed(value, slots, Some(machine));
+            self.changes.push((first + m, value));
+        }
+        for input in &machine.plant {
+            if let PlantSource::Property(value) = &input.source {
+                self.reads(value, |m| first + m);
+            }
+        }
+        for component in &machine.components {
+            self.reads(&component.watts, |m| first + m);
+            if let Some(ActionTime::PerStep(time) | ActionTime::PerExecution(time)) =
+                &component.time
+            {
+                self.reads(time, |m| first + m);
+            }
+        }
+    }
+
+    fn reads(&mut self, value: &RealExpr, slot: impl Fn(usize) -> Slot) {
+        value.for_each(&mut |leaf| {
+            if let RealExpr::Property(p) = leaf {
+                self.read.insert(slot(*p));
+            }
+        });
+    }
+
+    /// Slots whose values have to be known: those that are read, those that may leave the bound, and those that these depend on.
+    fn needed(&self) -> BTreeSet<Slot> {
+        let mut needed = self.read.clone();
+        loop {
+            let before = needed.len();
+            for (target, value) in &self.changes {
+                if needed.contains(target) {
+                    match value {
+                        Value::Number(_) => {}
+                        Value::Copy(slot) => {
+                            needed.insert(*slot);
+                        }
+                        Value::Computed(value, slots, _) => value.for_each(&mut |leaf| {
+                            if let RealExpr::Property(p) = leaf {
+                                needed.insert(slots[*p]);
+                            }
+                        }),
+                    }
+                } else if !self.stays_within(value, &needed) {
+                    needed.insert(*target);
+                }
+            }
+            if needed.len() == before {
+                return needed;
+            }
+        }
+    }
+
+    fn stays_within(&self, value: &Value<'_>, needed: &BTreeSet<Slot>) -> bool {
+        let interval = match value {
+            Value::Number(number) => Interval::new(*number, *number),
+            Value::Copy(slot) => Some(self.interval(*slot, needed)),
+            Value::Computed(value, slots, machine) => {
+                Interval::eval(value, &|p| self.interval(slots[p], needed), &|wire| {
+                    machine.map_or(Interval::ALL, |m| Interval::of(m.wire_domain(wire)))
+                })
+            }
+        };
+        interval.is_some_and(|i| -BOUND <= i.low && i.high <= BOUND)
+    }
+
+    fn interval(&self, slot: Slot, needed: &BTreeSet<Slot>) -> Interval {
+        let within = Interval {
+            low: -BOUND,
+            high: BOUND,
+        };
+        let otherwise = if needed.contains(&slot) {
+            Interval::ALL
+        } else {
+            within
+        };
+        self.ranges[slot].unwrap_or(otherwise)
+    }
+
+    /// The ranges of slots that only ever get numbers.
+    fn constants(&mut self) {
+        let mut hulls: Vec<Option<Interval>> = vec![None; self.ranges.len()];
+        let mut changing = vec![false; self.ranges.len()];
+        for (slot, value) in &self.changes {
+            match value {
+                Value::Number(number) if number.is_finite() => {
+                    let one = Interval {
+                        low: *number,
+                        high: *number,
+                    };
+                    hulls[*slot] = Some(hulls[*slot].map_or(one, |hull| hull.with(one)));
+                }
+                _ => changing[*slot] = true,
+            }
+        }
+        for ((range, hull), changing) in self.ranges.iter_mut().zip(hulls).zip(changing) {
+            if !changing {
+                *range = hull;
+            }
+        }
+    }
+}
+
+/// Finite numbers from `low` to `high`, as doubles are added and multiplied. That of whole numbers is [`linewright_core::gr1::interval`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Interval {
+    low: f64,
+    high: f64,
+}
+
+impl Interval {
+    const ALL: Self = Self {
+        low: f64::MIN,
+        high: f64::MAX,
+    };
+    const TRUTH: Self = Self {
+        low: 0.0,
+        high: 1.0,
+    };
+
+    /// `None` where a bound is not finite.
+    fn new(low: f64, high: f64) -> Option<Self> {
+        (low.is_finite() && high.is_finite()).then_some(Self { low, high })
+    }
+
+    fn of(domain: &linewright_core::gr1::Domain) -> Self {
+        Self {
+            low: domain.low() as f64,
+            high: domain.high() as f64,
+        }
+    }
+
+    /// The smallest one with both.
+    fn with(self, other: Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
+    }
+
+    /// The smallest one with these results of a function that is monotone in each operand.
+    fn corners(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Option<Self> {
+        let ends = [
+            f(self.low, other.low),
+            f(self.low, other.high),
+            f(self.high, other.low),
+            f(self.high, other.high),
+        ];
+        let least = |a: f64, b: f64| {
+            if a.is_nan() || b.is_nan() {
+                f64::NAN
+            } else {
+                a.min(b)
+            }
+        };
+        let most = |a: f64, b: f64| {
+            if a.is_nan() || b.is_nan() {
+                f64::NAN
+            } else {
+                a.max(b)
+            }
+        };
+        Self::new(
+            ends.into_iter().reduce(least)?,
+            ends.into_iter().reduce(most)?,
+        )
+    }
+
+    /// All values of an expression; `None` where one may not be finite. Rounding is monotone, so the ends decide.
+    fn eval(
+        value: &RealExpr,
+        property: &impl Fn(usize) -> Self,
+        wire: &impl Fn(usize) -> Self,
+    ) -> Option<Self> {
+        let part = |value: &RealExpr| Self::eval(value, property, wire);
+        match value {
+            RealExpr::Number(number) => Self::new(*number, *number),
+            RealExpr::Property(p) => Some(property(*p)),
+            RealExpr::Wire(w) => Some(wire(*w)),
+            RealExpr::Unary(op, a) => {
+                let a = part(a)?;
+                let ends = |f: fn(f64) -> f64| Self::new(f(a.low), f(a.high));
+                match op {
+                    RealUnary::Not => Some(Self::TRUTH),
+                    RealUnary::Neg => Self::new(-a.high, -a.low),
+                    RealUnary::Abs => {
+                        let most = a.low.abs().max(a.high.abs());
+                        Self::new(0.0, most)
+                    }
+                    RealUnary::Floor => ends(f64::floor),
+                    RealUnary::Ceil => ends(f64::ceil),
+                    RealUnary::Round => ends(f64::round),
+                }
+            }
+            RealExpr::Binary(op, a, b) => {
+                let (a, b) = (part(a)?, part(b)?);
+                let quotient = || {
+                    let apart = b.low > 0.0 || b.high < 0.0;
+                    apart.then(|| a.corners(b, |a, b| a / b)).flatten()
+                };
+                match op {
+                    RealBinary::And
+                    | RealBinary::Or
+                    | RealBinary::Implies
+                    | RealBinary::Eq
+                    | RealBinary::Ne
+                    | RealBinary::Lt
+                    | RealBinary::Le
+                    | RealBinary::Gt
+                    | RealBinary::Ge => Some(Self::TRUTH),
+                    RealBinary::Add => a.corners(b, |a, b| a + b),
+                    RealBinary::Sub => a.corners(b, |a, b| a - b),
+                    RealBinary::Mul => a.corners(b, |a, b| a * b),
+                    RealBinary::Div => quotient(),
+                    RealBinary::Mod => {
+                        let floor = quotient()?;
+                        let whole = Self::new(floor.low.floor(), floor.high.floor())?;
+                        let multiple = b.corners(whole, |a, b| a * b)?;
+                        a.corners(multiple, |a, b| a - b)
+                    }
+                    RealBinary::Min => a.corners(b, f64::min),
+                    RealBinary::Max => a.corners(b, f64::max),
+                }
+            }
+            RealExpr::If(c, a, b) => {
+                part(c)?;
+                Some(part(a)?.with(part(b)?))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn expressions() -> impl Strategy<Value = RealExpr> {
+        let leaf = prop_oneof![
+            prop_oneof![-3.0..3.0, Just(1e300), Just(0.0)].prop_map(RealExpr::Number),
+            (0..3usize).prop_map(RealExpr::Property),
+        ];
+        leaf.prop_recursive(4, 20, 3, |inner| {
+            let unary = prop_oneof![
+                Just(RealUnary::Not),
+                Just(RealUnary::Neg),
+                Just(RealUnary::Abs),
+                Just(RealUnary::Floor),
+                Just(RealUnary::Ceil),
+                Just(RealUnary::Round),
+            ];
+            let binary = prop_oneof![
+                Just(RealBinary::Add),
+                Just(RealBinary::Sub),
+                Just(RealBinary::Mul),
+                Just(RealBinary::Div),
+                Just(RealBinary::Mod),
+                Just(RealBinary::Min),
+                Just(RealBinary::Max),
+                Just(RealBinary::Lt),
+                Just(RealBinary::And),
+            ];
+            prop_oneof![
+                (unary, inner.clone()).prop_map(|(op, a)| RealExpr::Unary(op, Box::new(a))),
+                (binary, inner.clone(), inner.clone()).prop_map(|(op, a, b)| RealExpr::Binary(
+                    op,
+                    Box::new(a),
+                    Box::new(b)
+                )),
+                (inner.clone(), inner.clone(), inner).prop_map(|(c, a, b)| RealExpr::If(
+                    Box::new(c),
+                    Box::new(a),
+                    Box::new(b)
+                )),
+            ]
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(3000))]
+        /// Every value of an expression lies in its interval.
+        #[test]
+        fn intervals_hold_all_values(
+            value in expressions(),
+            ranges in prop::array::uniform3((-9.0..9.0f64, 0.0..9.0f64)),
+            shares in prop::array::uniform3(0.0..=1.0f64),
+        ) {
+            let properties: Vec<f64> = ranges.iter().zip(shares)
+                .map(|((low, width), share)| (low + width * share).min(low + width)).collect();
+            let property = |p: usize| Interval { low: ranges[p].0, high: ranges[p].0 + ranges[p].1 };
+            if let Some(found) = Interval::eval(&value, &property, &|_| Interval::ALL) {
+                let exact = value.eval(&properties, &[]);
+                prop_assert!(found.low <= exact && exact <= found.high, "{exact} is not in {found:?}");
+            }
+        }
+    }
+}

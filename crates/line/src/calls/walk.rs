@@ -1,0 +1,577 @@
+//! The parts of a line and their values, from where they are made to where they leave.
+//!
+//! A vertex is a part type at a place with certain values. An edge is what happens to the part next; where there are several, either chance
+//! decides ([`Choice::Chance`]), or something that is left open here: the state of a station, which part comes first, what is
+//! joined with what ([`Choice::Open`]).
+
+use super::desk::{Answer, Desk, Refusal};
+use super::unread::unread;
+use super::{Bounds, Calls, Real, machine_of, ordered, plain};
+use linewright_language::contract::line::{Defect, InitialValue, Line, NodeKind, Task};
+use linewright_language::contract::machine::Machine;
+use linewright_solver::game::Limits;
+use linewright_station::interpret::Interpreter;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Where a part is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Stage {
+    /// It comes to the node.
+    Comes,
+    /// It is joined there, and about to be worked on.
+    Joined,
+    /// The station's work on it is done; defects come next.
+    Served,
+    /// It is about to leave the node.
+    Leaves,
+}
+
+/// Who decides which edge is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Choice {
+    /// Each edge has a chance, independent of everything before.
+    Chance,
+    /// Something that is left open here.
+    Open,
+}
+
+/// A part with certain values at a place.
+#[derive(Debug)]
+pub(super) struct Vertex {
+    pub stage: Stage,
+    pub node: usize,
+    pub part: usize,
+    pub values: Vec<Real>,
+    /// The vertex by which it was first reached.
+    pub before: Option<usize>,
+    /// What happens next.
+    pub next: BTreeSet<usize>,
+    pub choice: Choice,
+    /// The call that it is for its station.
+    pub call: Option<usize>,
+    /// The route that it leaves by.
+    pub route: Option<usize>,
+}
+
+/// A value that is not in the range of its property.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Misfit {
+    /// The part that gets it.
+    pub vertex: usize,
+    /// The property.
+    pub property: usize,
+    /// The value.
+    pub value: f64,
+    /// The defect that gives it; otherwise it was written by the station, or taken over from a component.
+    pub defect: Option<usize>,
+}
+
+/// All parts of a line with their values.
+#[derive(Debug)]
+pub(super) struct Walk<'a> {
+    pub line: &'a Line,
+    pub bounds: Bounds,
+    pub vertices: Vec<Vertex>,
+    known: BTreeMap<(Stage, usize, usize, Vec<Real>), usize>,
+    open: Vec<usize>,
+    /// By node, of stations whose controllers are known.
+    pub desks: Vec<Option<Desk>>,
+    /// By node and call, the vertices that make it.
+    askers: BTreeMap<(usize, usize), Vec<usize>>,
+    /// Vertices where parts are made.
+    pub births: Vec<usize>,
+    /// Parts without a way onward.
+    pub stranded: Vec<usize>,
+    /// Values outside their ranges.
+    pub misfits: Vec<Misfit>,
+    /// Nodes of which not all is known, and why.
+    pub undecided: Vec<(usize, String)>,
+    /// By part type and property: whether its values are left out, since nothing depends on them.
+    pub unread: Vec<Vec<bool>>,
+    steps: u64,
+}
+
+impl<'a> Walk<'a> {
+    pub fn new(
+        line: &'a Line,
+        interpreter: impl Fn(&Machine) -> Option<Interpreter>,
+        bounds: &Bounds,
+    ) -> Self {
+        let mut undecided = Vec::new();
+        let desks = (0..line.nodes.len()).map(|node| {
+            let machine = machine_of(line, node)?;
+            let known = interpreter(machine);
+            if known.is_none() {
+                let why = format!("there is no controller for `{}`", machine.name);
+                undecided.push((node, why));
+            }
+            known.map(Desk::new)
+        });
+        let desks = desks.collect();
+        Self {
+            line,
+            bounds: *bounds,
+            vertices: Vec::new(),
+            known: BTreeMap::new(),
+            open: Vec::new(),
+            desks,
+            askers: BTreeMap::new(),
+            births: Vec::new(),
+            stranded: Vec::new(),
+            misfits: Vec::new(),
+            undecided,
+            unread: unread(line),
+            steps: 0,
+        }
+    }
+
+    /// Whether everything was explored.
+    pub fn is_complete(&self) -> bool {
+        self.undecided.is_empty()
+    }
+
+    /// Explores all that can be reached.
+    pub fn explore(mut self, limits: &Limits) -> Self {
+        self.begin();
+        loop {
+            while let Some(vertex) = self.open.pop() {
+                self.follow(vertex);
+                if let Err(limit) = limits.check_time() {
+                    self.undecided
+                        .push((self.vertices[vertex].node, limit.to_string()));
+                    return self;
+                }
+            }
+            if self.vertices.len() > self.bounds.values {
+                let last = self.vertices.iter().rev();
+                let at_station = |v: &&Vertex| self.desks[v.node].is_some();
+                let node = last.clone().find(at_station).or(last.clone().next());
+                self.give_up(node.map_or(0, |v| v.node), "parts can carry");
+                return self;
+            }
+            if !self.serve() {
+                return self;
+            }
+            if let Some(node) = self.busiest().filter(|_| self.steps > self.bounds.steps) {
+                let why = format!(
+                    "its calls take more than {} steps to look at",
+                    self.bounds.steps
+                );
+                self.undecided.push((node, why));
+                return self;
+            }
+            if let Err(limit) = limits.check_time() {
+                let node = self.busiest().unwrap_or(0);
+                self.undecided.push((node, limit.to_string()));
+                return self;
+            }
+        }
+    }
+
+    /// Records that there are too many combinations of values to follow them all.
+    fn give_up(&mut self, node: usize, what: &str) {
+        let most = self.bounds.values;
+        let why = format!("{what} more than {most} combinations of values");
+        if !self.undecided.contains(&(node, why.clone())) {
+            self.undecided.push((node, why));
+        }
+    }
+
+    /// The station with the most states.
+    fn busiest(&self) -> Option<usize> {
+        let desks = self.desks.iter().enumerate();
+        let states = desks.filter_map(|(node, desk)| Some((desk.as_ref()?.states(), node)));
+        states.max().map(|(_, node)| node)
+    }
+
+    /// Parts that sources make, and those in stock.
+    fn begin(&mut self) {
+        for (node, declared) in self.line.nodes.iter().enumerate() {
+            let made: Vec<usize> = match &declared.kind {
+                NodeKind::Source { part, .. } => vec![*part],
+                NodeKind::Store { stock } => {
+                    let leaves = |part: &usize| self.has_routes(node, *part);
+                    let parts = stock.iter().filter(|(_, count)| *count > 0);
+                    parts.map(|(part, _)| *part).filter(leaves).collect()
+                }
+                _ => continue,
+            };
+            for part in made {
+                let values = self.line.parts[part]
+                    .properties
+                    .iter()
+                    .map(|p| match p.initial {
+                        InitialValue::Number(value) => Real(value),
+                        InitialValue::Component(..) => Real(0.0),
+                    });
+                let values = values.collect();
+                let born = self.reach(Stage::Leaves, node, part, values, None);
+                self.births.push(born);
+            }
+        }
+    }
+
+    fn has_routes(&self, node: usize, part: usize) -> bool {
+        let mut routes = self.line.routes.iter();
+        routes.any(|r| r.from == node && r.part == part)
+    }
+
+    /// The vertex; a new one is followed later.
+    fn reach(
+        &mut self,
+        stage: Stage,
+        node: usize,
+        part: usize,
+        values: Vec<Real>,
+        before: Option<usize>,
+    ) -> usize {
+        let values = values
+            .into_iter()
+            .zip(&self.unread[part])
+            .map(|(value, left_out)| if *left_out { Real(0.0) } else { value });
+        let key = (stage, node, part, values.collect());
+        if let Some(known) = self.known.get(&key) {
+            return *known;
+        }
+        let index = self.vertices.len();
+        self.vertices.push(Vertex {
+            stage,
+            node,
+            part,
+            values: key.3.clone(),
+            before,
+            next: BTreeSet::new(),
+            choice: Choice::Open,
+            call: None,
+            route: None,
+        });
+        self.known.insert(key, index);
+        if self.vertices.len() <= self.bounds.values {
+            self.open.push(index);
+        }
+        index
+    }
+
+    fn connect(&mut self, from: usize, stage: Stage, node: usize, part: usize, values: Vec<Real>) {
+        let to = self.reach(stage, node, part, values, Some(from));
+        self.vertices[from].next.insert(to);
+    }
+
+    fn follow(&mut self, at: usize) {
+        let Vertex {
+            stage, node, part, ..
+        } = self.vertices[at];
+        match stage {
+            Stage::Leaves => self.leave(at),
+            Stage::Served => self.defects(at),
+            Stage::Joined => {
+                let task = self.task(node, |task| task.part == part);
+                if let Some(task) = task {
+                    self.ask(at, task);
+                }
+            }
+            Stage::Comes => match &self.line.nodes[node].kind {
+                NodeKind::Source { .. } | NodeKind::Sink { .. } => {}
+                NodeKind::Store { .. } if !self.has_routes(node, part) => {}
+                NodeKind::Store { .. } | NodeKind::Buffer { .. } | NodeKind::Conveyor { .. } => {
+                    let values = self.vertices[at].values.clone();
+                    self.connect(at, Stage::Leaves, node, part, values);
+                }
+                NodeKind::Station { .. } => self.come_to_station(at),
+            },
+        }
+    }
+
+    /// By the first route whose condition holds.
+    fn leave(&mut self, at: usize) {
+        let Vertex { node, part, .. } = self.vertices[at];
+        let values = plain(&self.vertices[at].values);
+        let mut routes = self.line.routes.iter().enumerate();
+        let route = routes.find(|(_, route)| {
+            let holds =
+                |c: &linewright_language::contract::machine::RealExpr| c.eval(&values, &[]) != 0.0;
+            route.from == node && route.part == part && route.condition.as_ref().is_none_or(holds)
+        });
+        match route {
+            Some((index, route)) => {
+                self.vertices[at].route = Some(index);
+                self.connect(at, Stage::Comes, route.to, part, ordered(&values));
+            }
+            None => self.stranded.push(at),
+        }
+    }
+
+    fn tasks(&self, node: usize) -> &'a [Task] {
+        match &self.line.nodes[node].kind {
+            NodeKind::Station { tasks, .. } => tasks,
+            _ => &[],
+        }
+    }
+
+    fn task(&self, node: usize, wanted: impl Fn(&Task) -> bool) -> Option<usize> {
+        self.tasks(node).iter().position(wanted)
+    }
+
+    fn come_to_station(&mut self, at: usize) {
+        let Vertex { node, part, .. } = self.vertices[at];
+        // As the station's own rules say (`plant/station.rs`).
+        let comes = |kind: usize| {
+            let mut routes = self.line.routes.iter();
+            routes.any(|r| r.to == node && r.part == kind)
+        };
+        let bill = |task: &Task| &self.line.parts[task.part].bill;
+        let all = self.tasks(node);
+        let joins = |task: &Task| {
+            !comes(task.part)
+                || bill(task)
+                    .iter()
+                    .all(|(kind, _)| comes(*kind) && all.iter().all(|other| other.part != *kind))
+        };
+        let plain = self.task(node, |task| {
+            task.part == part && (bill(task).is_empty() || comes(part))
+        });
+        let joining: Vec<usize> = all
+            .iter()
+            .enumerate()
+            .filter(|(_, task)| joins(task) && bill(task).iter().any(|(kind, _)| *kind == part))
+            .map(|(index, _)| index)
+            .collect();
+        if let Some(task) = plain {
+            self.ask(at, task);
+        }
+        for task in joining {
+            self.join(at, task);
+        }
+    }
+
+    /// A component has come: all that it can be joined into.
+    fn join(&mut self, at: usize, task: usize) {
+        let Vertex {
+            node,
+            part: component,
+            ..
+        } = self.vertices[at];
+        let made = self.tasks(node)[task].part;
+        let declared = &self.line.parts[made];
+        // Only the first component of a type gives its values.
+        let mut sites: Vec<(usize, Vec<usize>)> = Vec::new();
+        for (kind, count) in &declared.bill {
+            let there = self.vertices.iter().enumerate().filter(|(index, v)| {
+                let is_own = *kind != component || *count > 1 || *index == at;
+                v.stage == Stage::Comes && v.node == node && v.part == *kind && is_own
+            });
+            let there: Vec<usize> = there.map(|(index, _)| index).collect();
+            if there.is_empty() {
+                return;
+            }
+            sites.push((*kind, there));
+        }
+        let mut combinations: Vec<Vec<usize>> = vec![Vec::new()];
+        for (_, there) in &sites {
+            if combinations.len().saturating_mul(there.len()) > self.bounds.values {
+                let kind = &declared.name;
+                self.give_up(node, &format!("{kind} can be joined of"));
+                return;
+            }
+            let longer = combinations.iter().flat_map(|chosen| {
+                there.iter().map(move |one| {
+                    let mut chosen = chosen.clone();
+                    chosen.push(*one);
+                    chosen
+                })
+            });
+            combinations = longer.collect();
+        }
+        for chosen in combinations {
+            let values = declared.properties.iter().map(|p| match p.initial {
+                InitialValue::Number(value) => Real(value),
+                InitialValue::Component(kind, number) => {
+                    let place = sites.iter().position(|(k, _)| *k == kind);
+                    place.map_or(Real(0.0), |p| self.vertices[chosen[p]].values[number])
+                }
+            });
+            let values: Vec<Real> = values.collect();
+            let joined = self.reach(Stage::Joined, node, made, values, Some(at));
+            for from in chosen {
+                self.vertices[from].next.insert(joined);
+            }
+            // A component of several may give nothing to the whole.
+            self.vertices[at].next.insert(joined);
+        }
+    }
+
+    /// A part is worked on.
+    fn ask(&mut self, at: usize, task: usize) {
+        let Vertex { node, part, .. } = self.vertices[at];
+        let values = plain(&self.vertices[at].values);
+        if let Some(property) = self.line.parts[part].misfit(&values) {
+            self.misfits.push(Misfit {
+                vertex: at,
+                property,
+                value: values[property],
+                defect: None,
+            });
+            return;
+        }
+        let Some(machine) = machine_of(self.line, node) else {
+            return;
+        };
+        let sources = machine.properties.iter();
+        let sources = sources.zip(&self.tasks(node)[task].properties);
+        let given = sources.map(|(p, source)| Real(source.map_or(p.default, |s| values[s])));
+        let given: Vec<Real> = given.collect();
+        let Some(desk) = &mut self.desks[node] else {
+            return;
+        };
+        let (call, _) = desk.ask(task, given);
+        self.vertices[at].call = Some(call);
+        self.askers.entry((node, call)).or_default().push(at);
+        let known: Vec<Answer> = desk.calls[call]
+            .answers
+            .values()
+            .filter_map(|a| a.as_ref().ok().cloned())
+            .collect();
+        for answer in known {
+            self.served(at, &answer);
+        }
+    }
+
+    /// Tries calls of all stations, until one is answered in a new way. Whether there was one to try.
+    fn serve(&mut self) -> bool {
+        let mut tried = false;
+        for node in 0..self.desks.len() {
+            let tasks = self.tasks(node);
+            while let Some(desk) = &mut self.desks[node] {
+                let Some((state, call, steps)) = desk.try_next(tasks) else {
+                    break;
+                };
+                tried = true;
+                self.steps += steps;
+                if let Ok(answer) = desk.calls[call].answers[&state].clone() {
+                    let askers = self.askers.get(&(node, call));
+                    for at in askers.cloned().unwrap_or_default() {
+                        self.served(at, &answer);
+                    }
+                }
+                if self.steps > self.bounds.steps {
+                    return true;
+                }
+            }
+        }
+        tried
+    }
+
+    fn served(&mut self, at: usize, answer: &Answer) {
+        let Vertex {
+            node, part, call, ..
+        } = self.vertices[at];
+        let (Some(call), Some(desk)) = (call, &self.desks[node]) else {
+            return;
+        };
+        let task = &self.tasks(node)[desk.calls[call].task];
+        let mut values = self.vertices[at].values.clone();
+        for (value, target) in answer.values.iter().zip(&task.properties) {
+            if let Some(target) = target {
+                values[*target] = *value;
+            }
+        }
+        self.connect(at, Stage::Served, node, part, values);
+    }
+
+    /// Chance gives the part a defect, or not.
+    fn defects(&mut self, at: usize) {
+        let Vertex { node, part, .. } = self.vertices[at];
+        let NodeKind::Station { defects, .. } = &self.line.nodes[node].kind else {
+            return;
+        };
+        let declared = &self.line.parts[part];
+        let values = plain(&self.vertices[at].values);
+        let mut outcomes: BTreeSet<Vec<Real>> = BTreeSet::from([ordered(&values)]);
+        let mut wrong = Vec::new();
+        if let Some(property) = declared.misfit(&values) {
+            wrong.push((property, values[property], None));
+            outcomes.clear();
+        }
+        // Values between two defects may be anything; what the part leaves with may not.
+        for defect in defects.iter().filter(|d| d.part == part) {
+            let mut then = BTreeSet::new();
+            for values in &outcomes {
+                then.extend(with_defect(defect, values));
+                if then.len() > self.bounds.values {
+                    self.give_up(node, "defects can lead to");
+                    return;
+                }
+            }
+            outcomes = then;
+        }
+        self.vertices[at].choice = Choice::Chance;
+        for outcome in outcomes {
+            let numbers = plain(&outcome);
+            match declared.misfit(&numbers) {
+                None => self.connect(at, Stage::Leaves, node, part, outcome),
+                Some(property) => {
+                    let by = defects
+                        .iter()
+                        .position(|d| d.part == part && d.properties.contains(&property));
+                    wrong.push((property, numbers[property], by));
+                }
+            }
+        }
+        let wrong = wrong.into_iter().map(|(property, value, defect)| Misfit {
+            vertex: at,
+            property,
+            value,
+            defect,
+        });
+        self.misfits.extend(wrong);
+    }
+
+    /// Which routes are taken, and which of them always.
+    pub fn routes(&self, calls: &mut Calls) {
+        let taken: BTreeSet<usize> = self.vertices.iter().filter_map(|v| v.route).collect();
+        for (index, route) in self.line.routes.iter().enumerate() {
+            calls.taken[index] = taken.contains(&index);
+            let later = |v: &Vertex| {
+                v.stage == Stage::Leaves
+                    && v.node == route.from
+                    && v.part == route.part
+                    && v.route.is_none_or(|taken| taken > index)
+            };
+            calls.always[index] = taken.contains(&index) && !self.vertices.iter().any(later);
+        }
+    }
+
+    /// The refusals of a station: of each call, and in which states.
+    pub fn refusals(&self, node: usize) -> Vec<(usize, usize, &Refusal)> {
+        let calls = self.desks[node].iter().flat_map(|d| &d.calls).enumerate();
+        let refused = calls.flat_map(|(call, c)| {
+            let answers = c.answers.iter();
+            answers.filter_map(move |(state, a)| Some((call, *state, a.as_ref().err()?)))
+        });
+        refused.collect()
+    }
+
+    /// The vertices that make a call.
+    pub fn askers(&self, node: usize, call: usize) -> &[usize] {
+        self.askers.get(&(node, call)).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// What a part may leave with, as far as one defect goes.
+fn with_defect(defect: &Defect, values: &[Real]) -> Vec<Vec<Real>> {
+    let may_be_spared = defect.probability < 1.0 || defect.properties.is_empty();
+    let mut outcomes = Vec::new();
+    if may_be_spared {
+        outcomes.push(values.to_vec());
+    }
+    if defect.probability > 0.0 {
+        for property in &defect.properties {
+            let mut known = plain(values);
+            known.push(known[*property]);
+            let mut values = values.to_vec();
+            values[*property] = Real(defect.value.eval(&known, &[]));
+            outcomes.push(values);
+        }
+    }
+    outcomes
+}

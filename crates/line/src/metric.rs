@@ -1,0 +1,202 @@
+//! Requirements: what is measured, and whether it is as it should be.
+
+use super::replicate::Estimate;
+use super::trace::{End, RequirementResult, Trace};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::line::{Comparison, Line, Metric};
+
+const JOULES_PER_KWH: f64 = 3.6e6;
+
+/// A metric of a run, in its unit.
+pub fn measure(metric: &Metric, trace: &Trace) -> f64 {
+    match metric {
+        Metric::ThroughputPerHour => trace.throughput_per_hour,
+        Metric::MakespanSeconds => trace.makespan,
+        Metric::LeadTimeMeanSeconds => trace.lead_time.mean,
+        Metric::EnergyKwh => trace.joules / JOULES_PER_KWH,
+        Metric::Rejected => trace.parts.rejected as f64,
+        Metric::Products => trace.products as f64,
+        Metric::Violations => trace.violation_count as f64,
+        Metric::Busy(node) => trace
+            .stations
+            .iter()
+            .find(|station| station.node == *node)
+            .map_or(0.0, |station| station.shares.busy),
+    }
+}
+
+/// Whether there was anything to measure: no product has no lead time.
+fn is_measured(metric: &Metric, trace: &Trace) -> bool {
+    let of_products = matches!(
+        metric,
+        Metric::MakespanSeconds | Metric::LeadTimeMeanSeconds
+    );
+    !of_products || trace.products > 0
+}
+
+/// Whether a comparison holds, and the words for it.
+fn compare(value: f64, comparison: Comparison, bound: f64) -> (bool, &'static str) {
+    #[expect(clippy::float_cmp, reason = "the language's own equality")]
+    match comparison {
+        Comparison::Lt => (value < bound, "less than"),
+        Comparison::Le => (value <= bound, "at most"),
+        Comparison::Eq => (value == bound, "exactly"),
+        Comparison::Ge => (value >= bound, "at least"),
+        Comparison::Gt => (value > bound, "more than"),
+    }
+}
+
+/// Measures all requirements of a line in one run; each that does not hold is a finding. Of a run that was cut off none is judged.
+pub(super) fn check(line: &Line, trace: &mut Trace) {
+    if trace.end == End::GaveUp {
+        return;
+    }
+    for requirement in &line.requirements {
+        let value = measure(&requirement.metric, trace);
+        let (holds, words) = compare(value, requirement.comparison, requirement.bound);
+        let measured = is_measured(&requirement.metric, trace);
+        let holds = holds && measured;
+        if !holds {
+            let what = describe(&requirement.metric, line);
+            let is = if measured {
+                format!("is {}", thousandths(value))
+            } else {
+                "was not measured, since no product was finished".to_owned()
+            };
+            let message = format!(
+                "the requirement {} does not hold: {what} {is}, and should be {words} {}",
+                requirement.name, requirement.bound
+            );
+            trace.findings.push(
+                Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
+                    .with_help(advice(line, trace)),
+            );
+        }
+        trace.requirements.push(RequirementResult {
+            name: requirement.name.clone(),
+            holds,
+            value,
+        });
+    }
+}
+
+/// A requirement over several runs: it holds where it holds in every one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplicatedRequirement {
+    /// Its name.
+    pub name: String,
+    /// In how many of the runs it holds.
+    pub held_in: usize,
+    /// How many runs there were.
+    pub runs: usize,
+    /// What was measured, in the metric's unit.
+    pub value: Estimate,
+    /// The run that is furthest on the wrong side of the bound, or nearest to it.
+    pub worst: usize,
+    /// What was measured in that run.
+    pub worst_value: f64,
+}
+
+impl ReplicatedRequirement {
+    /// Whether it holds in every run.
+    pub fn holds(&self) -> bool {
+        self.held_in == self.runs
+    }
+}
+
+/// The requirements of a line over these runs.
+pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> {
+    let requirements = line.requirements.iter().enumerate();
+    requirements
+        .map(|(index, requirement)| {
+            let results = || {
+                traces
+                    .iter()
+                    .filter_map(|trace| trace.requirements.get(index))
+            };
+            let values: Vec<f64> = results().map(|result| result.value).collect();
+            let miss = |value: f64| match requirement.comparison {
+                Comparison::Lt | Comparison::Le => value - requirement.bound,
+                Comparison::Eq => (value - requirement.bound).abs(),
+                Comparison::Ge | Comparison::Gt => requirement.bound - value,
+            };
+            let mut worst = 0;
+            for (run, &value) in values.iter().enumerate() {
+                if miss(value) > miss(values[worst]) {
+                    worst = run;
+                }
+            }
+            ReplicatedRequirement {
+                name: requirement.name.clone(),
+                held_in: results().filter(|result| result.holds).count(),
+                runs: values.len(),
+                worst,
+                worst_value: values.get(worst).copied().unwrap_or(0.0),
+                value: Estimate::of(&values),
+            }
+        })
+        // A run that was cut off says nothing of them.
+        .filter(|result| result.runs > 0)
+        .collect()
+}
+
+/// One finding for each requirement that does not hold in every one of several runs.
+pub(super) fn unmet(
+    line: &Line,
+    traces: &[Trace],
+    results: &[ReplicatedRequirement],
+) -> Vec<Diagnostic> {
+    let mut findings = Vec::new();
+    for (requirement, result) in line.requirements.iter().zip(results) {
+        let Some(worst) = traces.get(result.worst).filter(|_| !result.holds()) else {
+            continue;
+        };
+        let (_, words) = compare(0.0, requirement.comparison, requirement.bound);
+        let message = format!(
+            "the requirement {} does not hold in {} of {} runs: {} should be {words} {}, and is {} with seed {}",
+            requirement.name,
+            result.runs - result.held_in,
+            result.runs,
+            describe(&requirement.metric, line),
+            requirement.bound,
+            thousandths(result.worst_value),
+            worst.seed,
+        );
+        findings.push(
+            Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
+                .with_help(advice(line, worst)),
+        );
+    }
+    findings
+}
+
+fn thousandths(value: f64) -> f64 {
+    (value * 1000.0).round() / 1000.0
+}
+
+/// A metric in words, with its unit.
+pub fn describe(metric: &Metric, line: &Line) -> String {
+    match metric {
+        Metric::ThroughputPerHour => "the throughput in products an hour".to_owned(),
+        Metric::MakespanSeconds => "the makespan in seconds".to_owned(),
+        Metric::LeadTimeMeanSeconds => "the mean lead time in seconds".to_owned(),
+        Metric::EnergyKwh => "the energy in kWh".to_owned(),
+        Metric::Rejected => "the number of rejected parts".to_owned(),
+        Metric::Products => "the number of products".to_owned(),
+        Metric::Violations => "the number of contract violations".to_owned(),
+        Metric::Busy(node) => format!(
+            "the busy share of {}",
+            line.nodes.get(*node).map_or("a station", |n| &n.name)
+        ),
+    }
+}
+
+fn advice(line: &Line, trace: &Trace) -> String {
+    match trace.bottleneck.and_then(|index| trace.stations.get(index)) {
+        Some(station) => format!(
+            "The bottleneck of {} was {}; look there first, or change the requirement.",
+            line.name, station.name
+        ),
+        None => "Change the line or the requirement.".to_owned(),
+    }
+}

@@ -1,0 +1,393 @@
+//! Conveyors with a contract: their controller is stepped, and the runner moves the parts as its outputs say.
+//!
+//! A belt is a Moore machine: `s[i]` and `ready` of a step tell the state before that step's inputs take effect. Once every
+//! pitch/speed seconds the runner gives it `load` (a part waits to come on) and `unload_ready` (the next node would take the
+//! first part), and reads its outputs. The occupied places must be as many as the parts that the runner holds, and no
+//! part may have moved backwards, else a part was lost or doubled. Then a part comes off where `unload_ready` met an occupied last
+//! place, and one comes on where `load` met `ready`.
+//!
+//! A belt whose outputs have not changed for a while, under unchanged inputs, is no longer stepped, so that a line in which
+//! nothing can move has an empty calendar; a neighbour that has something new for it wakes it, at the next multiple of its period. It is given as
+//! many more steps as it has places before that, because a controller may go through hidden states.
+//!
+//! One belt can hand over only in its own step and take only in its own step, so there is a place between two belts.
+//! Whose turn it is at the next node is decided as for all others; see `flow.rs`.
+
+use super::flow::Request;
+use super::{BELT, Event, Place, Run};
+use crate::plant::part::PartIndex;
+use crate::trace::{End, What};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::line::{Belt, NodeKind};
+use linewright_language::contract::machine::PlantSource;
+use std::collections::VecDeque;
+
+/// What is on a belt, and what its controller last said.
+#[derive(Debug)]
+pub(super) struct BeltState {
+    /// The parts, the first to leave in front, with their places; `None` for one that has just come on.
+    pub held: VecDeque<(PartIndex, Option<usize>)>,
+    /// A part handed over by another belt, not yet on this one, and when it came, as a running number.
+    pub inlet: Option<(PartIndex, u64)>,
+    /// The plant's wires.
+    plant: Vec<i64>,
+    /// What plant wires other than the two of the belt are, by the properties' defaults.
+    constants: Vec<Option<i64>>,
+    outputs: Vec<i64>,
+    last_outputs: Vec<i64>,
+    last_inputs: (bool, bool),
+    /// Steps made.
+    steps: u64,
+    /// The multiple of the period at which it is stepped next.
+    tick: u64,
+    ticking: bool,
+    /// Steps in a row in which nothing changed.
+    quiet: u32,
+    /// A part came on or off in the last step.
+    handed: bool,
+    /// Steps in which it was the first part's turn, and it was not handed over.
+    kept: usize,
+    pub moving_seconds: f64,
+    pub carried: u64,
+}
+
+/// Who would come on next.
+#[derive(Clone, Copy)]
+enum Next {
+    Inlet(PartIndex),
+    Waiting(usize),
+}
+
+impl BeltState {
+    pub(super) fn new(belt: &Belt) -> Self {
+        let machine = &belt.machine;
+        let defaults: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
+        let constants = machine
+            .plant
+            .iter()
+            .map(|input| match &input.source {
+                PlantSource::Operation => Some(input.domain.low()),
+                PlantSource::Signal { .. } => None,
+                PlantSource::Property(value) => Some(value.eval(&defaults, &[]) as i64),
+            })
+            .collect();
+        let outputs = machine.wire_count() - machine.plant.len();
+        Self {
+            held: VecDeque::new(),
+            inlet: None,
+            plant: vec![0; machine.plant.len()],
+            constants,
+            outputs: vec![0; outputs],
+            last_outputs: vec![0; outputs],
+            last_inputs: (false, false),
+            steps: 0,
+            tick: 0,
+            ticking: false,
+            quiet: 0,
+            handed: false,
+            kept: 0,
+            moving_seconds: 0.0,
+            carried: 0,
+        }
+    }
+}
+
+impl<'a> Run<'a> {
+    fn belt(&mut self, node: usize) -> &mut BeltState {
+        match &mut self.places[node] {
+            Place::Belt(belt) => belt,
+            _ => unreachable!("node {node} is not a belt; please report this"),
+        }
+    }
+
+    /// The declaration of a belt, and its period.
+    fn belt_declared(&self, node: usize) -> Option<(&'a Belt, f64)> {
+        match &self.line.nodes[node].kind {
+            NodeKind::Conveyor {
+                pitch,
+                speed,
+                belt: Some(belt),
+                ..
+            } => Some((belt, pitch / speed)),
+            _ => None,
+        }
+    }
+
+    /// A neighbour has something new: the belt is stepped again.
+    pub(super) fn wake(&mut self, node: usize) {
+        let now = self.now;
+        let Some((_, period)) = self.belt_declared(node) else {
+            return;
+        };
+        let belt = self.belt(node);
+        belt.quiet = 0;
+        if std::mem::replace(&mut belt.ticking, true) {
+            return;
+        }
+        belt.tick = belt.tick.max((now / period).ceil() as u64);
+        let time = (belt.tick as f64 * period).max(now);
+        self.schedule(time, BELT, Event::Tick(node as u32));
+    }
+
+    /// One step of the controller.
+    pub(super) fn tick(&mut self, node: usize) {
+        let Some((declared, period)) = self.belt_declared(node) else {
+            return;
+        };
+        let outlet = self.setup.first_outlet[node];
+        let unload_ready = self.unload_ready(node, outlet);
+        let next = self.next_on(node);
+        let load = next.is_some();
+        let belt = self.belt(node);
+        belt.tick += 1;
+        let steps = belt.steps;
+        for (wire, value) in belt.plant.iter_mut().enumerate() {
+            *value = match (&declared.machine.plant[wire].source, belt.constants[wire]) {
+                _ if wire == declared.load => i64::from(load),
+                _ if wire == declared.unload_ready => i64::from(unload_ready),
+                (_, Some(constant)) => constant,
+                (PlantSource::Signal { script }, None) if !script.is_empty() => {
+                    script[(steps % script.len() as u64) as usize]
+                }
+                _ => 0,
+            };
+        }
+        let (Some(controller), Place::Belt(belt)) =
+            (&mut self.controllers[node], &mut self.places[node])
+        else {
+            return;
+        };
+        if let Err(error) = controller.step(&belt.plant, &mut belt.outputs) {
+            // The step changed nothing and would break the same rule again: it is tried when a neighbour has changed.
+            belt.ticking = false;
+            self.violate(node, None, error);
+            self.ask(node, outlet);
+            if unload_ready {
+                self.decline(node, outlet);
+            }
+            return;
+        }
+        belt.steps += 1;
+        let first = belt.plant.len();
+        let on = |wire: usize| belt.outputs.get(wire - first).is_some_and(|&v| v != 0);
+        let occupied: Vec<usize> = (0..declared.places.len())
+            .filter(|&place| on(declared.places[place]))
+            .collect();
+        let accepted = load && on(declared.ready);
+        let unloaded = unload_ready && on(declared.places[declared.places.len() - 1]);
+        let moved = match self.compare(node, &occupied) {
+            Ok(moved) => moved,
+            Err(message) => {
+                self.end = Some(End::PartLost);
+                self.findings.push(
+                    Diagnostic::error(codes::LINE_PART_LOST, self.line.nodes[node].span, message)
+                        .with_help(
+                            "The belt's contract must keep every part: see what it guarantees of each place in terms \
+                             of the places before it.",
+                        ),
+                );
+                return;
+            }
+        };
+        let belt = self.belt(node);
+        if moved || belt.handed {
+            belt.moving_seconds += period;
+        }
+        belt.handed = accepted || unloaded;
+        let unchanged = !belt.handed
+            && belt.outputs == belt.last_outputs
+            && belt.last_inputs == (load, unload_ready);
+        belt.quiet = if unchanged { belt.quiet + 1 } else { 0 };
+        belt.last_inputs = (load, unload_ready);
+        let BeltState {
+            outputs,
+            last_outputs,
+            ..
+        } = belt;
+        last_outputs.copy_from_slice(outputs);
+        if unloaded {
+            self.unload(node, outlet);
+        }
+        let had_turn = unload_ready && !unloaded && self.outlets[outlet].part.is_some();
+        if accepted {
+            match next {
+                Some(Next::Inlet(part)) => {
+                    self.belt(node).inlet = None;
+                    self.belt(node).held.push_back((part, None));
+                    self.look_at(node);
+                }
+                Some(Next::Waiting(position)) => {
+                    if let Some(request) = self.waiting[node].remove(position) {
+                        self.transfer(request.outlet);
+                    }
+                }
+                None => {}
+            }
+        }
+        let last = declared.places.len() - 1;
+        let belt = self.belt(node);
+        let at_end = !unloaded && belt.held.front().is_some_and(|(_, p)| *p == Some(last));
+        let asleep = belt.quiet as usize > declared.places.len() + 1;
+        belt.kept += usize::from(had_turn);
+        let too_long = belt.kept > declared.places.len() + 2;
+        if had_turn && (too_long || asleep) {
+            self.decline(node, outlet);
+        }
+        if at_end || asleep {
+            self.ask(node, outlet);
+        }
+        let belt = self.belt(node);
+        belt.ticking = !asleep;
+        if !asleep {
+            let time = (belt.tick as f64 * period).max(self.now);
+            self.schedule(time, BELT, Event::Tick(node as u32));
+        }
+    }
+
+    /// Whether the next node would take the first part; true where there is none, for then nothing stands in its way.
+    fn unload_ready(&mut self, node: usize, outlet: usize) -> bool {
+        let Some(&(part, _)) = self.belt(node).held.front() else {
+            return true;
+        };
+        let to = match self.outlets[outlet].to {
+            Some(to) => to,
+            None => match self.way(node, part) {
+                Some(to) => to,
+                None => return false,
+            },
+        };
+        self.admits(to, self.parts[part].kind, node) && !self.others_first(to, Some(outlet))
+    }
+
+    /// Who would come on: what another belt handed over, or who waits, whichever came first.
+    fn next_on(&self, node: usize) -> Option<Next> {
+        let Place::Belt(belt) = &self.places[node] else {
+            return None;
+        };
+        let waiting = self.waiting[node].iter().enumerate().find(|(_, request)| {
+            !matches!(
+                self.places[self.outlets[request.outlet].node],
+                Place::Belt(_)
+            )
+        });
+        match (belt.inlet, waiting) {
+            (Some((_, order)), Some((position, request))) if request.order < order => {
+                Some(Next::Waiting(position))
+            }
+            (Some((part, _)), _) => Some(Next::Inlet(part)),
+            (None, Some((position, _))) => Some(Next::Waiting(position)),
+            (None, None) => None,
+        }
+    }
+
+    /// Gives the parts the places that the controller says are occupied: whether any has moved, or what is wrong.
+    fn compare(&mut self, node: usize, occupied: &[usize]) -> Result<bool, String> {
+        let held = self.belt(node).held.len();
+        if occupied.len() != held {
+            let verb = if occupied.len() < held {
+                "lost"
+            } else {
+                "doubled"
+            };
+            return Err(format!(
+                "{} {verb} a part at {}: its controller says that {} of its places are occupied, but {held} parts are on it",
+                self.name(node),
+                self.moment(),
+                occupied.len()
+            ));
+        }
+        let mut moved = false;
+        for (position, &place) in occupied.iter().rev().enumerate() {
+            let (part, before) = self.belt(node).held[position];
+            if before.is_some_and(|before| place < before) {
+                return Err(format!(
+                    "{} lost a part at {}: {} {} was on place {} and would now be behind it, on place {place}",
+                    self.name(node),
+                    self.moment(),
+                    self.type_name(self.parts[part].kind),
+                    self.parts[part].number,
+                    before.unwrap_or(0),
+                ));
+            }
+            if before != Some(place) {
+                moved = true;
+                self.belt(node).held[position].1 = Some(place);
+                self.record(node, Some(part), What::Place(place as u32));
+            }
+        }
+        Ok(moved)
+    }
+
+    /// The first part waits for its next node from now on, if it does not yet.
+    fn ask(&mut self, node: usize, outlet: usize) {
+        if self.outlets[outlet].part.is_some() {
+            return;
+        }
+        let Some(&(part, _)) = self.belt(node).held.front() else {
+            return;
+        };
+        self.outlets[outlet].part = Some(part);
+        self.outlets[outlet].to = self.way(node, part);
+        if let Some(to) = self.outlets[outlet].to {
+            self.request(outlet, to, self.parts[part].kind);
+        }
+    }
+
+    /// The first part had its turn at the next node and did not come: those behind it go first.
+    fn decline(&mut self, node: usize, outlet: usize) {
+        self.belt(node).kept = 0;
+        let Some(to) = self.outlets[outlet].to else {
+            return;
+        };
+        let Some(at) = self.waiting[to].iter().position(|r| r.outlet == outlet) else {
+            return;
+        };
+        if let Some(request) = self.waiting[to].remove(at) {
+            self.order += 1;
+            self.waiting[to].push_back(Request {
+                order: self.order,
+                declined: true,
+                ..request
+            });
+            self.look_at(to);
+        }
+    }
+
+    /// The first part comes off.
+    fn unload(&mut self, node: usize, outlet: usize) {
+        let Some(&(part, _)) = self.belt(node).held.front() else {
+            return;
+        };
+        if self.outlets[outlet].part.is_none() {
+            self.outlets[outlet].part = Some(part);
+            self.outlets[outlet].to = self.way(node, part);
+        }
+        self.belt(node).kept = 0;
+        if let Some(to) = self.outlets[outlet].to {
+            self.waiting[to].retain(|request: &Request| request.outlet != outlet);
+            self.transfer(outlet);
+            // Those behind it in the queue stood back for it.
+            self.look_at(to);
+        }
+    }
+
+    /// The first part has come off.
+    pub(super) fn belt_left(&mut self, node: usize) {
+        let belt = self.belt(node);
+        belt.held.pop_front();
+        belt.carried += 1;
+    }
+
+    /// A part comes on, or into the place before the belt where it comes from another one.
+    pub(super) fn belt_arrival(&mut self, from: usize, node: usize, part: PartIndex) {
+        self.record(node, Some(part), What::Arrived);
+        if matches!(self.places[from], Place::Belt(_)) {
+            self.order += 1;
+            let order = self.order;
+            self.belt(node).inlet = Some((part, order));
+            self.wake(node);
+        } else {
+            self.belt(node).held.push_back((part, None));
+        }
+    }
+}

@@ -1,0 +1,343 @@
+//! Why a line stands still: who waits for whom, followed until it closes in a circle or ends at what will never come.
+//!
+//! A part at an outlet waits for one node, so each waiting node has one successor: the node it waits for; for a station that
+//! lacks a component the node that holds one, or makes it. Following the successors from every outlet in order finds a circle
+//! where there is one.
+
+use super::{Place, Run};
+use crate::plant::part::PartIndex;
+use crate::trace::End;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::line::{NodeKind, Supply};
+
+/// Why one node does not go on, and the node that this is due to.
+struct Reason {
+    text: String,
+    next: Option<usize>,
+}
+
+/// A chain of reasons from some node.
+struct Chain {
+    nodes: Vec<usize>,
+    texts: Vec<String>,
+    /// The last one waits for the first.
+    circle: bool,
+}
+
+impl Run<'_> {
+    /// Nothing will happen any more: a finding, unless the run was only to last for some time and everything is done.
+    pub(super) fn stand_still(&mut self) -> End {
+        let chain = self.chain();
+        if let (Some(horizon), None) = (self.setup.horizon, self.setup.target)
+            && !chain.as_ref().is_some_and(|chain| chain.circle)
+            && self.wayless.is_empty()
+        {
+            if let Some(chain) = chain {
+                let message = format!(
+                    "nothing moves any more from {} on: {}",
+                    self.moment(),
+                    chain.texts.join(", ")
+                );
+                self.findings.push(
+                    Diagnostic::note(codes::LINE_BLOCKED, self.line.span, message)
+                        .with_help(self.advice(&chain)),
+                );
+            }
+            self.wait_until(horizon);
+            return End::Time;
+        }
+        let progress = match self.setup.target {
+            Some(target) => format!(", with {} of {target} products made", self.products),
+            None => String::new(),
+        };
+        let (why, help) = match &chain {
+            Some(chain) => (chain.texts.join(", "), self.advice(chain)),
+            None => (
+                format!(
+                    "nothing is left to do: {}{}",
+                    self.supplies(None),
+                    self.not_replaced()
+                ),
+                "Let a source make more (a rejecting sink can order from it again), or ask for fewer products."
+                    .to_owned(),
+            ),
+        };
+        let mut finding = Diagnostic::error(
+            codes::LINE_BLOCKED,
+            self.line.span,
+            format!(
+                "the line can no longer advance at {}{progress}: {why}",
+                self.moment()
+            ),
+        )
+        .with_help(help);
+        for &node in chain.iter().flat_map(|chain| &chain.nodes) {
+            let declared = &self.line.nodes[node];
+            finding = finding.with_label(declared.span, format!("{} is here", declared.name));
+        }
+        self.findings.push(finding);
+        End::Blocked
+    }
+
+    /// Nothing happens any more but that shifts begin and end.
+    fn wait_until(&mut self, horizon: f64) {
+        let rest = horizon - self.now;
+        let worked = self.line.shift.map_or(rest, |shift| {
+            shift.worked_until(horizon) - shift.worked_until(self.now)
+        });
+        for place in &mut self.places {
+            if let Place::Station(station) = place {
+                station.wait(self.now, worked.clamp(0.0, rest), horizon);
+            }
+        }
+        self.now = horizon;
+    }
+
+    /// How many rejected parts were not ordered again, if any.
+    fn not_replaced(&self) -> String {
+        match self
+            .rejects
+            .iter()
+            .filter(|(_, ordered)| *ordered == 0)
+            .map(|(count, _)| count)
+            .sum()
+        {
+            0_u64 => String::new(),
+            1 => ", and 1 part was rejected and not ordered again".to_owned(),
+            count => format!(", and {count} parts were rejected and not ordered again"),
+        }
+    }
+
+    fn advice(&self, chain: &Chain) -> String {
+        let roomy = chain.nodes.iter().copied().find(|&node| {
+            matches!(
+                self.line.nodes[node].kind,
+                NodeKind::Conveyor { .. } | NodeKind::Buffer { .. }
+            )
+        });
+        if !chain.circle && !self.wayless.is_empty() {
+            return "Give every part a way onward from every node it can come to.".to_owned();
+        }
+        match (chain.circle, roomy) {
+            (true, Some(node)) => format!(
+                "Keep the circle from filling up: more room in {}, fewer parts let in at a time, or a way out by another \
+                 route.",
+                self.name(node)
+            ),
+            (true, None) => {
+                "Put a buffer into the circle, or give a part in it a way out by another route.".to_owned()
+            }
+            (false, _) => {
+                "See that what is missing is made or stocked in sufficient number, that rejected parts are ordered \
+                 again, or ask for fewer products."
+                    .to_owned()
+            }
+        }
+    }
+
+    /// The first circle; otherwise the first chain that ends somewhere; none where no part waits at all.
+    fn chain(&self) -> Option<Chain> {
+        let waiting = self
+            .outlets
+            .iter()
+            .filter(|outlet| outlet.part.is_some())
+            .map(|outlet| outlet.node);
+        let begun = (0..self.places.len()).filter(|&node| match &self.places[node] {
+            Place::Station(station) => station.components().next().is_some(),
+            Place::Belt(belt) => !belt.held.is_empty(),
+            _ => false,
+        });
+        let mut open = None;
+        for start in waiting.chain(begun) {
+            let chain = self.follow(start);
+            if chain.circle {
+                return Some(chain);
+            }
+            open = open.or((!chain.texts.is_empty()).then_some(chain));
+        }
+        open
+    }
+
+    fn follow(&self, start: usize) -> Chain {
+        let mut nodes = vec![start];
+        let mut texts = Vec::new();
+        let mut node = start;
+        loop {
+            let Some(reason) = self.reason(node) else {
+                return Chain {
+                    nodes,
+                    texts,
+                    circle: false,
+                };
+            };
+            texts.push(reason.text);
+            let Some(next) = reason.next else {
+                return Chain {
+                    nodes,
+                    texts,
+                    circle: false,
+                };
+            };
+            if let Some(first) = nodes.iter().position(|&seen| seen == next) {
+                return Chain {
+                    nodes: nodes.split_off(first),
+                    texts: texts.split_off(first),
+                    circle: true,
+                };
+            }
+            nodes.push(next);
+            node = next;
+        }
+    }
+
+    fn reason(&self, node: usize) -> Option<Reason> {
+        let name = self.name(node);
+        let waiting = self
+            .outlets_of(node)
+            .map(|outlet| self.outlets[outlet])
+            .find_map(|outlet| outlet.part.map(|part| (part, outlet.to)));
+        match (waiting, &self.places[node]) {
+            (Some((_, Some(to))), _) => {
+                let room = match self.places[to] {
+                    Place::Conveyor(_) | Place::Belt(_) => "room on ",
+                    Place::Buffer(_) => "room in ",
+                    _ => "",
+                };
+                Some(Reason {
+                    text: format!("{name} waits for {room}{}", self.name(to)),
+                    next: Some(to),
+                })
+            }
+            (Some((part, None)), _) => Some(Reason {
+                text: format!(
+                    "{name} keeps {} {}, which has no way onward",
+                    self.type_name(self.parts[part].kind),
+                    self.parts[part].number
+                ),
+                next: None,
+            }),
+            (None, Place::Belt(belt)) if !belt.held.is_empty() => Some(Reason {
+                text: format!("{name} does not move the parts that are on it"),
+                next: None,
+            }),
+            (None, Place::Station(station)) => {
+                station.missing().first().map(|&kind| self.lack(node, kind))
+            }
+            _ => None,
+        }
+    }
+
+    /// Why a component does not come to a station.
+    fn lack(&self, node: usize, kind: usize) -> Reason {
+        let start = format!(
+            "{} waits for a part of type {}",
+            self.name(node),
+            self.type_name(kind)
+        );
+        let others = || (0..self.places.len()).filter(|&other| other != node);
+        if let Some(holder) = others().find(|&other| self.holds(other, kind)) {
+            let place = match self.places[holder] {
+                Place::Conveyor(_) | Place::Belt(_) => "on",
+                Place::Source(_) | Place::Station(_) => "at",
+                _ => "in",
+            };
+            return Reason {
+                text: format!("{start}, which is {place} {}", self.name(holder)),
+                next: Some(holder),
+            };
+        }
+        let maker = others().find(|&other| match &self.places[other] {
+            Place::Station(station) => station.joins(kind),
+            _ => false,
+        });
+        if let Some(maker) = maker {
+            return Reason {
+                text: format!("{start}, which {} makes", self.name(maker)),
+                next: Some(maker),
+            };
+        }
+        Reason {
+            text: format!("{start}, but {}", self.supplies(Some(kind))),
+            next: None,
+        }
+    }
+
+    /// Whether a part of this type is at a node.
+    fn holds(&self, node: usize, kind: usize) -> bool {
+        let is = |part: PartIndex| self.parts[part].kind == kind;
+        self.outlets_of(node)
+            .filter_map(|outlet| self.outlets[outlet].part)
+            .any(is)
+            || self.held(node).into_iter().any(is)
+    }
+
+    /// All parts at a node that have entered the line.
+    pub(super) fn held(&self, node: usize) -> Vec<PartIndex> {
+        match &self.places[node] {
+            // What these keep at an outlet has not entered.
+            Place::Source(_) | Place::Sink => Vec::new(),
+            Place::Store(store) => store.parts().collect(),
+            Place::Station(station) => station.parts().collect(),
+            Place::Conveyor(conveyor) => conveyor.parts.iter().map(|(part, _)| *part).collect(),
+            Place::Belt(belt) => belt
+                .held
+                .iter()
+                .map(|(part, _)| *part)
+                .chain(belt.inlet.map(|(part, _)| part))
+                .collect(),
+            Place::Buffer(parts) => parts.iter().copied().collect(),
+        }
+    }
+
+    /// What became of the sources and stocks of a type, or of all.
+    fn supplies(&self, wanted: Option<usize>) -> String {
+        let is = |kind: usize| wanted.is_none_or(|wanted| wanted == kind);
+        let mut texts = Vec::new();
+        for (node, declared) in self.line.nodes.iter().enumerate() {
+            let name = &declared.name;
+            match (&declared.kind, &self.places[node]) {
+                (NodeKind::Source { part, supply, most }, Place::Source(source)) if is(*part) => {
+                    texts.push(match supply {
+                        Supply::OnOrder if source.exhausted() => {
+                            format!("{name} has made all {} that were ordered", source.made())
+                        }
+                        _ if source.exhausted() => {
+                            format!("{name} has made all {} of its limit", source.made())
+                        }
+                        _ => match most {
+                            Some(most) if self.in_line[*part] >= u64::from(*most) => format!(
+                                "{name} makes no more while {most} {} are in the line",
+                                self.type_name(*part)
+                            ),
+                            _ => format!("{name} makes more, but not for here"),
+                        },
+                    });
+                }
+                (NodeKind::Store { stock }, Place::Store(store)) => {
+                    let empty = stock
+                        .iter()
+                        .any(|&(kind, _)| is(kind) && store.stock(kind) == 0);
+                    let full = stock
+                        .iter()
+                        .any(|&(kind, _)| is(kind) && store.stock(kind) > 0);
+                    if full && wanted.is_some() {
+                        texts.push(format!("what {name} has in stock does not come here"));
+                    } else if empty {
+                        texts.push(format!("the stock of {name} is used up"));
+                    }
+                }
+                _ => {}
+            }
+        }
+        if texts.is_empty() {
+            return match wanted {
+                Some(kind) => format!(
+                    "no source makes {} and no store has it",
+                    self.type_name(kind)
+                ),
+                None => "there is neither a source nor a stock".to_owned(),
+            };
+        }
+        texts.join(" and ")
+    }
+}

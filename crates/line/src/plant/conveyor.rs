@@ -1,0 +1,158 @@
+//! Conveyors without a contract: they accumulate.
+//!
+//! No part is moved from place to place. A belt of `n` places and a period of `d` seconds a place is described exactly by when
+//! parts come on and off: a part needs `n d` from end to end, comes off no sooner than `d` after the one before it (which it
+//! was at least a pitch behind), and can come on when the last one has moved up by a pitch, which takes `d` (it cannot be
+//! stopped before, since fewer than `n` are ahead of it). All parts that had closed up start moving together when the first leaves.
+
+use super::{Event, Place, Run, WORK};
+use crate::plant::part::PartIndex;
+use crate::trace::What;
+use linewright_language::contract::line::NodeKind;
+use std::collections::VecDeque;
+
+/// What is on a conveyor.
+#[derive(Debug, Default)]
+pub(super) struct Conveyor {
+    /// The parts, the first to leave in front, and when each would come to the end with a free way.
+    pub parts: VecDeque<(PartIndex, f64)>,
+    /// When the next part can come on.
+    opens: f64,
+    /// When the next part can come off.
+    closes: f64,
+    /// An event for that is entered already: for the first part's arrival, for the first place.
+    arriving: bool,
+    reopening: bool,
+    /// Something moves until then; moving time is booked up to `booked`.
+    moving_until: f64,
+    booked: f64,
+    moving_seconds: f64,
+    pub carried: u64,
+}
+
+impl Conveyor {
+    /// Books the time in which something moved.
+    fn book(&mut self, now: f64) {
+        self.moving_seconds += (self.moving_until.min(now) - self.booked).max(0.0);
+        self.booked = now;
+    }
+
+    /// Seconds in which something moved.
+    pub(super) fn moving_seconds(&mut self, now: f64) -> f64 {
+        self.book(now);
+        self.moving_seconds
+    }
+}
+
+impl Run<'_> {
+    /// Places and seconds a place.
+    fn belt_of(&self, node: usize) -> (usize, f64) {
+        match self.line.nodes[node].kind {
+            NodeKind::Conveyor {
+                places,
+                pitch,
+                speed,
+                ..
+            } => (places as usize, pitch / speed),
+            _ => (0, 0.0),
+        }
+    }
+
+    /// Whether a part can come on now.
+    pub(super) fn conveyor_admits(&self, node: usize) -> bool {
+        let (places, _) = self.belt_of(node);
+        match &self.places[node] {
+            Place::Conveyor(conveyor) => {
+                conveyor.parts.len() < places && self.now >= conveyor.opens
+            }
+            _ => false,
+        }
+    }
+
+    pub(super) fn conveyor_arrival(&mut self, node: usize, part: PartIndex) {
+        self.record(node, Some(part), What::Arrived);
+        let now = self.now;
+        let (places, period) = self.belt_of(node);
+        let Place::Conveyor(conveyor) = &mut self.places[node] else {
+            return;
+        };
+        conveyor.book(now);
+        let ahead = conveyor.parts.len();
+        conveyor.moving_until = conveyor
+            .moving_until
+            .max(now + (places - ahead.min(places)) as f64 * period);
+        conveyor.opens = now + period;
+        conveyor
+            .parts
+            .push_back((part, now + places as f64 * period));
+        if ahead == 0 {
+            self.look_at(node);
+        }
+    }
+
+    /// The first part, if it has come to the end; otherwise it is waited for.
+    pub(super) fn conveyor_end(&mut self, node: usize) -> Option<PartIndex> {
+        let now = self.now;
+        let Place::Conveyor(conveyor) = &mut self.places[node] else {
+            return None;
+        };
+        let &(part, arrival) = conveyor.parts.front()?;
+        let arrival = arrival.max(conveyor.closes);
+        if arrival <= now {
+            return Some(part);
+        }
+        if !std::mem::replace(&mut conveyor.arriving, true) {
+            self.schedule(arrival, WORK, Event::Arrival(node as u32));
+        }
+        None
+    }
+
+    pub(super) fn arrival(&mut self, node: usize) {
+        if let Place::Conveyor(conveyor) = &mut self.places[node] {
+            conveyor.arriving = false;
+        }
+        self.look_at(node);
+    }
+
+    pub(super) fn conveyor_left(&mut self, node: usize) {
+        let now = self.now;
+        let (_, period) = self.belt_of(node);
+        let Place::Conveyor(conveyor) = &mut self.places[node] else {
+            return;
+        };
+        conveyor.book(now);
+        conveyor.parts.pop_front();
+        conveyor.carried += 1;
+        conveyor.closes = now + period;
+        // What is left moves up by one pitch more than it would have.
+        conveyor.moving_until = if conveyor.parts.is_empty() {
+            now
+        } else {
+            conveyor.moving_until.max(now) + period
+        };
+    }
+
+    /// Sees to it that those who wait are let on as soon as the first place is free.
+    pub(super) fn reopen_later(&mut self, node: usize) {
+        let now = self.now;
+        let (places, _) = self.belt_of(node);
+        if self.waiting[node].is_empty() {
+            return;
+        }
+        let Place::Conveyor(conveyor) = &mut self.places[node] else {
+            return;
+        };
+        if conveyor.parts.len() < places && now < conveyor.opens && !conveyor.reopening {
+            conveyor.reopening = true;
+            let opens = conveyor.opens;
+            self.schedule(opens, WORK, Event::Reopen(node as u32));
+        }
+    }
+
+    pub(super) fn reopen(&mut self, node: usize) {
+        if let Place::Conveyor(conveyor) = &mut self.places[node] {
+            conveyor.reopening = false;
+        }
+        self.look_at(node);
+    }
+}

@@ -1,0 +1,182 @@
+//! The end of a run: the books are closed, checked, and become a trace.
+
+use super::{Place, Run};
+use crate::metric;
+use crate::statistics::Activity;
+use crate::trace::{
+    ConveyorStatistics, End, MachineStatistics, PartCounts, Reject, StationStatistics, Trace,
+};
+use linewright_language::contract::line::NodeKind;
+
+impl Run<'_> {
+    pub(super) fn finish(mut self, end: End) -> Trace {
+        let (mut stations, mut conveyors) = (Vec::new(), Vec::new());
+        let (now, on_shift) = (self.now, self.on_shift);
+        for (index, node) in self.line.nodes.iter().enumerate() {
+            match (&node.kind, &mut self.places[index]) {
+                (NodeKind::Station { machine, .. }, Place::Station(station)) => {
+                    station.close(now, machine.idle_watts, on_shift);
+                    stations.push(StationStatistics {
+                        node: index,
+                        name: node.name.clone(),
+                        machine: machine.name.clone(),
+                        processed: station.processed,
+                        shares: station.clock.shares(station.visited),
+                        busy_seconds: station.clock.seconds(Activity::Busy),
+                        joules: station.joules,
+                    });
+                }
+                (NodeKind::Conveyor { watts, .. }, Place::Conveyor(conveyor)) => {
+                    let moving_seconds = conveyor.moving_seconds(now);
+                    conveyors.push(ConveyorStatistics {
+                        node: index,
+                        name: node.name.clone(),
+                        machine: None,
+                        carried: conveyor.carried,
+                        moving_seconds,
+                        joules: moving_seconds * watts,
+                    });
+                }
+                (
+                    NodeKind::Conveyor {
+                        watts,
+                        belt: Some(declared),
+                        ..
+                    },
+                    Place::Belt(belt),
+                ) => {
+                    let moving_seconds = belt.moving_seconds.min(now);
+                    conveyors.push(ConveyorStatistics {
+                        node: index,
+                        name: node.name.clone(),
+                        machine: Some(declared.machine.name.clone()),
+                        carried: belt.carried,
+                        moving_seconds,
+                        joules: moving_seconds * watts
+                            + (now - moving_seconds) * declared.machine.idle_watts,
+                    });
+                }
+                _ => {}
+            }
+        }
+        let parts = self.count_parts();
+        self.count_repeated_violations();
+        let mut trace = Trace {
+            seed: self.seed,
+            end,
+            seconds: now,
+            events: self.events,
+            products: self.products,
+            stored: self.stored,
+            makespan: self.makespan,
+            throughput_per_hour: if now > 0.0 {
+                self.products as f64 * 3600.0 / now
+            } else {
+                0.0
+            },
+            parts,
+            lead_time: self.lead_times.summary(),
+            // The sum of no numbers is -0.
+            joules: 0.0
+                + stations.iter().map(|s| s.joules).sum::<f64>()
+                + conveyors.iter().map(|c| c.joules).sum::<f64>(),
+            machines: machines(&stations, &conveyors),
+            bottleneck: bottleneck(&stations),
+            stations,
+            conveyors,
+            rejects: self
+                .rejects
+                .iter()
+                .enumerate()
+                .filter(|(_, (count, _))| *count > 0)
+                .map(|(part, &(count, reordered))| Reject {
+                    part,
+                    count,
+                    reordered,
+                })
+                .collect(),
+            violations: self.violations,
+            violation_count: self.violation_count,
+            requirements: Vec::new(),
+            findings: self.findings,
+            log: self.log,
+        };
+        metric::check(self.line, &mut trace);
+        trace
+    }
+
+    /// The books, checked against the parts that really are in the line.
+    fn count_parts(&self) -> PartCounts {
+        let in_progress = (0..self.places.len())
+            .flat_map(|node| self.held(node))
+            .filter(|&part| self.parts[part].entered)
+            .count() as u64;
+        let counts = PartCounts {
+            entered: self.entered,
+            finished: self.finished,
+            rejected: self.rejects.iter().map(|(count, _)| count).sum(),
+            consumed: self.consumed,
+            in_progress,
+        };
+        assert_eq!(
+            counts.entered,
+            counts.finished + counts.rejected + counts.consumed + counts.in_progress,
+            "the runner lost count of the parts: {counts:?}; please report this"
+        );
+        counts
+    }
+
+    /// Says in the finding of each rule how often it was broken.
+    fn count_repeated_violations(&mut self) {
+        for &(finding, count) in self.violation_kinds.values() {
+            if count > 1 {
+                self.findings[finding].message += &times(count);
+            }
+        }
+    }
+}
+
+fn times(count: u64) -> String {
+    format!(" ({count} times in all; this was the first)")
+}
+
+/// The figures of stations and contracted belts, machine by machine.
+fn machines(
+    stations: &[StationStatistics],
+    conveyors: &[ConveyorStatistics],
+) -> Vec<MachineStatistics> {
+    let of_stations = stations
+        .iter()
+        .map(|s| (&s.machine, s.busy_seconds, s.joules));
+    let of_belts = conveyors
+        .iter()
+        .filter_map(|c| c.machine.as_ref().map(|m| (m, c.moving_seconds, c.joules)));
+    let mut machines: Vec<MachineStatistics> = Vec::new();
+    for (name, busy_seconds, joules) in of_stations.chain(of_belts) {
+        match machines.iter_mut().find(|m| m.name == *name) {
+            Some(machine) => {
+                machine.busy_seconds += busy_seconds;
+                machine.joules += joules;
+            }
+            None => machines.push(MachineStatistics {
+                name: name.clone(),
+                busy_seconds,
+                joules,
+            }),
+        }
+    }
+    machines
+}
+
+/// The first station with the greatest share of busy, setup and failed time; none where nothing was done.
+fn bottleneck(stations: &[StationStatistics]) -> Option<usize> {
+    let mut best = None;
+    let mut greatest = 0.0;
+    for (index, station) in stations.iter().enumerate() {
+        if station.shares.engaged() > greatest {
+            greatest = station.shares.engaged();
+            best = Some(index);
+        }
+    }
+    best
+}

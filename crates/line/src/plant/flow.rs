@@ -1,0 +1,409 @@
+//! How parts get from node to node: ways, outlets, who may come in, and who is next.
+//!
+//! Each node has an *outlet* for the part that would leave next; a store has one for each type that leaves it. A part at an
+//! outlet has chosen its way. It moves when the next node admits it, or waits in that node's queue. A node that has lost a part, or may
+//! have got one to hand on, is put on the list of nodes to look at again, until nothing moves any more at this instant.
+//!
+//! # Turns
+//!
+//! A part that is ready to leave and finds no room is a *request* to the next node, and requests are numbered as they begin. A belt's
+//! part is one from the step in which it was seen at the last place, and the components of a complete bill are one from the moment
+//! at which the last of them came. **Room is given to the oldest request that the node would take**; a newcomer waits as long as
+//! there is such a one. So none is overtaken by a request that began later.
+//!
+//! A belt can hand over only when it is stepped. Once it is its turn it is woken, and the room is kept for it until then, even if
+//! another part could go at once. That must not last for ever, whatever a controller does: a belt that was stepped with its turn as often
+//! as it has places, and twice more, or that refused such a step, or that falls asleep, and has not handed over, goes to the end of the
+//! queue, and is passed over until something changes at the node. So as long as a node has room that some request waits for, either it will be
+//! looked at, or a belt with its turn will be stepped, or all who could come have had their turn and did not.
+
+use super::{Place, Run};
+use crate::plant::part::PartIndex;
+use crate::trace::{End, What};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::line::{Line, NodeKind};
+use linewright_language::contract::machine::RealExpr;
+use std::ops::Range;
+
+/// Where a node's next part waits to leave.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Outlet {
+    /// The node.
+    pub node: usize,
+    /// The one part type it is for, at a store.
+    pub kind: Option<usize>,
+    /// The part that would leave.
+    pub part: Option<PartIndex>,
+    /// Where to; `None` where no route takes it on.
+    pub to: Option<usize>,
+}
+
+/// An outlet that waits for a node.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Request {
+    /// The outlet.
+    pub outlet: usize,
+    /// Its part's type.
+    pub kind: usize,
+    /// When it began to wait, as a running number.
+    pub order: u64,
+    /// A belt that had its turn and did not hand over; until the node is looked at.
+    pub declined: bool,
+}
+
+/// The routes, by node and part type.
+pub(super) struct Ways {
+    types: usize,
+    index: Vec<Range<u32>>,
+    all: Vec<(usize, Option<RealExpr>)>,
+}
+
+impl Ways {
+    pub(super) fn new(line: &Line) -> Self {
+        let types = line.parts.len();
+        let mut ways = Vec::new();
+        let mut index = Vec::new();
+        for from in 0..line.nodes.len() {
+            for part in 0..types {
+                let first = ways.len() as u32;
+                ways.extend(
+                    line.routes
+                        .iter()
+                        .filter(|route| route.from == from && route.part == part)
+                        .map(|route| (route.to, route.condition.clone())),
+                );
+                index.push(first..ways.len() as u32);
+            }
+        }
+        Self {
+            types,
+            index,
+            all: ways,
+        }
+    }
+
+    /// The routes of a part type from a node, in order.
+    pub(super) fn from(&self, node: usize, part: usize) -> &[(usize, Option<RealExpr>)] {
+        let range = &self.index[node * self.types + part];
+        &self.all[range.start as usize..range.end as usize]
+    }
+}
+
+/// The outlets of a line, empty, and the first one of each node.
+pub(super) fn outlets(line: &Line) -> (Vec<Outlet>, Vec<usize>) {
+    let mut outlets = Vec::new();
+    let mut first = Vec::new();
+    for (node, declared) in line.nodes.iter().enumerate() {
+        first.push(outlets.len());
+        let outlet = |kind| Outlet {
+            node,
+            kind,
+            part: None,
+            to: None,
+        };
+        match declared.kind {
+            NodeKind::Sink { .. } => {}
+            NodeKind::Store { .. } => outlets.extend(
+                (0..line.parts.len())
+                    .filter(|&part| {
+                        line.routes
+                            .iter()
+                            .any(|route| route.from == node && route.part == part)
+                    })
+                    .map(|part| outlet(Some(part))),
+            ),
+            _ => outlets.push(outlet(None)),
+        }
+    }
+    first.push(outlets.len());
+    (outlets, first)
+}
+
+impl Run<'_> {
+    /// The outlets of a node.
+    pub(super) fn outlets_of(&self, node: usize) -> Range<usize> {
+        self.setup.first_outlet[node]..self.setup.first_outlet[node + 1]
+    }
+
+    /// The node is to be looked at again.
+    pub(super) fn look_at(&mut self, node: usize) {
+        if !std::mem::replace(&mut self.in_work[node], true) {
+            self.work.push_back(node as u32);
+        }
+    }
+
+    /// Looks at nodes until nothing moves any more at this instant.
+    pub(super) fn settle(&mut self) {
+        while self.end.is_none()
+            && let Some(node) = self.work.pop_front()
+        {
+            let node = node as usize;
+            self.in_work[node] = false;
+            self.hand_on(node);
+            self.serve(node);
+            if self.stands_still() {
+                break;
+            }
+        }
+    }
+
+    /// Brings a node's next parts to its outlets.
+    fn hand_on(&mut self, node: usize) {
+        for outlet in self.outlets_of(node) {
+            while self.outlets[outlet].part.is_none() && self.end.is_none() && !self.stands_still()
+            {
+                let next = match &self.places[node] {
+                    Place::Source(_) => self.make(node),
+                    Place::Store(_) => self.give_out(node, outlet),
+                    Place::Buffer(parts) => parts.front().copied(),
+                    Place::Conveyor(_) => self.conveyor_end(node),
+                    Place::Station(_) | Place::Belt(_) | Place::Sink => None,
+                };
+                match next {
+                    Some(part) => self.offer(outlet, part),
+                    None => break,
+                }
+            }
+        }
+        if matches!(self.places[node], Place::Station(_)) {
+            self.station_ready(node);
+        }
+    }
+
+    /// A part is ready to leave: it chooses its way, and goes or waits.
+    pub(super) fn offer(&mut self, outlet: usize, part: PartIndex) {
+        let node = self.outlets[outlet].node;
+        let to = self.way(node, part);
+        self.outlets[outlet].part = Some(part);
+        self.outlets[outlet].to = to;
+        let Some(to) = to else { return };
+        let kind = self.parts[part].kind;
+        let admitted = self.admits(to, kind, node);
+        if admitted && !self.others_first(to, None) {
+            self.transfer(outlet);
+            return;
+        }
+        self.request(outlet, to, kind);
+        if admitted {
+            // It stands back for someone, who has to be served.
+            self.look_at(to);
+        }
+    }
+
+    /// The outlet waits for a node from now on.
+    pub(super) fn request(&mut self, outlet: usize, to: usize, kind: usize) {
+        self.order += 1;
+        self.waiting[to].push_back(Request {
+            outlet,
+            kind,
+            order: self.order,
+            declined: false,
+        });
+        match self.places[to] {
+            Place::Conveyor(_) => self.reopen_later(to),
+            Place::Belt(_) => self.wake(to),
+            _ => {}
+        }
+    }
+
+    /// The first route whose condition holds.
+    pub(super) fn way(&mut self, node: usize, part: PartIndex) -> Option<usize> {
+        let Self { setup, parts, .. } = self;
+        let part = &parts[part];
+        let way = setup
+            .ways
+            .from(node, part.kind)
+            .iter()
+            .find(|(_, condition)| {
+                condition
+                    .as_ref()
+                    .is_none_or(|condition| condition.eval(&part.properties, &[]) != 0.0)
+            });
+        if let Some((to, _)) = way {
+            return Some(*to);
+        }
+        let (kind, number) = (part.kind, part.number);
+        if !self.wayless.contains(&(node, kind)) {
+            self.wayless.push((node, kind));
+            let name = self.type_name(kind);
+            let message = format!(
+                "{name} {number} has no way onward from {} at {}",
+                self.name(node),
+                self.moment()
+            );
+            self.findings.push(
+                Diagnostic::error(codes::LINE_ROUTE, self.line.nodes[node].span, message)
+                    .with_help(format!(
+                        "Add a route for {name} without a condition, after those that have one."
+                    )),
+            );
+        }
+        None
+    }
+
+    /// Whether a node has room for a part of this type that comes from `from`. Belts take parts only when they are stepped,
+    /// except from one another; see there.
+    pub(super) fn admits(&self, node: usize, kind: usize, from: usize) -> bool {
+        match &self.places[node] {
+            Place::Source(_) => false,
+            Place::Sink | Place::Store(_) => true,
+            Place::Buffer(parts) => match self.line.nodes[node].kind {
+                NodeKind::Buffer { capacity } => parts.len() < capacity as usize,
+                _ => false,
+            },
+            Place::Conveyor(_) => self.conveyor_admits(node),
+            Place::Belt(belt) => {
+                matches!(self.places[from], Place::Belt(_)) && belt.inlet.is_none()
+            }
+            Place::Station(station) => station.admits(kind, self.on_shift),
+        }
+    }
+
+    /// Whether someone who has waited longer for a node than outlet `own` (or than a newcomer) could go there now.
+    pub(super) fn others_first(&self, node: usize, own: Option<usize>) -> bool {
+        self.waiting[node]
+            .iter()
+            .take_while(|request| Some(request.outlet) != own)
+            .any(|request| self.admits(node, request.kind, self.outlets[request.outlet].node))
+    }
+
+    /// Lets in whoever waits for a node, as long as there is room; see [Turns](self#turns).
+    fn serve(&mut self, node: usize) {
+        let mut next = 0;
+        while let Some(&Request { outlet, kind, .. }) = self.waiting[node].get(next) {
+            if self.end.is_some() || self.stands_still() {
+                return;
+            }
+            let from = self.outlets[outlet].node;
+            if !self.admits(node, kind, from) {
+                next += 1;
+            } else if matches!(self.places[from], Place::Belt(_)) {
+                if std::mem::take(&mut self.waiting[node][next].declined) {
+                    next += 1;
+                    continue;
+                }
+                self.wake(from);
+                break;
+            } else {
+                self.waiting[node].remove(next);
+                self.transfer(outlet);
+                next = 0;
+            }
+        }
+        if matches!(self.places[node], Place::Conveyor(_)) {
+            self.reopen_later(node);
+        }
+    }
+
+    /// Moves an outlet's part along its way. The next node has room for it.
+    pub(super) fn transfer(&mut self, outlet: usize) {
+        let Outlet { node, part, to, .. } = self.outlets[outlet];
+        let (Some(part), Some(to)) = (part, to) else {
+            return;
+        };
+        self.at_instant += 1;
+        self.outlets[outlet].part = None;
+        self.outlets[outlet].to = None;
+        self.enter(node, part);
+        self.record(node, Some(part), What::Left);
+        match &mut self.places[node] {
+            Place::Store(store) => store.left(self.parts[part].kind),
+            Place::Buffer(parts) => {
+                parts.pop_front();
+            }
+            Place::Station(_) => self.station_left(node),
+            Place::Conveyor(_) => self.conveyor_left(node),
+            Place::Belt(_) => self.belt_left(node),
+            Place::Source(_) | Place::Sink => {}
+        }
+        self.look_at(node);
+        self.arrive(node, to, part);
+    }
+
+    fn arrive(&mut self, from: usize, node: usize, part: PartIndex) {
+        match &mut self.places[node] {
+            Place::Sink => self.sink(node, part),
+            Place::Store(_) => self.store(node, part),
+            Place::Buffer(parts) => {
+                parts.push_back(part);
+                if parts.len() == 1 {
+                    self.look_at(node);
+                }
+                self.record(node, Some(part), What::Arrived);
+            }
+            Place::Station(_) => self.station_arrival(node, part),
+            Place::Conveyor(_) => self.conveyor_arrival(node, part),
+            Place::Belt(_) => self.belt_arrival(from, node, part),
+            Place::Source(_) => {}
+        }
+    }
+
+    /// A part that leaves its source or a store's stock enters the line.
+    fn enter(&mut self, node: usize, part: PartIndex) {
+        let now = self.now;
+        let entering = &mut self.parts[part];
+        if !entering.entered {
+            entering.entered = true;
+            entering.birth = now;
+            self.entered += 1;
+            self.record(node, Some(part), What::Entered);
+        }
+    }
+
+    /// A part leaves the line as it should; an end product may be the last that was wanted.
+    pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
+        self.record(node, Some(part), What::Finished);
+        self.finished += 1;
+        self.count_out(self.parts[part].kind);
+        if self.parts[part].kind == self.line.product {
+            self.products += 1;
+            self.stored += u64::from(matches!(self.places[node], Place::Store(_)));
+            self.makespan = self.now;
+            self.events_at_product = self.events;
+            self.violations_at_product = self.violation_count;
+            self.lead_times.add(self.now - self.parts[part].birth);
+            if self.setup.target == Some(self.products) {
+                self.end = Some(End::Products);
+            }
+        }
+        self.parts.remove(part);
+    }
+
+    /// A part leaves the line as scrap, and a new one is ordered for it.
+    pub(super) fn reject(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
+        self.record(node, Some(part), What::Rejected);
+        let kind = self.parts[part].kind;
+        self.rejects[kind].0 += 1;
+        self.count_out(kind);
+        self.parts.remove(part);
+        if let Some(source) = reorder {
+            let NodeKind::Source { part: ordered, .. } = self.line.nodes[source].kind else {
+                return;
+            };
+            let count = self.setup.content(kind, ordered);
+            self.order(source, count);
+            self.rejects[kind].1 += count;
+        }
+    }
+
+    /// The source that replaces a part that was taken out because of a violation: that of the first rejecting sink whose
+    /// source makes the part or something in it, or else that of the first one with any.
+    pub(super) fn replacement(&self, kind: usize) -> Option<usize> {
+        let types = self.line.parts.len();
+        let sources = || {
+            self.line.nodes.iter().filter_map(|node| match node.kind {
+                NodeKind::Sink {
+                    reject: true,
+                    reorder,
+                } => reorder,
+                _ => None,
+            })
+        };
+        sources()
+            .find(|&source| match self.line.nodes[source].kind {
+                NodeKind::Source { part, .. } => self.setup.contents[kind * types + part] > 0,
+                _ => false,
+            })
+            .or_else(|| sources().next())
+    }
+}

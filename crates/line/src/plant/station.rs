@@ -1,0 +1,585 @@
+//! Stations: taking parts in, joining, setup, service, breakdowns and shifts.
+
+use super::{Event, Place, Run, WORK, stream};
+use crate::plant::part::PartIndex;
+use crate::random::{Purpose, Stream};
+use crate::statistics::{Activity, Clock};
+use crate::trace::What;
+use linewright_language::contract::line::{Line, NodeKind, Task};
+use linewright_language::contract::machine::{Failures, PropertyKind};
+use linewright_station::{CallError, ErrorCode};
+
+/// A station at work.
+#[derive(Debug)]
+pub(super) struct Station {
+    /// What is waited for, by task; empty for tasks that join nothing.
+    pub bills: Vec<Bill>,
+    /// The part type of each task.
+    kinds: Vec<usize>,
+    /// By task: it takes parts of its type as they are.
+    plain: Vec<bool>,
+    pub phase: Phase,
+    /// The part at work, or the one that is done and waits.
+    pub part: Option<PartIndex>,
+    task: usize,
+    /// The part type that left last.
+    last_kind: Option<usize>,
+    /// Seconds of this phase that are still to be worked, as of `resumed`.
+    remaining: f64,
+    resumed: f64,
+    /// The clock runs: neither broken down nor off shift.
+    running: bool,
+    pub failed: bool,
+    /// Only the event with this number counts.
+    number: u32,
+    failures: Option<(Failures, Stream)>,
+    /// Working seconds to the next breakdown.
+    until_failure: f64,
+    defects: Stream,
+    /// The part's properties after this service, and the machine's during it.
+    outcome: Vec<f64>,
+    values: Vec<f64>,
+    service_seconds: f64,
+    service_joules: f64,
+    // Counters.
+    pub clock: Clock,
+    pub joules: f64,
+    pub processed: u64,
+    pub visited: bool,
+}
+
+/// Where a station is in its cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// Nothing at work.
+    Free,
+    /// Being set up for the part.
+    Setup,
+    /// At work on the part.
+    Service,
+    /// The part waits to leave.
+    Done,
+}
+
+/// The places for a joining task's components.
+#[derive(Debug, Default)]
+pub(super) struct Bill {
+    /// For each line of the bill: the type, how many are needed, and those that are there.
+    pub lines: Vec<(usize, usize, Vec<PartIndex>)>,
+    /// When the last one came, as a running number.
+    complete: Option<u64>,
+}
+
+impl Station {
+    pub(super) fn new(line: &Line, node: usize, tasks: &[Task], seed: u64, on_shift: bool) -> Self {
+        let declared = &line.nodes[node];
+        let failures = match &declared.kind {
+            NodeKind::Station { failures, .. } => *failures,
+            _ => None,
+        };
+        let mut failures = failures.map(|f| (f, stream(seed, Purpose::Failures, &declared.name)));
+        let until_failure = failures
+            .as_mut()
+            .map_or(f64::INFINITY, |(f, stream)| stream.exponential(f.mtbf));
+        let comes = |kind| {
+            line.routes
+                .iter()
+                .any(|route| route.to == node && route.part == kind)
+        };
+        // Where the product itself comes too, it may be that its components only pass through: they are joined here only if all
+        // of them come, and none for a task of its own.
+        let joins = |task: &Task| {
+            !comes(task.part)
+                || line.parts[task.part]
+                    .bill
+                    .iter()
+                    .all(|&(kind, _)| comes(kind) && tasks.iter().all(|other| other.part != kind))
+        };
+        Self {
+            bills: tasks
+                .iter()
+                .map(|task| Bill {
+                    lines: line.parts[task.part]
+                        .bill
+                        .iter()
+                        .filter(|_| joins(task))
+                        .map(|&(kind, count)| (kind, count as usize, Vec::new()))
+                        .collect(),
+                    complete: None,
+                })
+                .collect(),
+            plain: tasks
+                .iter()
+                .map(|task| line.parts[task.part].bill.is_empty() || comes(task.part))
+                .collect(),
+            kinds: tasks.iter().map(|task| task.part).collect(),
+            phase: Phase::Free,
+            part: None,
+            task: 0,
+            last_kind: None,
+            remaining: 0.0,
+            resumed: 0.0,
+            running: false,
+            failed: false,
+            number: 0,
+            failures,
+            until_failure,
+            defects: stream(seed, Purpose::Defects, &declared.name),
+            outcome: Vec::new(),
+            values: Vec::new(),
+            service_seconds: 0.0,
+            service_joules: 0.0,
+            clock: Clock::new(if on_shift {
+                Activity::Starved
+            } else {
+                Activity::Idle
+            }),
+            joules: 0.0,
+            processed: 0,
+            visited: false,
+        }
+    }
+
+    /// Whether it takes a part of this type now.
+    pub(super) fn admits(&self, kind: usize, on_shift: bool) -> bool {
+        self.component_place(kind).is_some()
+            || (self.phase == Phase::Free && on_shift && self.plain_task(kind).is_some())
+    }
+
+    /// The first free place for a component of this type: task and line of its bill.
+    fn component_place(&self, kind: usize) -> Option<(usize, usize)> {
+        self.bills.iter().enumerate().find_map(|(task, bill)| {
+            bill.lines
+                .iter()
+                .position(|(wanted, count, there)| *wanted == kind && there.len() < *count)
+                .map(|line| (task, line))
+        })
+    }
+
+    /// The first task that works on this type without joining.
+    fn plain_task(&self, kind: usize) -> Option<usize> {
+        (0..self.kinds.len()).find(|&task| self.kinds[task] == kind && self.plain[task])
+    }
+
+    /// Whether it makes parts of this type from others.
+    pub(super) fn joins(&self, kind: usize) -> bool {
+        self.kinds
+            .iter()
+            .zip(&self.bills)
+            .any(|(made, bill)| *made == kind && !bill.lines.is_empty())
+    }
+
+    /// The part types that incomplete joining tasks wait for; those that some part has come for already are named first.
+    pub(super) fn missing(&self) -> Vec<usize> {
+        let lacking = |bill: &Bill| -> Vec<usize> {
+            bill.lines
+                .iter()
+                .filter(|(_, count, there)| there.len() < *count)
+                .map(|(kind, ..)| *kind)
+                .collect()
+        };
+        let begun = |bill: &&Bill| bill.lines.iter().any(|(.., there)| !there.is_empty());
+        let (first, rest): (Vec<_>, Vec<_>) = self.bills.iter().partition(begun);
+        first.into_iter().chain(rest).flat_map(lacking).collect()
+    }
+
+    /// The parts in it, at work and waiting to be joined.
+    pub(super) fn parts(&self) -> impl Iterator<Item = PartIndex> {
+        self.components().chain(self.part)
+    }
+
+    /// The parts that wait in it to be joined.
+    pub(super) fn components(&self) -> impl Iterator<Item = PartIndex> {
+        self.bills
+            .iter()
+            .flat_map(|bill| &bill.lines)
+            .flat_map(|(.., there)| there)
+            .copied()
+    }
+
+    /// Stops the clock, and counts what was worked.
+    fn pause(&mut self, now: f64) {
+        if std::mem::take(&mut self.running) {
+            let worked = (now - self.resumed).min(self.remaining);
+            self.remaining -= worked;
+            if self.phase == Phase::Service {
+                self.until_failure = (self.until_failure - worked).max(0.0);
+            }
+        }
+    }
+
+    /// Books its time from now on as what it is doing.
+    fn book(&mut self, now: f64, on_shift: bool) {
+        let activity = match self.phase {
+            _ if self.failed => Activity::Failed,
+            _ if !on_shift => Activity::Idle,
+            Phase::Free => Activity::Starved,
+            Phase::Setup => Activity::Setup,
+            Phase::Service => Activity::Busy,
+            Phase::Done => Activity::Blocked,
+        };
+        self.clock.switch(now, activity);
+    }
+
+    /// Nothing changes from `now` to `until`, of which so many seconds are on shift.
+    pub(super) fn wait(&mut self, now: f64, on_shift_seconds: f64, until: f64) {
+        self.book(now, true);
+        self.clock.switch(now + on_shift_seconds, Activity::Idle);
+        self.clock.switch(until, Activity::Idle);
+    }
+
+    /// At the end of a run: books the last stretch, and the part of a service's energy that was used.
+    pub(super) fn close(&mut self, now: f64, idle_watts: f64, on_shift: bool) {
+        self.pause(now);
+        self.book(now, on_shift);
+        if self.phase == Phase::Service && self.service_seconds > 0.0 {
+            self.joules +=
+                self.service_joules * (1.0 - self.remaining / self.service_seconds).clamp(0.0, 1.0);
+        }
+        self.joules += idle_watts * (now - self.clock.seconds(Activity::Busy)).max(0.0);
+    }
+}
+
+impl Run<'_> {
+    fn station(&mut self, node: usize) -> &mut Station {
+        match &mut self.places[node] {
+            Place::Station(station) => station,
+            _ => unreachable!("node {node} is not a station; please report this"),
+        }
+    }
+
+    /// A part comes to a station that admits it.
+    pub(super) fn station_arrival(&mut self, node: usize, part: PartIndex) {
+        self.record(node, Some(part), What::Arrived);
+        let kind = self.parts[part].kind;
+        let order = self.order + 1;
+        let station = self.station(node);
+        station.visited = true;
+        if let Some((task, line)) = station.component_place(kind) {
+            let bill = &mut station.bills[task];
+            bill.lines[line].2.push(part);
+            if bill
+                .lines
+                .iter()
+                .all(|(_, count, there)| there.len() == *count)
+            {
+                bill.complete = Some(order);
+                self.order = order;
+                self.look_at(node);
+            }
+        } else if let Some(task) = station.plain_task(kind) {
+            self.begin(node, task, part);
+        }
+    }
+
+    /// A free station joins the bill that has been complete longest, unless a part for another task has waited longer.
+    pub(super) fn station_ready(&mut self, node: usize) {
+        let on_shift = self.on_shift;
+        let Place::Station(station) = &self.places[node] else {
+            return;
+        };
+        if station.phase != Phase::Free || !on_shift {
+            return;
+        }
+        let complete = station
+            .bills
+            .iter()
+            .enumerate()
+            .filter_map(|(task, bill)| bill.complete.map(|order| (order, task)))
+            .min();
+        let Some((order, task)) = complete else {
+            return;
+        };
+        let older = self.waiting[node].iter().any(|request| {
+            request.order < order
+                && station.component_place(request.kind).is_none()
+                && station.plain_task(request.kind).is_some()
+        });
+        if !older {
+            self.join(node, task);
+        }
+    }
+
+    /// Makes the new part of a complete bill, and begins with it.
+    fn join(&mut self, node: usize, task: usize) {
+        let station = self.station(node);
+        let kind = station.kinds[task];
+        station.bills[task].complete = None;
+        let lines: Vec<(usize, Vec<PartIndex>)> = station.bills[task]
+            .lines
+            .iter_mut()
+            .map(|(component, _, there)| (*component, std::mem::take(there)))
+            .collect();
+        let components = || lines.iter().flat_map(|(_, parts)| parts).copied();
+        let first = |wanted| {
+            lines
+                .iter()
+                .find(|(component, _)| *component == wanted)
+                .and_then(|(_, parts)| parts.first().copied())
+        };
+        let part = self.parts.create(self.line, kind, first);
+        let birth = components()
+            .map(|component| self.parts[component].birth)
+            .fold(self.now, f64::min);
+        for component in components() {
+            self.record(node, Some(component), What::Consumed);
+            self.parts.remove(component);
+            self.consumed += 1;
+        }
+        self.parts[part].birth = birth;
+        self.parts[part].entered = true;
+        self.entered += 1;
+        // What it was joined from stays in the line, in it.
+        self.in_line[kind] += 1;
+        self.record(node, Some(part), What::Entered);
+        if !self.refuse_misfit(node, part) {
+            self.begin(node, task, part);
+        }
+        self.look_at(node);
+    }
+
+    /// Takes a part out of the line that has a value outside its range; whether it was one.
+    fn refuse_misfit(&mut self, node: usize, part: PartIndex) -> bool {
+        let kind = &self.line.parts[self.parts[part].kind];
+        let Some(property) = kind.misfit(&self.parts[part].properties) else {
+            return false;
+        };
+        let value = self.parts[part].properties[property];
+        let property = &kind.properties[property];
+        let error = CallError {
+            code: ErrorCode::Domain,
+            rule: None,
+            message: format!(
+                "`{}` of {} gets the value {value}, which is not one of {}",
+                property.name,
+                kind.name,
+                property.describe()
+            ),
+        };
+        self.take_out(node, part, error);
+        true
+    }
+
+    /// A part whose service breaks a rule leaves the line, and what replaces it is ordered.
+    fn take_out(&mut self, node: usize, part: PartIndex, error: CallError) {
+        self.violate(node, Some(part), error);
+        self.station_left(node);
+        let replacement = self.replacement(self.parts[part].kind);
+        self.reject(node, part, replacement);
+        self.look_at(node);
+    }
+
+    /// Begins with a part: with the setup where one is due.
+    fn begin(&mut self, node: usize, task: usize, part: PartIndex) {
+        let NodeKind::Station { setup_seconds, .. } = self.line.nodes[node].kind else {
+            return;
+        };
+        let station = self.station(node);
+        let kind = station.kinds[task];
+        let changed = station.last_kind.is_some_and(|last| last != kind);
+        station.last_kind = Some(kind);
+        station.part = Some(part);
+        station.task = task;
+        if changed && setup_seconds > 0.0 {
+            station.phase = Phase::Setup;
+            station.remaining = setup_seconds;
+            self.record(node, Some(part), What::SetupStarted);
+            self.resume(node);
+        } else {
+            self.serve_part(node);
+        }
+    }
+
+    /// Calls the controller for all operations of the task, and is busy from now on.
+    fn serve_part(&mut self, node: usize) {
+        let Some(part) = self.station(node).part else {
+            return;
+        };
+        self.record(node, Some(part), What::Started);
+        match self.simulate(node, part) {
+            Ok((seconds, joules)) => {
+                let station = self.station(node);
+                station.phase = Phase::Service;
+                station.remaining = seconds;
+                station.service_seconds = seconds;
+                station.service_joules = joules;
+                self.resume(node);
+            }
+            Err(error) => self.take_out(node, part, error),
+        }
+    }
+
+    /// Runs the task's operations at one instant: seconds and joules. The part's new properties are kept for the end of the
+    /// service.
+    fn simulate(&mut self, node: usize, part: PartIndex) -> Result<(f64, f64), CallError> {
+        let NodeKind::Station { machine, tasks, .. } = &self.line.nodes[node].kind else {
+            return Ok((0.0, 0.0));
+        };
+        let Some(controller) = &mut self.controllers[node] else {
+            return Ok((0.0, 0.0));
+        };
+        let Place::Station(station) = &mut self.places[node] else {
+            return Ok((0.0, 0.0));
+        };
+        let task = &tasks[station.task];
+        let carried = &self.parts[part].properties;
+        station.outcome.clear();
+        station.outcome.extend_from_slice(carried);
+        let values = &mut station.values;
+        values.clear();
+        values.extend(
+            machine
+                .properties
+                .iter()
+                .zip(&task.properties)
+                .map(|(property, source)| {
+                    source.map_or(property.default, |source| carried[source])
+                }),
+        );
+        let (mut seconds, mut joules) = (0.0, 0.0);
+        for (operation, parameters) in &task.operations {
+            for (value, property) in values.iter_mut().zip(&machine.properties) {
+                if property.kind == PropertyKind::Parameter {
+                    *value = property.default;
+                }
+            }
+            for &(index, value) in parameters {
+                values[index] = value;
+            }
+            let service = controller.simulate(*operation, values)?;
+            seconds += service.seconds;
+            joules += service.joules;
+            if let Some(error) = CallError::unmeasured(seconds, joules) {
+                return Err(error);
+            }
+        }
+        for (value, target) in values.iter().zip(&task.properties) {
+            if let Some(target) = target {
+                station.outcome[*target] = *value;
+            }
+        }
+        Ok((seconds, joules))
+    }
+
+    /// Lets the clock of setup or service run, if nothing stands against it.
+    fn resume(&mut self, node: usize) {
+        let (now, on_shift) = (self.now, self.on_shift);
+        let station = self.station(node);
+        station.book(now, on_shift);
+        if station.failed || !on_shift || station.running {
+            return;
+        }
+        station.running = true;
+        station.resumed = now;
+        station.number = station.number.wrapping_add(1);
+        let seconds = if station.phase == Phase::Service {
+            station.remaining.min(station.until_failure)
+        } else {
+            station.remaining
+        };
+        let event = Event::Station(node as u32, station.number);
+        self.schedule(now + seconds, WORK, event);
+    }
+
+    /// Setup or service ends, or the station breaks down.
+    pub(super) fn station_event(&mut self, node: usize, number: u32) {
+        let now = self.now;
+        let station = self.station(node);
+        if !station.running || station.number != number {
+            return;
+        }
+        let fails = station.phase == Phase::Service && station.until_failure < station.remaining;
+        // Exactly, not by the difference of two times: rounding must not leave a rest of the service.
+        let worked = if fails {
+            station.until_failure
+        } else {
+            station.remaining
+        };
+        station.running = false;
+        station.remaining -= worked;
+        if station.phase == Phase::Service {
+            station.until_failure -= worked;
+        }
+        if fails {
+            station.failed = true;
+            let repair = station.failures.as_mut().map_or(0.0, |(failures, stream)| {
+                station.until_failure = stream.exponential(failures.mtbf);
+                stream.exponential(failures.mttr)
+            });
+            station.clock.switch(now, Activity::Failed);
+            self.record(node, None, What::Failed);
+            self.schedule(now + repair, WORK, Event::Repair(node as u32));
+        } else if station.phase == Phase::Setup {
+            self.serve_part(node);
+        } else {
+            self.end_service(node);
+        }
+    }
+
+    /// A station is repaired.
+    pub(super) fn repair(&mut self, node: usize) {
+        self.station(node).failed = false;
+        self.record(node, None, What::Repaired);
+        self.resume(node);
+    }
+
+    /// The part gets what was done to it, by chance a defect, and leaves when it can.
+    fn end_service(&mut self, node: usize) {
+        let (now, on_shift) = (self.now, self.on_shift);
+        let NodeKind::Station { defects, .. } = &self.line.nodes[node].kind else {
+            return;
+        };
+        let Place::Station(station) = &mut self.places[node] else {
+            return;
+        };
+        let Some(part) = station.part else { return };
+        station.processed += 1;
+        station.joules += station.service_joules;
+        station.phase = Phase::Done;
+        let finished = &mut self.parts[part];
+        finished.properties.clone_from(&station.outcome);
+        for defect in defects.iter().filter(|d| d.part == finished.kind) {
+            if defect.properties.is_empty() || !station.defects.chance(defect.probability) {
+                continue;
+            }
+            let chosen = station.defects.below(defect.properties.len() as u64) as usize;
+            let chosen = defect.properties[chosen];
+            let count = finished.properties.len();
+            finished.properties.push(finished.properties[chosen]);
+            let value = defect.value.eval(&finished.properties, &[]);
+            finished.properties.truncate(count);
+            finished.properties[chosen] = value;
+        }
+        station.book(now, on_shift);
+        self.record(node, Some(part), What::Ended);
+        if self.refuse_misfit(node, part) {
+            return;
+        }
+        let outlet = self.setup.first_outlet[node];
+        self.offer(outlet, part);
+    }
+
+    /// The station has nothing at work any more.
+    pub(super) fn station_left(&mut self, node: usize) {
+        let (now, on_shift) = (self.now, self.on_shift);
+        let station = self.station(node);
+        station.phase = Phase::Free;
+        station.part = None;
+        station.book(now, on_shift);
+    }
+
+    /// Work begins or ends for the day.
+    pub(super) fn station_shift(&mut self, node: usize) {
+        let (now, on_shift) = (self.now, self.on_shift);
+        let station = self.station(node);
+        if !on_shift {
+            station.pause(now);
+        }
+        if on_shift && matches!(station.phase, Phase::Setup | Phase::Service) {
+            self.resume(node);
+        } else {
+            station.book(now, on_shift);
+        }
+        self.look_at(node);
+    }
+}

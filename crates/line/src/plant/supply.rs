@@ -1,0 +1,223 @@
+//! Where parts come from and where they go: sources, stores and sinks.
+
+use super::{Event, Place, Run, WORK, stream};
+use crate::plant::part::PartIndex;
+use crate::random::{Purpose, Stream};
+use crate::trace::What;
+use linewright_language::contract::line::{NodeKind, Supply};
+use std::collections::VecDeque;
+
+/// A source; the part that it keeps is at its outlet.
+#[derive(Debug)]
+pub(super) struct Source {
+    /// How many it has made.
+    made: u64,
+    /// How many it may still make; `None` is without end.
+    left_to_make: Option<u64>,
+    /// Seconds between two parts, and the stream they are drawn from where they are random; `None` where it makes parts
+    /// whenever there is room.
+    interval: Option<(f64, Option<Stream>)>,
+    /// The next part is due, or will be then.
+    due: bool,
+    next_due: f64,
+}
+
+impl Source {
+    /// `orders` is for sources on order.
+    pub(super) fn new(name: &str, supply: &Supply, seed: u64, orders: Option<u64>) -> Self {
+        let (left_to_make, interval) = match *supply {
+            Supply::OnOrder => (orders, None),
+            Supply::Every {
+                seconds,
+                random,
+                limit,
+            } => {
+                let draws = || stream(seed, Purpose::Arrivals, name);
+                (
+                    limit,
+                    (seconds > 0.0).then(|| (seconds, random.then(draws))),
+                )
+            }
+        };
+        Self {
+            made: 0,
+            left_to_make,
+            interval,
+            due: true,
+            next_due: 0.0,
+        }
+    }
+
+    /// Whether it will never make another part by itself.
+    pub(super) fn exhausted(&self) -> bool {
+        self.left_to_make == Some(0)
+    }
+
+    /// How many it has made.
+    pub(super) fn made(&self) -> u64 {
+        self.made
+    }
+}
+
+/// A store: stock that was there at the start, and parts that came in and will leave again.
+#[derive(Debug)]
+pub(super) struct Store {
+    stock: Vec<u64>,
+    parts: Vec<VecDeque<PartIndex>>,
+    /// By type: the part at the outlet was taken from the stock.
+    from_stock: Vec<bool>,
+}
+
+impl Store {
+    pub(super) fn new(stock: &[(usize, u64)], types: usize) -> Self {
+        let mut counts = vec![0_u64; types];
+        for &(part, count) in stock {
+            counts[part] = counts[part].saturating_add(count);
+        }
+        Self {
+            stock: counts,
+            parts: vec![VecDeque::new(); types],
+            from_stock: vec![false; types],
+        }
+    }
+
+    /// The part of this type at its outlet has left.
+    pub(super) fn left(&mut self, kind: usize) {
+        if !std::mem::take(&mut self.from_stock[kind]) {
+            self.parts[kind].pop_front();
+        }
+    }
+
+    /// How many of this type are in stock and not at the outlet.
+    pub(super) fn stock(&self, kind: usize) -> u64 {
+        self.stock[kind]
+    }
+
+    /// The parts that came in and will leave again.
+    pub(super) fn parts(&self) -> impl Iterator<Item = PartIndex> {
+        self.parts.iter().flatten().copied()
+    }
+}
+
+impl Run<'_> {
+    /// A source makes its next part, if it is due.
+    pub(super) fn make(&mut self, node: usize) -> Option<PartIndex> {
+        let NodeKind::Source { part, most, .. } = self.line.nodes[node].kind else {
+            return None;
+        };
+        let Place::Source(source) = &mut self.places[node] else {
+            return None;
+        };
+        let full = most.is_some_and(|most| self.in_line[part] >= u64::from(most));
+        if !source.due || source.exhausted() || full {
+            return None;
+        }
+        source.made += 1;
+        if let Some(left) = &mut source.left_to_make {
+            *left -= 1;
+        }
+        if let Some((seconds, random)) = &mut source.interval {
+            let seconds = *seconds;
+            source.due = false;
+            source.next_due = self.now
+                + random
+                    .as_mut()
+                    .map_or(seconds, |stream| stream.exponential(seconds));
+            if !source.exhausted() {
+                let time = source.next_due;
+                self.schedule(time, WORK, Event::Due(node as u32));
+            }
+        }
+        self.in_line[part] += 1;
+        Some(self.parts.create(self.line, part, |_| None))
+    }
+
+    /// A part is in the line from now on, or kept to go into it, with all that it was joined from.
+    fn count_in(&mut self, kind: usize) {
+        for (part, count) in self.in_line.iter_mut().enumerate() {
+            *count += self.setup.contents[kind * self.line.parts.len() + part];
+        }
+    }
+
+    /// A part has left the line: a source that has waited for that may go on.
+    pub(super) fn count_out(&mut self, kind: usize) {
+        for (part, count) in self.in_line.iter_mut().enumerate() {
+            let content = self.setup.contents[kind * self.line.parts.len() + part];
+            *count = count.saturating_sub(content);
+        }
+        let limited = |node: &usize| {
+            matches!(
+                self.line.nodes[*node].kind,
+                NodeKind::Source { most: Some(_), .. }
+            )
+        };
+        for node in (0..self.places.len()).filter(limited).collect::<Vec<_>>() {
+            self.look_at(node);
+        }
+    }
+
+    /// More parts are wanted of a source: beyond its limit, and by its clock where it has one. One without a limit makes them
+    /// anyway.
+    pub(super) fn order(&mut self, node: usize, count: u64) {
+        let now = self.now;
+        let Place::Source(source) = &mut self.places[node] else {
+            return;
+        };
+        let stopped = source.exhausted() && !source.due;
+        if let Some(left) = &mut source.left_to_make {
+            *left = left.saturating_add(count);
+        }
+        if stopped {
+            let time = source.next_due.max(now);
+            self.schedule(time, WORK, Event::Due(node as u32));
+        }
+        self.look_at(node);
+    }
+
+    /// A source's next part is due.
+    pub(super) fn due(&mut self, node: usize) {
+        if let Place::Source(source) = &mut self.places[node] {
+            source.due = true;
+        }
+        self.look_at(node);
+    }
+
+    /// The next part that a store would give out: its stock first, then what came in, in that order.
+    pub(super) fn give_out(&mut self, node: usize, outlet: usize) -> Option<PartIndex> {
+        let kind = self.outlets[outlet].kind?;
+        let Place::Store(store) = &mut self.places[node] else {
+            return None;
+        };
+        if store.stock[kind] > 0 {
+            store.stock[kind] -= 1;
+            store.from_stock[kind] = true;
+            self.count_in(kind);
+            return Some(self.parts.create(self.line, kind, |_| None));
+        }
+        store.parts[kind].front().copied()
+    }
+
+    /// A part comes into a store: to its end, or to wait there.
+    pub(super) fn store(&mut self, node: usize, part: PartIndex) {
+        self.record(node, Some(part), What::Arrived);
+        let kind = self.parts[part].kind;
+        if self.setup.ways.from(node, kind).is_empty() {
+            self.complete(node, part);
+        } else if let Place::Store(store) = &mut self.places[node] {
+            store.parts[kind].push_back(part);
+            self.look_at(node);
+        }
+    }
+
+    /// A part comes into a sink.
+    pub(super) fn sink(&mut self, node: usize, part: PartIndex) {
+        self.record(node, Some(part), What::Arrived);
+        match self.line.nodes[node].kind {
+            NodeKind::Sink {
+                reject: true,
+                reorder,
+            } => self.reject(node, part, reorder),
+            _ => self.complete(node, part),
+        }
+    }
+}

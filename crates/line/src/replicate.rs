@@ -1,0 +1,128 @@
+//! Replications: the same line under several seeds, and how sure the figures are.
+
+use super::metric::{self, ReplicatedRequirement};
+use super::plant::Plant;
+use super::statistics::student_t;
+use super::trace::{End, Trace};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::line::Line;
+
+/// The figures of several runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replications {
+    /// The seeds, one a run.
+    pub seeds: Vec<u64>,
+    /// Products an hour.
+    pub throughput_per_hour: Estimate,
+    /// Seconds to the last product.
+    pub makespan: Estimate,
+    /// Joules in all.
+    pub joules: Estimate,
+    /// The line's requirements over all runs, in its order.
+    pub requirements: Vec<ReplicatedRequirement>,
+    /// What went wrong in any of the runs, each finding once; one for each requirement that some run does not keep.
+    pub findings: Vec<Diagnostic>,
+}
+
+/// A mean, with the half of its 95 % confidence interval by Student's t distribution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The mean of the runs.
+    pub mean: f64,
+    /// The interval is `mean - half_width ..= mean + half_width`; `None` for a single run, which says nothing about it.
+    pub half_width: Option<f64>,
+}
+
+impl Estimate {
+    /// The estimate from independent values; 0 for none.
+    pub fn of(values: &[f64]) -> Self {
+        let count = values.len() as f64;
+        if values.is_empty() {
+            return Self {
+                mean: 0.0,
+                half_width: None,
+            };
+        }
+        let mean = values.iter().sum::<f64>() / count;
+        let half_width = (values.len() > 1).then(|| {
+            let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+            let deviation = (squares / (count - 1.0)).sqrt();
+            student_t(values.len() as u64 - 1) * deviation / count.sqrt()
+        });
+        Self { mean, half_width }
+    }
+}
+
+impl Plant {
+    /// Runs the line `count` times (at least once), under the seed of the options and those that follow it. Gives the traces
+    /// in that order; their seeds, being mixed, are as independent as any others. Once the deadline is past, no further run begins, and a
+    /// finding says so; a run that it cut off counts nowhere, unless it is the first.
+    pub fn replicate(&mut self, count: u64) -> (Vec<Trace>, Replications) {
+        let first = self.seed();
+        let count = count.max(1);
+        let mut traces = Vec::new();
+        for offset in 0..count {
+            traces.push(self.run_seeded(first.wrapping_add(offset)));
+            if offset + 1 < count && self.is_late() {
+                break;
+            }
+        }
+        let is_over = |trace: &Trace| trace.end != End::GaveUp;
+        let done = traces.iter().filter(|t| is_over(t)).count() as u64;
+        if done > 0 {
+            traces.retain(is_over);
+        }
+        let mut replications = Replications::of(self.line(), &traces);
+        if done < count {
+            let message =
+                format!("{done} of {count} runs were over when the time limit was reached");
+            replications.findings.push(
+                Diagnostic::error(codes::GAVE_UP, self.line().span, message).with_help(
+                    "give them more time with --timeout SECONDS, or ask for fewer with --replications",
+                ),
+            );
+        }
+        (traces, replications)
+    }
+}
+
+impl Replications {
+    /// The figures of these runs of a line.
+    pub fn of(line: &Line, traces: &[Trace]) -> Self {
+        let estimate =
+            |value: fn(&Trace) -> f64| Estimate::of(&traces.iter().map(value).collect::<Vec<_>>());
+        let requirements = metric::over(line, traces);
+        let mut findings: Vec<Diagnostic> = Vec::new();
+        for finding in traces.iter().flat_map(|trace| &trace.findings) {
+            let of_one_run = traces.len() > 1 && finding.code == codes::LINE_REQUIREMENT;
+            if !of_one_run && !findings.contains(finding) {
+                findings.push(finding.clone());
+            }
+        }
+        if traces.len() > 1 {
+            findings.extend(metric::unmet(line, traces, &requirements));
+        }
+        Self {
+            seeds: traces.iter().map(|trace| trace.seed).collect(),
+            throughput_per_hour: estimate(|trace| trace.throughput_per_hour),
+            makespan: estimate(|trace| trace.makespan),
+            joules: estimate(|trace| trace.joules),
+            requirements,
+            findings,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_known_interval() {
+        // Mean 3, standard deviation sqrt(2.5), five values: 2.776445 * sqrt(2.5) / sqrt(5).
+        let estimate = Estimate::of(&[1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert!((estimate.mean - 3.0).abs() < 1e-12);
+        assert!((estimate.half_width.unwrap() - 1.963_243).abs() < 1e-5);
+        assert_eq!(Estimate::of(&[4.0]).half_width, None);
+    }
+}

@@ -1,0 +1,283 @@
+//! What must be true of a line before it runs, so that nothing in the runner can be out of range.
+//!
+//! The resolver gives the user better messages for most of this, and earlier; a line that it has passed gets none here.
+
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::source::Span;
+use linewright_language::contract::is_duration;
+use linewright_language::contract::line::{Belt, InitialValue, Line, Node, NodeKind, Supply, Task};
+use linewright_language::contract::machine::{Machine, RealExpr};
+
+/// Everything that keeps the runner from running this line. `has_controller` says whether there is one for a node.
+pub(super) fn validate(line: &Line, has_controller: impl Fn(usize) -> bool) -> Vec<Diagnostic> {
+    let mut check = Check {
+        line,
+        findings: Vec::new(),
+    };
+    check.parts();
+    for (index, node) in line.nodes.iter().enumerate() {
+        check.node(node, has_controller(index));
+    }
+    check.routes();
+    check.findings
+}
+
+struct Check<'a> {
+    line: &'a Line,
+    findings: Vec<Diagnostic>,
+}
+
+impl Check<'_> {
+    fn refuse(&mut self, span: Span, message: String) {
+        let finding = Diagnostic::error(codes::LINE_UNKNOWN, span, message);
+        self.findings.push(
+            finding.with_help(
+                "`linewright explain LW401` shows how what a line consists of is declared",
+            ),
+        );
+    }
+
+    fn require(&mut self, holds: bool, span: Span, message: impl FnOnce() -> String) {
+        if !holds {
+            self.refuse(span, message());
+        }
+    }
+
+    fn is_part(&self, part: usize) -> bool {
+        part < self.line.parts.len()
+    }
+
+    fn parts(&mut self) {
+        let line = self.line;
+        self.require(self.is_part(line.product), line.span, || {
+            "the line's end product is not one of its part types".to_owned()
+        });
+        if let Some(shift) = line.shift {
+            let sound = 0.0 <= shift.from && shift.from < shift.to && shift.to <= 86_400.0;
+            self.require(sound, line.span, || {
+                format!(
+                    "the shift from {} s to {} s is not within a day",
+                    shift.from, shift.to
+                )
+            });
+        }
+        for part in &line.parts {
+            let bill = part
+                .bill
+                .iter()
+                .all(|&(component, count)| self.is_part(component) && count > 0);
+            self.require(bill, part.span, || {
+                format!(
+                    "the bill of {} names an unknown part type, or none of one",
+                    part.name
+                )
+            });
+            let initial = part
+                .properties
+                .iter()
+                .all(|property| match property.initial {
+                    InitialValue::Number(_) => true,
+                    InitialValue::Component(component, index) => {
+                        part.bill.iter().any(|&(b, _)| b == component)
+                            && line
+                                .parts
+                                .get(component)
+                                .is_some_and(|c| index < c.properties.len())
+                    }
+                });
+            self.require(initial, part.span, || {
+                format!(
+                    "a property of {} comes from a component that it does not have",
+                    part.name
+                )
+            });
+        }
+    }
+
+    fn node(&mut self, node: &Node, has_controller: bool) {
+        let line = self.line;
+        let name = &node.name;
+        match &node.kind {
+            NodeKind::Source { part, supply, .. } => {
+                self.require(self.is_part(*part), node.span, || {
+                    format!("{name} makes an unknown part type")
+                });
+                if let Supply::Every { seconds, .. } = supply {
+                    self.require(is_duration(*seconds), node.span, || {
+                        format!("{name} makes a part every {seconds} seconds, which is no duration")
+                    });
+                }
+            }
+            NodeKind::Sink { reorder, .. } => {
+                let known = reorder.is_none_or(|source| {
+                    matches!(
+                        line.nodes.get(source).map(|n| &n.kind),
+                        Some(NodeKind::Source { .. })
+                    )
+                });
+                self.require(known, node.span, || {
+                    format!("{name} orders a new part from what is not a source")
+                });
+            }
+            NodeKind::Store { stock } => {
+                let known = stock.iter().all(|&(part, _)| self.is_part(part));
+                self.require(known, node.span, || {
+                    format!("{name} has an unknown part type in stock")
+                });
+            }
+            NodeKind::Station {
+                machine,
+                tasks,
+                defects,
+                setup_seconds,
+                failures,
+            } => {
+                self.require(has_controller, node.span, || {
+                    format!("{name} has no controller")
+                });
+                self.require(is_duration(*setup_seconds), node.span, || {
+                    format!(
+                        "the setup of {name} takes {setup_seconds} seconds, which is no duration"
+                    )
+                });
+                if let Some(f) = failures {
+                    let sound = f.mtbf > 0.0 && is_duration(f.mtbf) && is_duration(f.mttr);
+                    self.require(sound, node.span, || {
+                        format!("the failures of {name} need a positive time between them and a time to repair")
+                    });
+                }
+                for task in tasks {
+                    self.task(name, machine, task);
+                }
+                for defect in defects {
+                    let count = self.line.parts.get(defect.part).map(|p| p.properties.len());
+                    let sound = count.is_some_and(|count| {
+                        (0.0..=1.0).contains(&defect.probability)
+                            && defect.properties.iter().all(|&p| p < count)
+                            && fits(&defect.value, count + 1)
+                    });
+                    self.require(sound, defect.span, || {
+                        format!("a defect of {name} does not fit its part type")
+                    });
+                }
+            }
+            NodeKind::Conveyor {
+                places,
+                pitch,
+                speed,
+                belt,
+                watts,
+            } => {
+                let period = pitch / speed;
+                let sound = *places > 0 && period > 0.0 && is_duration(period) && watts.is_finite();
+                self.require(sound, node.span, || {
+                    format!("{name} needs places, a pitch and a speed, all greater than 0")
+                });
+                if let Some(belt) = belt {
+                    self.require(has_controller, node.span, || {
+                        format!("{name} has no controller")
+                    });
+                    self.require(belt_fits(belt, *places), node.span, || {
+                        format!(
+                            "the wires of {name} do not fit its machine and its {places} places"
+                        )
+                    });
+                }
+            }
+            NodeKind::Buffer { capacity } => {
+                self.require(*capacity > 0, node.span, || {
+                    format!("{name} has room for nothing")
+                });
+            }
+        }
+    }
+
+    fn task(&mut self, station: &str, machine: &Machine, task: &Task) {
+        let properties = machine.properties.len();
+        let carried = self.line.parts.get(task.part).map(|p| p.properties.len());
+        let operations = task.operations.iter().all(|(operation, parameters)| {
+            *operation < machine.operations.len()
+                && parameters.iter().all(|&(index, _)| index < properties)
+        });
+        let sound = operations
+            && task.properties.len() == properties
+            && carried.is_some_and(|count| task.properties.iter().flatten().all(|&p| p < count));
+        self.require(sound, task.span, || {
+            format!(
+                "a task of {station} does not fit its machine {}",
+                machine.name
+            )
+        });
+    }
+
+    fn routes(&mut self) {
+        let line = self.line;
+        for route in &line.routes {
+            let part = line.parts.get(route.part);
+            let from = line.nodes.get(route.from);
+            let to = line.nodes.get(route.to);
+            let (Some(part), Some(from), Some(to)) = (part, from, to) else {
+                self.refuse(
+                    route.span,
+                    "a route names a part type or a node that does not exist".to_owned(),
+                );
+                continue;
+            };
+            let condition = route
+                .condition
+                .as_ref()
+                .is_none_or(|c| fits(c, part.properties.len()));
+            self.require(condition, route.span, || {
+                format!(
+                    "the condition of a route reads what {} does not carry",
+                    part.name
+                )
+            });
+            self.require(
+                !matches!(from.kind, NodeKind::Sink { .. }),
+                route.span,
+                || format!("nothing comes out of the sink {}", from.name),
+            );
+            self.require(
+                !matches!(to.kind, NodeKind::Source { .. }),
+                route.span,
+                || format!("nothing goes into the source {}", to.name),
+            );
+            if let NodeKind::Station { tasks, .. } = &to.kind {
+                let taken = tasks.iter().any(|task| {
+                    let bill = line.parts.get(task.part).map_or(&[][..], |p| &p.bill);
+                    task.part == route.part
+                        || bill.iter().any(|&(component, _)| component == route.part)
+                });
+                self.require(taken, route.span, || {
+                    format!("{} has no task for a part of type {}", to.name, part.name)
+                });
+            }
+        }
+    }
+}
+
+/// Whether an expression reads only the first `properties` properties, and no wires.
+fn fits(expression: &RealExpr, properties: usize) -> bool {
+    match expression {
+        RealExpr::Number(_) => true,
+        RealExpr::Property(index) => *index < properties,
+        RealExpr::Wire(_) => false,
+        RealExpr::Unary(_, a) => fits(a, properties),
+        RealExpr::Binary(_, a, b) => fits(a, properties) && fits(b, properties),
+        RealExpr::If(c, a, b) => fits(c, properties) && fits(a, properties) && fits(b, properties),
+    }
+}
+
+/// Whether a belt's wires exist where they should.
+fn belt_fits(belt: &Belt, places: u32) -> bool {
+    let plant = belt.machine.plant.len();
+    let wires = belt.machine.wire_count();
+    let output = |wire: usize| (plant..wires).contains(&wire);
+    belt.load < plant
+        && belt.unload_ready < plant
+        && belt.load != belt.unload_ready
+        && belt.places.len() == places as usize
+        && belt.places.iter().all(|&wire| output(wire))
+        && output(belt.ready)
+}

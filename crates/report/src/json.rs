@@ -1,0 +1,269 @@
+//! A run as a JSON document of the schema `linewright/run/1`.
+//!
+//! Seconds and rates have six places after the point, energies nine. Shares have six, and are rounded so that they still sum to 1.
+
+use super::JOULES_PER_KWH;
+use linewright_language::contract::line::Line;
+use linewright_line::trace::{End, Shares};
+use linewright_line::{Estimate, Replications, Trace};
+use serde_json::{Value, json};
+
+/// The document of a run. `wall_seconds` is left out where there is none (`--no-timing`); `replications` is there where
+/// several seeds were run: it has its figures, the requirements are judged over all of them, and the rest shows the run of the first.
+pub fn json(
+    line: &Line,
+    trace: &Trace,
+    replications: Option<&Replications>,
+    wall_seconds: Option<f64>,
+) -> Value {
+    let part_name = |part: usize| line.parts.get(part).map(|p| p.name.as_str());
+    let node_name = |node: usize| line.nodes.get(node).map(|n| n.name.as_str());
+    let stations: Vec<Value> = trace
+        .stations
+        .iter()
+        .map(|station| {
+            let shares = rounded(&station.shares);
+            json!({
+                "name": station.name,
+                "machine": station.machine,
+                "processed": station.processed,
+                "busy": shares.busy,
+                "starved": shares.starved,
+                "blocked": shares.blocked,
+                "failed": shares.failed,
+                "idle": shares.idle,
+                "setup": shares.setup,
+                "busy_seconds": round(station.busy_seconds, 6),
+                "energy_kwh": kwh(station.joules),
+            })
+        })
+        .collect();
+    let conveyors: Vec<Value> = trace
+        .conveyors
+        .iter()
+        .map(|conveyor| {
+            json!({
+                "name": conveyor.name,
+                "machine": conveyor.machine,
+                "carried": conveyor.carried,
+                "moving_seconds": round(conveyor.moving_seconds, 6),
+                "energy_kwh": kwh(conveyor.joules),
+            })
+        })
+        .collect();
+    let machines: Vec<Value> = trace
+        .machines
+        .iter()
+        .map(|machine| {
+            json!({
+                "name": machine.name,
+                "busy_seconds": round(machine.busy_seconds, 6),
+                "energy_kwh": kwh(machine.joules),
+            })
+        })
+        .collect();
+    let rejects: Vec<Value> = trace
+        .rejects
+        .iter()
+        .map(|reject| {
+            json!({
+                "part": part_name(reject.part),
+                "count": reject.count,
+                "reordered": reject.reordered,
+            })
+        })
+        .collect();
+    let violations: Vec<Value> = trace
+        .violations
+        .iter()
+        .map(|violation| {
+            json!({
+                "time": round(violation.time, 6),
+                "station": node_name(violation.node),
+                "rule": violation.rule,
+                "code": violation.code as i32,
+                "message": violation.message,
+                "part": violation.part.and_then(|(_, part)| part_name(part)),
+                "part_number": violation.part.map(|(number, _)| number),
+            })
+        })
+        .collect();
+    let requirements: Vec<Value> = match replications {
+        Some(replications) => replications
+            .requirements
+            .iter()
+            .map(|r| {
+                json!({
+                    "name": r.name,
+                    "holds": r.holds(),
+                    "value": round(r.value.mean, 9),
+                    "low": bound(r.value, -1.0, 9),
+                    "high": bound(r.value, 1.0, 9),
+                    "held_in": r.held_in,
+                    "replications": r.runs,
+                    "worst": {
+                        "seed": replications.seeds.get(r.worst),
+                        "value": round(r.worst_value, 9),
+                    },
+                })
+            })
+            .collect(),
+        None => trace
+            .requirements
+            .iter()
+            .map(|r| json!({"name": r.name, "holds": r.holds, "value": round(r.value, 9)}))
+            .collect(),
+    };
+    let mut document = json!({
+        "schema": "linewright/run/1",
+        "line": line.name,
+        "seed": trace.seed,
+        "end": end_word(trace.end),
+        "simulated_seconds": round(trace.seconds, 6),
+        "makespan_seconds": round(trace.makespan, 6),
+        "events": trace.events,
+        "product": part_name(line.product),
+        "products": trace.products,
+        "stored": trace.stored,
+        "parts": {
+            "entered": trace.parts.entered,
+            "finished": trace.parts.finished,
+            "rejected": trace.parts.rejected,
+            "consumed": trace.parts.consumed,
+            "in_progress": trace.parts.in_progress,
+        },
+        "rejects": rejects,
+        "throughput_per_hour": round(trace.throughput_per_hour, 6),
+        "lead_time": {
+            "mean": round(trace.lead_time.mean, 6),
+            "p50": round(trace.lead_time.p50, 6),
+            "p95": round(trace.lead_time.p95, 6),
+            "max": round(trace.lead_time.max, 6),
+        },
+        "energy_kwh": kwh(trace.joules),
+        "bottleneck": trace.bottleneck.and_then(|i| trace.stations.get(i)).map(|s| s.name.as_str()),
+        "stations": stations,
+        "conveyors": conveyors,
+        "machines": machines,
+        "violations": violations,
+        "violation_count": trace.violation_count,
+        "requirements": requirements,
+    });
+    if let Value::Object(fields) = &mut document {
+        if let Some(seconds) = wall_seconds {
+            fields.insert("wall_seconds".to_owned(), round(seconds, 6).into());
+        }
+        if let Some(replications) = replications {
+            fields.insert("replications".to_owned(), replicated(replications));
+        }
+    }
+    document
+}
+
+fn replicated(replications: &Replications) -> Value {
+    let energy = Estimate {
+        mean: replications.joules.mean / JOULES_PER_KWH,
+        half_width: replications.joules.half_width.map(|w| w / JOULES_PER_KWH),
+    };
+    json!({
+        "count": replications.seeds.len(),
+        "seeds": replications.seeds,
+        "confidence": 0.95,
+        "throughput_per_hour": estimate(replications.throughput_per_hour, 6),
+        "makespan_seconds": estimate(replications.makespan, 6),
+        "energy_kwh": estimate(energy, 9),
+    })
+}
+
+fn estimate(estimate: Estimate, places: i32) -> Value {
+    json!({
+        "mean": round(estimate.mean, places),
+        "low": bound(estimate, -1.0, places),
+        "high": bound(estimate, 1.0, places),
+    })
+}
+
+/// The end of an interval, on this side of the mean.
+fn bound(estimate: Estimate, sign: f64, places: i32) -> Option<f64> {
+    estimate
+        .half_width
+        .map(|half| round(estimate.mean + sign * half, places))
+}
+
+/// Why a run ended, as a word.
+pub(super) fn end_word(end: End) -> &'static str {
+    match end {
+        End::Products => "products",
+        End::Time => "time",
+        End::Blocked => "blocked",
+        End::PartLost => "part_lost",
+        End::GaveUp => "gave_up",
+    }
+}
+
+fn kwh(joules: f64) -> f64 {
+    round(joules / JOULES_PER_KWH, 9)
+}
+
+/// So many places after the point; never minus zero.
+fn round(value: f64, places: i32) -> f64 {
+    let scale = 10_f64.powi(places);
+    let rounded = (value * scale).round() / scale;
+    if rounded.is_finite() {
+        rounded + 0.0
+    } else {
+        value
+    }
+}
+
+/// Shares with six places that sum to 1: the greatest takes what rounding the others left over.
+fn rounded(shares: &Shares) -> Shares {
+    let mut millionths = [
+        shares.busy,
+        shares.starved,
+        shares.blocked,
+        shares.failed,
+        shares.idle,
+        shares.setup,
+    ]
+    .map(|share| (share * 1e6).round() as i64);
+    let rest = 1_000_000 - millionths.iter().sum::<i64>();
+    if let Some(greatest) = millionths.iter_mut().max() {
+        *greatest += rest;
+    }
+    let [busy, starved, blocked, failed, idle, setup] = millionths.map(|m| m as f64 / 1e6);
+    Shares {
+        busy,
+        starved,
+        blocked,
+        failed,
+        idle,
+        setup,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounded_shares_sum_to_one() {
+        let third = 1.0 / 3.0;
+        let shares = rounded(&Shares {
+            busy: third,
+            starved: third,
+            blocked: third,
+            ..Shares::default()
+        });
+        let millionths = |share: f64| (share * 1e6).round() as i64;
+        assert_eq!(
+            millionths(shares.busy) + millionths(shares.starved) + millionths(shares.blocked),
+            1_000_000
+        );
+    }
+
+    #[test]
+    fn no_minus_zero() {
+        assert!(round(-1e-12, 6).is_sign_positive());
+    }
+}

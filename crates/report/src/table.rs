@@ -1,0 +1,388 @@
+//! A run as text for a terminal of a hundred columns.
+
+use super::JOULES_PER_KWH;
+use linewright_language::contract::line::{Comparison, Line, Metric};
+use linewright_line::trace::{End, clock};
+use linewright_line::{Replications, Trace};
+use std::borrow::Cow;
+use std::fmt::Write as _;
+
+/// The whole text, with a line break at its end.
+pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) -> String {
+    let mut out = String::new();
+    summary(&mut out, line, trace);
+    stations(&mut out, trace);
+    conveyors(&mut out, trace);
+    machines(&mut out, trace);
+    match replications {
+        Some(replications) => {
+            requirements_of_all(&mut out, line, replications);
+            replicated(&mut out, replications);
+        }
+        None => requirements(&mut out, line, trace),
+    }
+    out
+}
+
+fn summary(out: &mut String, line: &Line, trace: &Trace) {
+    let product = line.parts.get(line.product).map_or("product", |p| &p.name);
+    let ending = match trace.end {
+        End::Products => "",
+        End::Time => " (the time was over)",
+        End::Blocked => " (the line can no longer advance)",
+        End::PartLost => " (a conveyor lost a part)",
+        End::GaveUp => " (the time limit was reached)",
+    };
+    let mut row = |label: &str, text: String| {
+        let _ = writeln!(out, "  {label:<12} {text}");
+    };
+    let verb = if trace.stored == trace.products && trace.stored > 0 {
+        "stored"
+    } else {
+        "finished"
+    };
+    row(
+        "products",
+        format!("{} {product} {verb}{ending}", trace.products),
+    );
+    row("makespan", clock(trace.makespan));
+    if (trace.seconds - trace.makespan).abs() >= 0.5 {
+        row("simulated", clock(trace.seconds));
+    }
+    row(
+        "throughput",
+        format!("{:.2} an hour", trace.throughput_per_hour),
+    );
+    if trace.products > 0 {
+        let t = trace.lead_time;
+        row(
+            "lead time",
+            format!(
+                "mean {}, half within {}, 95 % within {}, longest {}",
+                clock(t.mean),
+                clock(t.p50),
+                clock(t.p95),
+                clock(t.max)
+            ),
+        );
+    }
+    let bottleneck = trace.bottleneck.and_then(|i| trace.stations.get(i));
+    row(
+        "bottleneck",
+        bottleneck.map_or("none".to_owned(), |station| {
+            format!(
+                "{} (busy, set up or failed {:.1} % of the time)",
+                station.name,
+                station.shares.engaged() * 100.0
+            )
+        }),
+    );
+    row(
+        "energy",
+        format!("{:.3} kWh", trace.joules / JOULES_PER_KWH),
+    );
+    let parts = trace.parts;
+    row(
+        "parts",
+        format!(
+            "{} entered: {} finished, {} rejected, {} joined into others, {} still in the line",
+            parts.entered, parts.finished, parts.rejected, parts.consumed, parts.in_progress
+        ),
+    );
+    row(
+        "rejected",
+        if trace.rejects.is_empty() {
+            "none".to_owned()
+        } else {
+            let each = |r: &linewright_line::trace::Reject| {
+                let name = line.parts.get(r.part).map_or("?", |p| &p.name);
+                format!("{} {name} ({} ordered again)", r.count, r.reordered)
+            };
+            trace
+                .rejects
+                .iter()
+                .map(each)
+                .collect::<Vec<_>>()
+                .join(", ")
+        },
+    );
+    row(
+        "violations",
+        if trace.violation_count == 0 {
+            "none".to_owned()
+        } else {
+            trace.violation_count.to_string()
+        },
+    );
+    for violation in trace.violations.iter().take(10) {
+        let node = line.nodes.get(violation.node).map_or("?", |n| &n.name);
+        let part = violation.part.map_or(String::new(), |(number, kind)| {
+            let name = line.parts.get(kind).map_or("part", |p| &p.name);
+            format!(", {name} {number}")
+        });
+        row(
+            "",
+            format!(
+                "{} {node}{part}: {}",
+                clock(violation.time),
+                violation.rule.as_ref().unwrap_or(&violation.message)
+            ),
+        );
+    }
+    if trace.violation_count > 10 {
+        row("", format!("and {} more", trace.violation_count - 10));
+    }
+}
+
+fn stations(out: &mut String, trace: &Trace) {
+    let rows = trace.stations.iter().map(|station| {
+        let s = &station.shares;
+        let shares = [s.busy, s.starved, s.blocked, s.failed, s.idle, s.setup];
+        [
+            station.name.clone(),
+            station.machine.clone(),
+            station.processed.to_string(),
+            clock(station.busy_seconds),
+            kwh(station.joules),
+        ]
+        .into_iter()
+        .chain(shares.map(|share| format!("{:.1} %", share * 100.0)))
+        .collect()
+    });
+    columns(
+        out,
+        &[
+            "station", "machine", "parts", "time", "kWh", "busy", "starved", "blocked", "failed",
+            "idle", "setup",
+        ],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
+fn conveyors(out: &mut String, trace: &Trace) {
+    let rows = trace.conveyors.iter().map(|conveyor| {
+        vec![
+            conveyor.name.clone(),
+            conveyor.machine.clone().unwrap_or_else(|| "-".to_owned()),
+            conveyor.carried.to_string(),
+            clock(conveyor.moving_seconds),
+            kwh(conveyor.joules),
+        ]
+    });
+    columns(
+        out,
+        &["conveyor", "machine", "parts", "moving", "kWh"],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
+fn machines(out: &mut String, trace: &Trace) {
+    let rows = trace.machines.iter().map(|machine| {
+        vec![
+            machine.name.clone(),
+            clock(machine.busy_seconds),
+            kwh(machine.joules),
+        ]
+    });
+    columns(
+        out,
+        &["by machine", "time", "kWh"],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
+fn requirements(out: &mut String, line: &Line, trace: &Trace) {
+    let rows = trace
+        .requirements
+        .iter()
+        .enumerate()
+        .map(|(index, result)| {
+            vec![
+                result.name.clone(),
+                if result.holds { "holds" } else { "fails" }.to_owned(),
+                asked_for(line, index),
+                format!("{:.3}", result.value),
+            ]
+        });
+    columns(
+        out,
+        &["requirement", "verdict", "asked for", "measured"],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
+/// The requirements over all runs: where they hold, the mean with its interval, and the worst run.
+fn requirements_of_all(out: &mut String, line: &Line, replications: &Replications) {
+    let rows = replications
+        .requirements
+        .iter()
+        .enumerate()
+        .map(|(index, result)| {
+            let verdict = if result.holds() {
+                "holds".to_owned()
+            } else {
+                format!(
+                    "fails in {} of {}",
+                    result.runs - result.held_in,
+                    result.runs
+                )
+            };
+            let half = result.value.half_width.unwrap_or(0.0);
+            vec![
+                result.name.clone(),
+                verdict,
+                asked_for(line, index),
+                format!("{:.3}", result.value.mean),
+                format!("{:.3}", result.value.mean - half),
+                format!("{:.3}", result.value.mean + half),
+                format!("{:.3}", result.worst_value),
+            ]
+        });
+    columns(
+        out,
+        &[
+            "requirement",
+            "verdict",
+            "asked for",
+            "mean",
+            "from",
+            "to",
+            "worst",
+        ],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
+/// What the line's requirement of this number asks for.
+fn asked_for(line: &Line, index: usize) -> String {
+    line.requirements.get(index).map_or(String::new(), |r| {
+        format!(
+            "{} {} {}",
+            metric(&r.metric, line),
+            sign(r.comparison),
+            r.bound
+        )
+    })
+}
+
+fn replicated(out: &mut String, replications: &Replications) {
+    let row = |label: &str, estimate: &linewright_line::Estimate, scale: f64, places: usize| {
+        let mean = estimate.mean * scale;
+        let (low, high) = match estimate.half_width {
+            Some(half) => (
+                format!("{:.places$}", mean - half * scale),
+                format!("{:.places$}", mean + half * scale),
+            ),
+            None => ("-".to_owned(), "-".to_owned()),
+        };
+        vec![label.to_owned(), format!("{mean:.places$}"), low, high]
+    };
+    let rows = vec![
+        row(
+            "throughput an hour",
+            &replications.throughput_per_hour,
+            1.0,
+            3,
+        ),
+        row("makespan in seconds", &replications.makespan, 1.0, 1),
+        row(
+            "energy in kWh",
+            &replications.joules,
+            1.0 / JOULES_PER_KWH,
+            4,
+        ),
+    ];
+    let count = replications.seeds.len();
+    let title = format!("{count} seeds, 95 %");
+    columns(out, &[&title, "mean", "from", "to"], &rows);
+}
+
+fn kwh(joules: f64) -> String {
+    format!("{:.3}", joules / JOULES_PER_KWH)
+}
+
+fn metric(metric: &Metric, line: &Line) -> String {
+    match metric {
+        Metric::ThroughputPerHour => "throughput per hour".to_owned(),
+        Metric::MakespanSeconds => "makespan in s".to_owned(),
+        Metric::LeadTimeMeanSeconds => "mean lead time in s".to_owned(),
+        Metric::EnergyKwh => "energy in kWh".to_owned(),
+        Metric::Rejected => "rejected parts".to_owned(),
+        Metric::Products => "products".to_owned(),
+        Metric::Violations => "violations".to_owned(),
+        Metric::Busy(node) => format!(
+            "busy share of {}",
+            line.nodes.get(*node).map_or("?", |n| &n.name)
+        ),
+    }
+}
+
+fn sign(comparison: Comparison) -> &'static str {
+    match comparison {
+        Comparison::Lt => "<",
+        Comparison::Le => "<=",
+        Comparison::Eq => "=",
+        Comparison::Ge => ">=",
+        Comparison::Gt => ">",
+    }
+}
+
+/// Columns of a terminal.
+const TERMINAL: usize = 100;
+/// The headings of columns of text; all others but the first hold numbers, and go to the right.
+const TEXTS: [&str; 3] = ["machine", "verdict", "asked for"];
+
+/// A table with a blank line above; nothing without rows. Long names are cut only where the rows would not fit otherwise.
+fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
+    if rows.is_empty() {
+        return;
+    }
+    let widths = |widest: usize| -> Vec<usize> {
+        (0..heads.len())
+            .map(|column| {
+                rows.iter()
+                    .filter_map(|row| row.get(column))
+                    .map(|cell| cell.chars().count().min(widest))
+                    .chain([heads[column].chars().count()])
+                    .max()
+                    .unwrap_or(0)
+            })
+            .collect()
+    };
+    let widest = (8..=60)
+        .rev()
+        .find(|&widest| widths(widest).iter().map(|w| w + 1).sum::<usize>() < TERMINAL)
+        .unwrap_or(8);
+    let widths = widths(widest);
+    let mut write = |cells: &[&str]| {
+        let mut text = String::from(" ");
+        for (column, cell) in cells.iter().enumerate() {
+            let cell = cut(cell, widest);
+            let pad = " ".repeat(widths[column].saturating_sub(cell.chars().count()));
+            text.push(' ');
+            if column > 0 && !TEXTS.contains(&heads[column]) {
+                text.push_str(&pad);
+                text.push_str(&cell);
+            } else {
+                text.push_str(&cell);
+                text.push_str(&pad);
+            }
+        }
+        let _ = writeln!(out, "{}", text.trim_end());
+    };
+    write(&[]);
+    write(heads);
+    for row in rows {
+        write(&row.iter().map(String::as_str).collect::<Vec<_>>());
+    }
+}
+
+/// A text of at most so many characters.
+fn cut(text: &str, widest: usize) -> Cow<'_, str> {
+    if text.chars().count() <= widest {
+        return text.into();
+    }
+    let mut short: String = text.chars().take(widest - 1).collect();
+    short.push('…');
+    short.into()
+}

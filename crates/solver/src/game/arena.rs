@@ -1,0 +1,472 @@
+//! The board: a specification's formulas as functions of bits, and the relations the fixpoint works with.
+//!
+//! Formulas are encoded once ([`Formulas`]); an [`Arena`] conjoins a selection of the guarantees, so that looking for a core
+//! does not encode again. The order of the variables is settled before: see [`super::structure`], and the kernel's sifting.
+
+use super::clusters::Clustering;
+use super::heuristics::{Heuristic, Heuristics};
+use super::relation::Relation;
+use super::structure;
+use super::{AssumptionRef, GuaranteeKind, GuaranteeRef};
+use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
+use linewright_core::gr1::{Expr, Formula, Owner, Side, Specification, Time, Timing, VarId};
+use std::collections::BTreeSet;
+
+/// The formulas of one side.
+#[derive(Debug, Clone)]
+struct Encoded<K: Kernel> {
+    initial: Vec<K::Function>,
+    invariants: Vec<K::Function>,
+    /// Each formula as its conjuncts.
+    safety: Vec<Vec<K::Function>>,
+    justice: Vec<K::Function>,
+    /// That the side's variables have values of their domains; over current bits.
+    domains: K::Function,
+}
+
+/// All formulas of a specification, encoded.
+#[derive(Debug, Clone)]
+pub struct Formulas<K: Kernel> {
+    kernel: K,
+    heuristics: Heuristics,
+    encoding: Encoding,
+    timing: Timing,
+    environment: Encoded<K>,
+    system: Encoded<K>,
+    inputs: Vec<VarId>,
+    outputs: Vec<VarId>,
+}
+
+/// Which formulas are in the game. Domains always are.
+#[derive(Debug, Clone, Copy)]
+pub enum Selection<'a> {
+    /// All of them.
+    All,
+    /// All assumptions, and only these guarantees.
+    Only(&'a [GuaranteeRef]),
+    /// Only these guarantees, and only these assumptions.
+    Both(&'a [GuaranteeRef], &'a [AssumptionRef]),
+}
+
+impl Selection<'_> {
+    fn guarantees(&self, kind: GuaranteeKind, index: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Only(refs) | Self::Both(refs, _) => refs.contains(&GuaranteeRef { kind, index }),
+        }
+    }
+
+    fn assumes(&self, kind: GuaranteeKind, index: usize) -> bool {
+        match self {
+            Self::All | Self::Only(_) => true,
+            Self::Both(_, refs) => refs.contains(&GuaranteeRef { kind, index }),
+        }
+    }
+}
+
+/// The order to begin with: the structure's, or the declaration's.
+pub fn first_order(specification: &Specification, heuristics: Heuristics) -> Order {
+    let encoding = Encoding::new(specification);
+    // One more pair than the variables need, at the bottom: the strategy's flag "the goal was reached".
+    let pairs = encoding.pairs() + 1;
+    if heuristics.has(Heuristic::Structure) {
+        structure::order(specification, &encoding, pairs)
+    } else {
+        Order::natural(pairs)
+    }
+}
+
+impl<K: Kernel> Encoded<K> {
+    /// All formulas, in order.
+    fn all(&self) -> Vec<GuaranteeRef> {
+        use GuaranteeKind::{Initial, Invariant, Justice, Safety};
+        let lists = [
+            (Initial, self.initial.len()),
+            (Invariant, self.invariants.len()),
+            (Safety, self.safety.len()),
+            (Justice, self.justice.len()),
+        ];
+        let refs = lists
+            .into_iter()
+            .flat_map(|(kind, length)| (0..length).map(move |index| GuaranteeRef { kind, index }));
+        refs.collect()
+    }
+}
+
+impl<K: Kernel> Formulas<K> {
+    /// Encodes everything, with the pairs of bits in this order to begin with.
+    pub fn encode(
+        specification: &Specification,
+        order: &Order,
+        heuristics: Heuristics,
+        limits: &Limits,
+    ) -> Result<Self, Limit> {
+        let encoding = Encoding::new(specification);
+        let kernel = K::new(order, limits)?;
+        kernel.set_reordering(heuristics.has(Heuristic::Resifting));
+        let list = |formulas: &[Formula]| -> Result<Vec<K::Function>, Limit> {
+            let encoded = formulas.iter().map(|f| encoding.formula(&kernel, &f.expr));
+            encoded.collect()
+        };
+        // Of a machine that answers first, assumptions may speak of the answer (where the roles are swapped, guarantees do). A code
+        // without a value is no answer: it must not win by leaving the environment nothing to do.
+        let answers = |owner: Owner, expr: &Expr, time: Time, mut function: K::Function| {
+            if owner == Owner::Environment && specification.timing == Timing::Moore {
+                let mut answered = BTreeSet::new();
+                expr.for_each_var(&mut |v, t| {
+                    if t == time && specification.variable(v).owner == Owner::System {
+                        answered.insert(v);
+                    }
+                });
+                for v in answered {
+                    let within = encoding.in_domain(&kernel, v, time)?;
+                    function = kernel.or(&function, &kernel.not(&within)?)?;
+                }
+            }
+            Ok(function)
+        };
+        // What a formula says of codes without a value means nothing, but has a size, above all where it is negated.
+        let confined = order.pairs().len() > structure::MANY_PAIRS;
+        let part = |part: &Expr| -> Result<K::Function, Limit> {
+            let mut function = encoding.formula(&kernel, part)?;
+            if confined {
+                let mut variables = Vec::new();
+                part.for_each_var(&mut |v, t| variables.push((v, t)));
+                variables.sort_unstable();
+                variables.dedup();
+                for (v, t) in variables {
+                    function = kernel.and(&function, &encoding.in_domain(&kernel, v, t)?)?;
+                }
+            }
+            Ok(function)
+        };
+        let side = |side: &Side, owner: Owner| -> Result<Encoded<K>, Limit> {
+            let mut domains = kernel.constant(true);
+            for (i, variable) in specification.variables.iter().enumerate().rev() {
+                if variable.owner == owner {
+                    let within = encoding.in_domain(&kernel, VarId(i as u32), Time::Now)?;
+                    domains = kernel.and(&domains, &within)?;
+                }
+            }
+            let conjuncts = |formula: &Formula| -> Result<Vec<K::Function>, Limit> {
+                let parts = formula.expr.conjuncts().into_iter();
+                parts
+                    .map(|p| answers(owner, p, Time::Next, part(p)?))
+                    .collect()
+            };
+            let of_states = |formulas: &[Formula]| -> Result<Vec<K::Function>, Limit> {
+                let encoded = formulas.iter().zip(list(formulas)?);
+                encoded
+                    .map(|(f, function)| answers(owner, &f.expr, Time::Now, function))
+                    .collect()
+            };
+            Ok(Encoded {
+                initial: of_states(&side.initial)?,
+                invariants: of_states(&side.invariants)?,
+                safety: side
+                    .safety
+                    .iter()
+                    .map(conjuncts)
+                    .collect::<Result<_, _>>()?,
+                justice: list(&side.justice)?,
+                domains,
+            })
+        };
+        let environment = side(&specification.assumptions, Owner::Environment)?;
+        let system = side(&specification.guarantees, Owner::System)?;
+        Ok(Self {
+            environment,
+            system,
+            timing: specification.timing,
+            inputs: specification.inputs().collect(),
+            outputs: specification.outputs().collect(),
+            encoding,
+            heuristics,
+            kernel,
+        })
+    }
+
+    /// The kernel that the formulas live in.
+    pub fn kernel(&self) -> &K {
+        &self.kernel
+    }
+
+    /// The guarantees of the specification, in order.
+    pub fn guarantees(&self) -> Vec<GuaranteeRef> {
+        self.system.all()
+    }
+
+    /// Its assumptions, in order.
+    pub fn assumptions(&self) -> Vec<AssumptionRef> {
+        self.environment.all()
+    }
+
+    /// The same with one more assumption.
+    #[must_use]
+    pub fn assuming(&self, kind: GuaranteeKind, function: K::Function) -> Self {
+        let mut more = self.clone();
+        let side = &mut more.environment;
+        match kind {
+            GuaranteeKind::Initial => side.initial.push(function),
+            GuaranteeKind::Invariant => side.invariants.push(function),
+            GuaranteeKind::Safety => side.safety.push(vec![function]),
+            GuaranteeKind::Justice => side.justice.push(function),
+        }
+        more
+    }
+
+    /// The same with a guarantee that asks for less: for `function`, too.
+    pub fn weakened(&self, guarantee: GuaranteeRef, function: &K::Function) -> Result<Self, Limit> {
+        let mut less = self.clone();
+        let (m, side, index) = (&self.kernel, &mut less.system, guarantee.index);
+        let one = match guarantee.kind {
+            GuaranteeKind::Initial => &mut side.initial[index],
+            GuaranteeKind::Invariant => &mut side.invariants[index],
+            GuaranteeKind::Justice => &mut side.justice[index],
+            GuaranteeKind::Safety => {
+                let whole = m.all(&side.safety[index])?;
+                side.safety[index] = vec![m.or(&whole, function)?];
+                return Ok(less);
+            }
+        };
+        *one = m.or(one, function)?;
+        Ok(less)
+    }
+
+    /// The same formulas with other limits.
+    pub fn with_limits(&self, limits: &Limits) -> Self {
+        Self {
+            kernel: self.kernel.with_limits(limits),
+            ..self.clone()
+        }
+    }
+
+    /// The bits of the variables.
+    pub fn encoding(&self) -> &Encoding {
+        &self.encoding
+    }
+
+    /// The guarantees that a single answer keeps or breaks: those of step 0 (over next bits, as if it were the step to come), or
+    /// those of a later step.
+    pub fn rules(&self, at_start: bool) -> Result<Vec<(GuaranteeRef, K::Function)>, Limit> {
+        use GuaranteeKind::{Initial, Invariant, Safety};
+        let m = &self.kernel;
+        let mut rules = Vec::new();
+        let mut add = |kind, list: &[K::Function]| -> Result<(), Limit> {
+            for (index, f) in list.iter().enumerate() {
+                rules.push((GuaranteeRef { kind, index }, m.prime(f)?));
+            }
+            Ok(())
+        };
+        if at_start {
+            add(Initial, &self.system.initial)?;
+        }
+        add(Invariant, &self.system.invariants)?;
+        if !at_start {
+            for (index, parts) in self.system.safety.iter().enumerate() {
+                let kind = Safety;
+                rules.push((GuaranteeRef { kind, index }, m.all(parts)?));
+            }
+        }
+        Ok(rules)
+    }
+
+    /// The largest number of nodes that were alive at once.
+    pub fn peak_nodes(&self) -> u64 {
+        self.kernel.peak_nodes()
+    }
+
+    /// The game with the selected guarantees, its relations in clusters.
+    pub fn arena(
+        &self,
+        selection: &Selection<'_>,
+        clustering: Clustering,
+    ) -> Result<Arena<K>, Limit> {
+        self.arena_of(selection, clustering, self.timing)
+    }
+
+    /// The same for another timing than the specification's.
+    pub fn arena_of(
+        &self,
+        selection: &Selection<'_>,
+        clustering: Clustering,
+        timing: Timing,
+    ) -> Result<Arena<K>, Limit> {
+        let m = &self.kernel;
+        let chosen = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
+            let list = list.iter().enumerate();
+            list.filter(|(i, _)| selection.guarantees(kind, *i))
+                .map(|(_, f)| f.clone())
+                .collect()
+        };
+        let assumed = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
+            let list = list.iter().enumerate();
+            list.filter(|(i, _)| selection.assumes(kind, *i))
+                .map(|(_, f)| f.clone())
+                .collect()
+        };
+        let or_true = |list: Vec<K::Function>| {
+            if list.is_empty() {
+                vec![m.constant(true)]
+            } else {
+                list
+            }
+        };
+        let env = &self.environment;
+        let sys = &self.system;
+
+        let invariants = assumed(GuaranteeKind::Invariant, &env.invariants);
+        let legal_inputs = m.and(&env.domains, &m.all(&invariants)?)?;
+        let invariants = chosen(GuaranteeKind::Invariant, &sys.invariants);
+        let legal_outputs = m.and(&sys.domains, &m.all(&invariants)?)?;
+        let states = m.and(&legal_inputs, &legal_outputs)?;
+        let initial = chosen(GuaranteeKind::Initial, &sys.initial);
+        let env_first = assumed(GuaranteeKind::Initial, &env.initial);
+        let env_initial = m.and(&legal_inputs, &m.all(&env_first)?)?;
+        let sys_initial = m.and(&legal_outputs, &m.all(&initial)?)?;
+
+        let env_safety = env.safety.iter().enumerate();
+        let env_safety = env_safety.filter(|(i, _)| selection.assumes(GuaranteeKind::Safety, *i));
+        let mut env_parts: Vec<K::Function> = env_safety.flat_map(|(_, f)| f.clone()).collect();
+        env_parts.push(m.prime(&legal_inputs)?);
+        let safety = sys.safety.iter().enumerate();
+        let safety = safety.filter(|(i, _)| selection.guarantees(GuaranteeKind::Safety, *i));
+        let mut sys_parts: Vec<K::Function> = safety.flat_map(|(_, f)| f.clone()).collect();
+
+        let bits = |vars: &[VarId], time| self.encoding.bit_set(vars.iter().copied(), time);
+        let inputs_next = bits(&self.inputs, Time::Next);
+        let outputs_next = bits(&self.outputs, Time::Next);
+        let environment = Relation::new(m, &env_parts, &inputs_next, clustering, self.heuristics)?;
+        if timing == Timing::Moore {
+            // ∀x'. ρe → (a ∧ b) is (∀x'. ρe → a) ∧ (∀x'. ρe → b): the machine's safety can be freed of x' once and for all.
+            for part in &mut sys_parts {
+                *part = m.not(&environment.product(m, &m.not(part)?)?)?;
+            }
+        }
+        let system = Relation::new(m, &sys_parts, &outputs_next, clustering, self.heuristics)?;
+        Ok(Arena {
+            kernel: m.clone(),
+            heuristics: self.heuristics,
+            timing,
+            states,
+            env_initial,
+            sys_initial,
+            environment,
+            system,
+            assumptions: or_true(assumed(GuaranteeKind::Justice, &env.justice)),
+            goals: or_true(chosen(GuaranteeKind::Justice, &sys.justice)),
+            inputs_now: bits(&self.inputs, Time::Now),
+            inputs_next,
+            outputs_now: bits(&self.outputs, Time::Now),
+            outputs_next,
+            encoding: self.encoding.clone(),
+        })
+    }
+}
+
+/// The game.
+#[derive(Debug, Clone)]
+pub struct Arena<K: Kernel> {
+    /// Makes functions.
+    pub kernel: K,
+    /// What is done to be fast.
+    pub heuristics: Heuristics,
+    /// The bits of the variables.
+    pub encoding: Encoding,
+    /// Who answers first.
+    pub timing: Timing,
+    /// The valuations that satisfy the invariants and domains of both sides.
+    pub states: K::Function,
+    /// What the environment may begin with: its initial conditions, invariants and domains. Over current inputs.
+    pub env_initial: K::Function,
+    /// What the machine may begin with: its initial conditions, invariants and domains.
+    pub sys_initial: K::Function,
+    /// What the environment may do next: its safety, and its invariants and domains of the next step.
+    pub environment: Relation<K>,
+    /// The machine's safety (for Moore: freed of the next inputs). Its invariants and domains are in [`Self::states`], in
+    /// which every target of the game lies.
+    pub system: Relation<K>,
+    /// The environment's justice; never empty.
+    pub assumptions: Vec<K::Function>,
+    /// The machine's justice; never empty.
+    pub goals: Vec<K::Function>,
+    /// Bits of the current inputs.
+    pub inputs_now: BitSet,
+    /// Bits of the next inputs.
+    pub inputs_next: BitSet,
+    /// Bits of the current outputs.
+    pub outputs_now: BitSet,
+    /// Bits of the next outputs.
+    pub outputs_next: BitSet,
+}
+
+impl<K: Kernel> Arena<K> {
+    /// The same game with other limits.
+    pub fn with_limits(&self, limits: &Limits) -> Self {
+        Self {
+            kernel: self.kernel.with_limits(limits),
+            ..self.clone()
+        }
+    }
+
+    /// Whether no justice formula speaks of next values.
+    pub fn has_state_justice(&self) -> bool {
+        let mut formulas = self.assumptions.iter().chain(&self.goals);
+        formulas.all(|f| {
+            let support = self.kernel.support(f);
+            support.iter().all(|b| *b != b.primed())
+        })
+    }
+
+    /// `∀x'. ρe(x, y, x') → f`
+    pub fn for_all_inputs(&self, f: &K::Function) -> Result<K::Function, Limit> {
+        let m = &self.kernel;
+        m.not(&self.environment.product(m, &m.not(f)?)?)
+    }
+
+    /// The controllable predecessor of a set of transitions: the states in which the machine can always answer with a
+    /// transition of `target` that keeps its safety.
+    ///
+    /// ```text
+    /// Mealy:  ∀x'. ρe(x, y, x') → ∃y'. ρs(x, y, x', y') ∧ target(x, y, x', y')
+    /// Moore:  ∃y'. ∀x'. ρe(x, y, x') → ρs(x, y, x', y') ∧ target(x, y, x', y')
+    /// ```
+    pub fn controllable_predecessor(&self, target: &K::Function) -> Result<K::Function, Limit> {
+        let m = &self.kernel;
+        match self.timing {
+            Timing::Mealy => self.for_all_inputs(&self.system.product(m, target)?),
+            Timing::Moore => self.system.product(m, &self.for_all_inputs(target)?),
+        }
+    }
+
+    /// All that the environment may do, as one relation.
+    pub fn environment_moves(&self) -> Result<K::Function, Limit> {
+        self.environment.whole(&self.kernel)
+    }
+
+    /// The machine's safety as one relation (for Moore: freed of the next inputs).
+    pub fn system_moves(&self) -> Result<K::Function, Limit> {
+        self.system.whole(&self.kernel)
+    }
+
+    /// Whether the machine has an answer to every initial choice from within `region`.
+    ///
+    /// ```text
+    /// Mealy:  ∀x. θe(x) → ∃y. θs(x, y) ∧ region(x, y)        Moore:  ∃y. ∀x. θe(x) → θs(x, y) ∧ region(x, y)
+    /// ```
+    pub fn wins_initially(&self, region: &K::Function) -> Result<bool, Limit> {
+        let m = &self.kernel;
+        let answers = match self.timing {
+            Timing::Mealy => {
+                let some = m.and_exists(&self.sys_initial, region, &self.outputs_now)?;
+                m.implies_forall(&self.env_initial, &some, &self.inputs_now)?
+            }
+            Timing::Moore => {
+                let good = m.and(&self.sys_initial, region)?;
+                let good = m.implies_forall(&self.env_initial, &good, &self.inputs_now)?;
+                m.exists(&good, &self.outputs_now)?
+            }
+        };
+        Ok(!m.is_false(&answers))
+    }
+}

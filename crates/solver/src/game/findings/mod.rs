@@ -1,0 +1,173 @@
+//! What is odd about the assumptions: contradictions, dead ends, and whether the machine can win by breaking them; and, in
+//! [`shape`], about guarantees that ask for less than they seem to.
+//!
+//! A specification is *well-separated* (Klein and Pnueli; Maoz and Ringert, "On well-separation of GR(1) specifications", FSE
+//! 2016) when the machine cannot force the environment to violate its assumptions. Only then does "safety first, strictly"
+//! equal the plain implication. The check is the same game with the machine's justice replaced by `false`, played from the
+//! states that can occur. It is made twice, as there: for a machine that keeps its own safety all the while, and for one
+//! that does as it likes, which says whether the assumptions make sense by themselves.
+
+pub mod requests;
+pub mod shape;
+
+use super::arena::{Arena, Formulas, Selection};
+use super::fixpoint::winning_states;
+use super::lasting::together;
+use super::set_up::SPLIT;
+use super::{AssumptionRef, GuaranteeKind};
+use crate::symbolic::{BitSet, Kernel, Limit, Limits};
+use linewright_core::gr1::{Specification, Time, Timing, VarId};
+use serde::{Deserialize, Serialize};
+
+/// What is odd about the environment's side. A valuation has one value a variable of the specification.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct EnvironmentFindings {
+    /// The environment's initial conditions and invariants contradict each other: every machine is right.
+    pub cannot_start: bool,
+    /// A first valuation after which the environment has no move.
+    pub stuck_at_start: Option<Vec<i64>>,
+    /// A valuation that can occur while both sides keep their safety, after which the environment has no move.
+    pub dead_end: Option<Vec<i64>>,
+    /// A valuation that can occur while both sides keep their safety, from which the machine can keep its safety and force
+    /// the environment to break an assumption. `None`: the specification is well-separated.
+    pub forced: Option<Vec<i64>>,
+    /// From how many of the valuations that can occur it can, and how many can occur.
+    pub forced_states: [f64; 2],
+    /// The same for a machine that need not keep its safety: a valuation that can occur then, and the numbers.
+    pub forced_recklessly: Option<Vec<i64>>,
+    /// See [`Self::forced_recklessly`].
+    pub forced_recklessly_states: [f64; 2],
+    /// The assumptions that can be broken so, each by itself, where one alone is enough.
+    pub broken: Vec<AssumptionRef>,
+    /// No play keeps all assumptions, not even with a machine that helps and forgets about its guarantees.
+    pub unsatisfiable: bool,
+}
+
+impl EnvironmentFindings {
+    /// Whether the machine can never force the environment to break an assumption.
+    pub fn well_separated(&self) -> bool {
+        !self.cannot_start && self.forced.is_none()
+    }
+}
+
+/// Examines the environment's side. Independent of whether the specification is realizable.
+pub fn examine_environment(
+    specification: &Specification,
+    limits: &Limits,
+) -> Result<EnvironmentFindings, Limit> {
+    super::solver::examine(specification, limits)
+}
+
+/// The same, in a game that is encoded already.
+pub fn examine<K: Kernel>(
+    formulas: &Formulas<K>,
+    arena: &Arena<K>,
+    specification: &Specification,
+) -> Result<EnvironmentFindings, Limit> {
+    let m = &arena.kernel;
+    if m.is_false(&arena.env_initial) {
+        return Ok(EnvironmentFindings {
+            cannot_start: true,
+            ..EnvironmentFindings::default()
+        });
+    }
+
+    let initial = m.and(&arena.env_initial, &arena.sys_initial)?;
+    let moves = arena.environment_moves()?;
+    let reachable = reachable(arena, &initial, &m.and(&moves, &arena.system_moves()?)?)?;
+    let stuck = m.not(&m.exists(&moves, &arena.inputs_next)?)?;
+    let stuck_at_start = m.and(&stuck, &initial)?;
+    let dead_end = m.and(&stuck, &reachable)?;
+    let forced = m.and(&forcing(arena)?, &reachable)?;
+
+    // The same for a machine without guarantees.
+    let reckless = formulas.arena(&Selection::Only(&[]), SPLIT)?;
+    let first = m.and(&reckless.env_initial, &reckless.sys_initial)?;
+    let anywhere = self::reachable(&reckless, &first, &moves)?;
+    let recklessly = m.and(&forcing(&reckless)?, &anywhere)?;
+
+    let mut broken = Vec::new();
+    if !m.is_false(&forced) || !m.is_false(&recklessly) {
+        let guarantees = formulas.guarantees();
+        for assumption in formulas.assumptions() {
+            if assumption.kind == GuaranteeKind::Initial {
+                continue;
+            }
+            let guarantees = if m.is_false(&forced) {
+                &[]
+            } else {
+                &guarantees[..]
+            };
+            let selection = Selection::Both(guarantees, std::slice::from_ref(&assumption));
+            let alone = forcing(&formulas.arena(&selection, SPLIT)?)?;
+            let whole = if m.is_false(&forced) {
+                &recklessly
+            } else {
+                &forced
+            };
+            if !m.is_false(&m.and(&alone, whole)?) {
+                broken.push(assumption);
+            }
+        }
+    }
+    let helped = Arena {
+        goals: vec![m.constant(true)],
+        ..reckless
+    };
+    let hopeless = m.is_false(&m.and(&first, &together(&helped)?)?);
+
+    let valuation = |bits: Vec<bool>| -> Vec<i64> {
+        let ids = (0..specification.variables.len()).map(|i| VarId(i as u32));
+        ids.map(|v| arena.encoding.value(v, Time::Now, &bits))
+            .collect()
+    };
+    let witness = |set: &K::Function| m.witness(set).map(valuation);
+    let count = |set: &K::Function| -> f64 {
+        let bits = arena.encoding.pairs() as f64;
+        m.export(&[set]).shares()[0] * bits.exp2()
+    };
+    Ok(EnvironmentFindings {
+        cannot_start: false,
+        stuck_at_start: witness(&stuck_at_start),
+        dead_end: witness(&dead_end),
+        forced: witness(&forced),
+        forced_states: [count(&forced), count(&reachable)],
+        forced_recklessly: witness(&recklessly),
+        forced_recklessly_states: [count(&recklessly), count(&anywhere)],
+        broken,
+        unsatisfiable: hopeless,
+    })
+}
+
+/// The states from which the machine can make the environment break an assumption.
+fn forcing<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
+    winning_states(&Arena {
+        goals: vec![arena.kernel.constant(false)],
+        ..arena.clone()
+    })
+}
+
+/// The states within the arena's that can be reached from some by these moves.
+pub fn reachable<K: Kernel>(
+    arena: &Arena<K>,
+    from: &K::Function,
+    moves: &K::Function,
+) -> Result<K::Function, Limit> {
+    let m = &arena.kernel;
+    let now = BitSet::new(arena.inputs_now.iter().chain(arena.outputs_now.iter()));
+    let legal = m.prime(&arena.states)?;
+    let mut moves = m.and(moves, &legal)?;
+    if arena.timing == Timing::Moore {
+        // Only answers that are right whatever is given.
+        moves = m.and(&moves, &arena.for_all_inputs(&legal)?)?;
+    }
+    let mut reachable = from.clone();
+    let mut fresh = from.clone();
+    while !m.is_false(&fresh) {
+        m.safe_point()?;
+        let successors = m.unprime(&m.and_exists(&fresh, &moves, &now)?)?;
+        fresh = m.and_not(&successors, &reachable)?;
+        reachable = m.or(&reachable, &fresh)?;
+    }
+    Ok(reachable)
+}

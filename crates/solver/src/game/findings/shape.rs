@@ -1,0 +1,430 @@
+//! Where a realizable specification asks for less than it seems to.
+//!
+//! Everything is asked of the plays that can occur: those in which the environment keeps its safety and the machine stays in
+//! its winning region, as every controller does. What never occurs in them occurs under no controller.
+
+use super::reachable;
+use super::requests::{self, Request};
+use crate::game::arena::Arena;
+use crate::game::fixpoint::winning_states;
+use crate::game::relation::Relation;
+use crate::game::set_up::SPLIT;
+use crate::game::{AssumptionRef, GuaranteeKind as Kind, GuaranteeRef};
+use crate::symbolic::{BitSet, Kernel, Limit};
+use linewright_core::gr1::{
+    BinaryOp, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId,
+};
+use serde::{Deserialize, Serialize};
+
+/// Where a specification asks for less than it seems to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Shape {
+    /// Guarantees that nobody could break: the domains and the assumptions that hold from one step to the next ensure them.
+    pub unbreakable: Vec<GuaranteeRef>,
+    /// Guarantees `P -> Q` whose P never holds.
+    pub unreachable: Vec<GuaranteeRef>,
+    /// Assumptions `P -> Q` whose P never holds: they promise nothing.
+    pub unneeded: Vec<AssumptionRef>,
+    /// Outputs that no guarantee restricts, although some formula mentions them.
+    pub unconstrained: Vec<VarId>,
+    /// Outputs that have one value in every play.
+    pub constant: Vec<(VarId, i64)>,
+    /// Outputs without a frame.
+    pub unframed: Vec<Unframed>,
+    /// A machine that never changes an output keeps everything.
+    pub idle: bool,
+    /// Requests that need not be completed.
+    pub requests: Vec<Request>,
+}
+
+/// An output that may take any value in some situation, although a guarantee fixes it in others.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Unframed {
+    /// The output.
+    pub variable: VarId,
+    /// Current values after which its next one is free.
+    pub situation: Vec<i64>,
+    /// A guarantee that says what its next value is, elsewhere.
+    pub fixed_by: GuaranteeRef,
+}
+
+/// Looks for all of them. `region` is the winning region.
+pub fn shape<K: Kernel>(
+    arena: &Arena<K>,
+    specification: &Specification,
+    region: &K::Function,
+) -> Result<Shape, Limit> {
+    let look = Look::new(arena, specification, region)?;
+    Ok(Shape {
+        unbreakable: look.unbreakable()?,
+        unreachable: look.unreachable(&specification.guarantees)?,
+        unneeded: look.unreachable(&specification.assumptions)?,
+        unconstrained: look.unconstrained()?,
+        constant: look.constant()?,
+        unframed: look.unframed()?,
+        idle: look.idle()?,
+        requests: requests::open(arena, specification, &look.reached, &look.moves)?,
+    })
+}
+
+struct Look<'a, K: Kernel> {
+    arena: &'a Arena<K>,
+    m: &'a K,
+    specification: &'a Specification,
+    /// The states that can occur.
+    reached: K::Function,
+    /// The steps that can occur from anywhere: the environment's moves and answers that stay in the winning region.
+    moves: K::Function,
+}
+
+impl<'a, K: Kernel> Look<'a, K> {
+    fn new(
+        arena: &'a Arena<K>,
+        specification: &'a Specification,
+        region: &K::Function,
+    ) -> Result<Self, Limit> {
+        let m = &arena.kernel;
+        let (reached, moves) = occurring(arena, region)?;
+        Ok(Self {
+            arena,
+            m,
+            specification,
+            reached,
+            moves,
+        })
+    }
+
+    fn encode(&self, expr: &Expr) -> Result<K::Function, Limit> {
+        self.arena.encoding.formula(self.m, expr)
+    }
+
+    /// All guarantees, with their places.
+    fn guarantees(&self) -> impl Iterator<Item = (GuaranteeRef, &'a Formula)> {
+        all(&self.specification.guarantees)
+    }
+
+    /// What both sides' domains and the environment's rules allow, by kind of formula.
+    fn unbreakable(&self) -> Result<Vec<GuaranteeRef>, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let mut domains = m.constant(true);
+        for v in 0..self.specification.variables.len() {
+            let within = arena.encoding.in_domain(m, VarId(v as u32), Time::Now)?;
+            domains = m.and(&domains, &within)?;
+        }
+        let mut invariants = domains.clone();
+        for formula in &self.specification.assumptions.invariants {
+            invariants = m.and(&invariants, &self.encode(&formula.expr)?)?;
+        }
+        let steps = m.and(&invariants, &m.prime(&domains)?)?;
+        let steps = m.and(&steps, &arena.environment_moves()?)?;
+        let first = m.and(&domains, &arena.env_initial)?;
+        let mut found = Vec::new();
+        for (guarantee, formula) in self.guarantees() {
+            let allowed = match guarantee.kind {
+                Kind::Initial => &first,
+                Kind::Invariant => &invariants,
+                Kind::Safety | Kind::Justice => &steps,
+            };
+            let broken = m.and_not(allowed, &self.encode(&formula.expr)?)?;
+            if m.is_false(&broken) {
+                found.push(guarantee);
+            }
+        }
+        Ok(found)
+    }
+
+    /// The steps that can occur.
+    fn steps(&self) -> Result<K::Function, Limit> {
+        self.m.and(&self.reached, &self.moves)
+    }
+
+    /// The formulas of a side whose condition never holds.
+    fn unreachable(&self, side: &Side) -> Result<Vec<GuaranteeRef>, Limit> {
+        let m = self.m;
+        let steps = self.steps()?;
+        let first = m.and(
+            &m.and(&self.reached, &self.arena.env_initial)?,
+            &self.arena.sys_initial,
+        )?;
+        let mut found = Vec::new();
+        for (guarantee, formula) in all(side) {
+            let among = match guarantee.kind {
+                Kind::Initial => &first,
+                Kind::Invariant => &self.reached,
+                Kind::Safety | Kind::Justice => &steps,
+            };
+            let mut antecedents = Vec::new();
+            for part in formula.expr.conjuncts() {
+                antecedents.extend(antecedent(part));
+            }
+            let mut never = false;
+            for antecedent in antecedents {
+                // Where the plant has no step, what holds now still holds.
+                let among = if antecedent.mentions_next() || guarantee.kind == Kind::Initial {
+                    among
+                } else {
+                    &self.reached
+                };
+                let holds = m.and(among, &self.encode(&antecedent)?)?;
+                never |= m.is_false(&holds);
+            }
+            if never {
+                found.push(guarantee);
+            }
+        }
+        Ok(found)
+    }
+
+    /// The outputs that are the machine's own interface.
+    fn outputs(&self) -> impl Iterator<Item = VarId> {
+        let specification = self.specification;
+        specification.outputs().filter(|v| {
+            let variable = specification.variable(*v);
+            !variable.internal && variable.domain.size() > 1
+        })
+    }
+
+    fn unconstrained(&self) -> Result<Vec<VarId>, Limit> {
+        let mut mentioned = vec![false; self.specification.variables.len()];
+        let (a, g) = (
+            &self.specification.assumptions,
+            &self.specification.guarantees,
+        );
+        for formula in a.all().chain(g.all()) {
+            formula
+                .expr
+                .for_each_var(&mut |v, _| mentioned[v.index()] = true);
+        }
+        let mut found = Vec::new();
+        for v in self.outputs().filter(|v| mentioned[v.index()]) {
+            let mut restricted = false;
+            for (_, formula) in self.guarantees() {
+                let function = self.encode(&formula.expr)?;
+                restricted |= self.matters(&function, v, Time::Now)?
+                    || self.matters(&function, v, Time::Next)?;
+            }
+            if !restricted {
+                found.push(v);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether some values of a variable make a difference to a formula.
+    fn matters(&self, function: &K::Function, v: VarId, time: Time) -> Result<bool, Limit> {
+        let (m, encoding) = (self.m, &self.arena.encoding);
+        let bits = encoding.bit_set([v], time);
+        let mut domains = m.constant(true);
+        for w in 0..self.specification.variables.len() {
+            for t in [Time::Now, Time::Next] {
+                let within = encoding.in_domain(m, VarId(w as u32), t)?;
+                domains = m.and(&domains, &within)?;
+            }
+        }
+        let holds = m.and_exists(&domains, function, &bits)?;
+        let fails = m.exists(&m.and_not(&domains, function)?, &bits)?;
+        Ok(!m.is_false(&m.and(&holds, &fails)?))
+    }
+
+    fn constant(&self) -> Result<Vec<(VarId, i64)>, Limit> {
+        let m = self.m;
+        let mut found = Vec::new();
+        let Some(bits) = m.witness(&self.reached) else {
+            return Ok(found);
+        };
+        for v in self.outputs() {
+            let value = self.arena.encoding.value(v, Time::Now, &bits);
+            let is = m.cube(&self.arena.encoding.assignment(v, Time::Now, value))?;
+            if m.is_false(&m.and_not(&self.reached, &is)?) {
+                found.push((v, value));
+            }
+        }
+        Ok(found)
+    }
+
+    fn unframed(&self) -> Result<Vec<Unframed>, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let mut found = Vec::new();
+        let answers = m.and(&arena.system_moves()?, &m.prime(&arena.states)?)?;
+        let mut domains = m.constant(true);
+        for v in self.specification.outputs() {
+            let within = arena.encoding.in_domain(m, v, Time::Next)?;
+            domains = m.and(&domains, &within)?;
+        }
+        let here = m.and(&self.reached, &arena.environment_moves()?)?;
+        for v in self.outputs() {
+            let sets_next = |formula: &Formula| {
+                let mut sets = false;
+                formula
+                    .expr
+                    .for_each_var(&mut |w, t| sets |= w == v && t == Time::Next);
+                sets
+            };
+            let setting: Vec<(GuaranteeRef, &Formula)> = self
+                .guarantees()
+                .filter(|(g, f)| g.kind == Kind::Safety && sets_next(f))
+                .collect();
+            if setting.is_empty() {
+                continue;
+            }
+            let own = arena.encoding.bit_set([v], Time::Next);
+            let others = arena.outputs_next.iter();
+            let others = BitSet::new(others.filter(|bit| !own.contains(*bit)));
+            let within = arena.encoding.in_domain(m, v, Time::Next)?;
+            // What is said of its next value says nothing here, whatever the others are ...
+            let mut said = domains.clone();
+            for (_, formula) in &setting {
+                said = m.and(&said, &self.encode(&formula.expr)?)?;
+            }
+            let possible = m.and(&m.exists(&said, &own)?, &domains)?;
+            let bound = m.exists(&m.and_not(&possible, &said)?, &arena.outputs_next)?;
+            // ... and each value is part of some answer.
+            let answered = m.exists(&answers, &others)?;
+            let missing = m.exists(&m.and_not(&within, &answered)?, &own)?;
+            let free = m.and_not(&m.and_not(&here, &bound)?, &missing)?;
+            let Some(bits) = m.witness(&free) else {
+                continue;
+            };
+            let fixer = self.fixer(v, &setting, &here)?;
+            if let Some(fixed_by) = fixer
+                && self.wins_framed(v, &free)?
+            {
+                let ids = (0..self.specification.variables.len()).map(|i| VarId(i as u32));
+                found.push(Unframed {
+                    variable: v,
+                    situation: ids
+                        .map(|w| arena.encoding.value(w, Time::Now, &bits))
+                        .collect(),
+                    fixed_by,
+                });
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether the machine still wins when an output stays wherever it is free. Where it cannot stay, the author wants a choice.
+    fn wins_framed(&self, v: VarId, free: &K::Function) -> Result<bool, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let mut frame = m.or(&m.not(free)?, &arena.encoding.unchanged(m, v)?)?;
+        if arena.timing == Timing::Moore {
+            frame = arena.for_all_inputs(&frame)?;
+        }
+        self.wins_with(vec![frame])
+    }
+
+    /// Whether the machine wins with these rules beside its own.
+    fn wins_with(&self, more: Vec<K::Function>) -> Result<bool, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let mut parts: Vec<K::Function> = arena.system.parts().cloned().collect();
+        parts.extend(more);
+        let ruled = Arena {
+            system: Relation::new(m, &parts, &arena.outputs_next, SPLIT, arena.heuristics)?,
+            ..arena.clone()
+        };
+        ruled.wins_initially(&winning_states(&ruled)?)
+    }
+
+    /// A guarantee that leaves an output a single next value, and another one than it has, in some situation that can occur. One
+    /// that only says that it stays is a frame itself: where it does not hold, the author wants a choice.
+    fn fixer(
+        &self,
+        v: VarId,
+        setting: &[(GuaranteeRef, &Formula)],
+        here: &K::Function,
+    ) -> Result<Option<GuaranteeRef>, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let within = arena.encoding.in_domain(m, v, Time::Next)?;
+        let unchanged = arena.encoding.unchanged(m, v)?;
+        let own: Vec<_> = arena.encoding.bits(v, Time::Next).collect();
+        let set = BitSet::new(own.iter().copied());
+        for (guarantee, formula) in setting {
+            let allows = m.and(&self.encode(&formula.expr)?, &within)?;
+            let mut several = m.constant(false);
+            for bit in &own {
+                let high = m.exists(&m.and(&allows, &m.literal(*bit, true))?, &set)?;
+                let low = m.exists(&m.and(&allows, &m.literal(*bit, false))?, &set)?;
+                several = m.or(&several, &m.and(&high, &low)?)?;
+            }
+            let one = m.and_not(&m.exists(&allows, &set)?, &several)?;
+            let new = m.exists(&m.and_not(&allows, &unchanged)?, &set)?;
+            let one = m.and(&one, &new)?;
+            if !m.is_false(&m.and(here, &one)?) {
+                return Ok(Some(*guarantee));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether a machine that never changes an output wins, where there is something to be done again and again.
+    fn idle(&self) -> Result<bool, Limit> {
+        let (arena, m) = (self.arena, self.m);
+        let (a, g) = (
+            &self.specification.assumptions,
+            &self.specification.guarantees,
+        );
+        let busy = !a.justice.is_empty() || !g.justice.is_empty();
+        if !busy || self.outputs().next().is_none() {
+            return Ok(false);
+        }
+        let mut frames = Vec::new();
+        for v in self.specification.outputs() {
+            let variable = self.specification.variable(v);
+            if variable.owner == Owner::System && !variable.internal {
+                frames.push(arena.encoding.unchanged(m, v)?);
+            }
+        }
+        self.wins_with(frames)
+    }
+}
+
+/// The states that can occur under some controller, and the steps that can be taken from anywhere: the environment's moves and
+/// answers that stay in the winning region.
+pub fn occurring<K: Kernel>(
+    arena: &Arena<K>,
+    region: &K::Function,
+) -> Result<(K::Function, K::Function), Limit> {
+    let m = &arena.kernel;
+    let target = m.prime(region)?;
+    let stays = match arena.timing {
+        Timing::Mealy => target,
+        // Only answers that are right whatever the environment gives.
+        Timing::Moore => m.and(&arena.for_all_inputs(&target)?, &target)?,
+    };
+    let moves = m.and(
+        &m.and(&arena.environment_moves()?, &arena.system_moves()?)?,
+        &stays,
+    )?;
+    let mut first = m.and(&arena.sys_initial, region)?;
+    if arena.timing == Timing::Moore {
+        let right = m.implies_forall(&arena.env_initial, &first, &arena.inputs_now)?;
+        first = m.and(&first, &right)?;
+    }
+    let first = m.and(&first, &arena.env_initial)?;
+    let reached = reachable(arena, &first, &moves)?;
+    Ok((reached, moves))
+}
+
+/// All formulas of a side, with their places.
+pub fn all(side: &Side) -> impl Iterator<Item = (GuaranteeRef, &Formula)> {
+    let lists = [
+        (Kind::Initial, &side.initial),
+        (Kind::Invariant, &side.invariants),
+        (Kind::Safety, &side.safety),
+        (Kind::Justice, &side.justice),
+    ];
+    lists.into_iter().flat_map(|(kind, list)| {
+        let list = list.iter().enumerate();
+        list.map(move |(index, formula)| (GuaranteeRef { kind, index }, formula))
+    })
+}
+
+/// What has to hold before a formula asks for anything: P of `P -> Q`, P and R of `P -> (R -> Q)`.
+pub fn antecedent(expr: &Expr) -> Option<Expr> {
+    let Expr::Binary(BinaryOp::Implies, a, b) = expr else {
+        return None;
+    };
+    Some(match antecedent(b) {
+        Some(more) => (**a).clone().and(more),
+        None => (**a).clone(),
+    })
+}

@@ -1,0 +1,151 @@
+//! The words a repair is made of: conditions that the user's own formulas are made of, and their negations.
+//!
+//! Only conditions about a single step are taken. Those of inputs that the play shows at some value are added, where the
+//! domain is small enough for that value to mean something.
+
+use crate::game::Play;
+use linewright_core::gr1::text::truth;
+use linewright_core::gr1::{
+    BinaryOp, Domain, Expr, Formula, Owner, Specification, Time, UnaryOp, VarId,
+};
+
+/// So many conditions, negations not counted.
+const MOST: usize = 24;
+
+/// Values of larger domains are not asked for one by one.
+const SMALL_DOMAIN: u64 = 16;
+
+/// A condition about the current step.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Word {
+    /// The condition.
+    pub expr: Expr,
+    /// Whether only inputs occur in it.
+    pub inputs: bool,
+}
+
+impl Word {
+    /// The same about the next step.
+    pub fn next(&self) -> Expr {
+        self.expr.substitute(&mut |v, _| Expr::next(v))
+    }
+}
+
+fn variables(expr: &Expr) -> Vec<VarId> {
+    let mut found = Vec::new();
+    expr.for_each_var(&mut |v, _| found.push(v));
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// The words of these formulas and of what the play shows, each with its negation behind it.
+pub fn words<'f>(
+    specification: &Specification,
+    formulas: impl Iterator<Item = &'f Formula>,
+    play: &Play,
+) -> Vec<Word> {
+    let mut atoms: Vec<Expr> = Vec::new();
+    let mut mentioned: Vec<VarId> = Vec::new();
+    for formula in formulas {
+        collect(specification, &formula.expr, &mut atoms);
+        formula.expr.for_each_var(&mut |v, _| {
+            if !mentioned.contains(&v) {
+                mentioned.push(v);
+            }
+        });
+    }
+    for v in mentioned {
+        let variable = specification.variable(v);
+        let few = variable.domain != Domain::Bool && variable.domain.size() <= SMALL_DOMAIN;
+        if few && variable.owner == Owner::Environment {
+            for step in &play.steps {
+                let is = Expr::now(v).equals(Expr::Const(step[v.index()]));
+                if !atoms.contains(&is) {
+                    atoms.push(is);
+                }
+            }
+        }
+    }
+    // What monitors keep in mind is not the user's own.
+    atoms.retain(|atom| {
+        variables(atom)
+            .iter()
+            .all(|v| !specification.variable(*v).internal)
+    });
+    atoms.truncate(MOST);
+    let mut words = Vec::new();
+    for atom in atoms {
+        let vars = variables(&atom);
+        let inputs = vars
+            .iter()
+            .all(|v| specification.variable(*v).owner == Owner::Environment);
+        for expr in [atom.clone(), negation(atom)] {
+            words.push(Word { expr, inputs });
+        }
+    }
+    words
+}
+
+/// The negation, without a double one.
+pub fn negation(expr: Expr) -> Expr {
+    match expr {
+        Expr::Unary(UnaryOp::Not, a) => *a,
+        Expr::Binary(BinaryOp::Eq, a, b) => Expr::Binary(BinaryOp::Ne, a, b),
+        Expr::Binary(BinaryOp::Ne, a, b) => Expr::Binary(BinaryOp::Eq, a, b),
+        Expr::Binary(BinaryOp::Lt, a, b) => Expr::Binary(BinaryOp::Ge, a, b),
+        Expr::Binary(BinaryOp::Ge, a, b) => Expr::Binary(BinaryOp::Lt, a, b),
+        Expr::Binary(BinaryOp::Gt, a, b) => Expr::Binary(BinaryOp::Le, a, b),
+        Expr::Binary(BinaryOp::Le, a, b) => Expr::Binary(BinaryOp::Gt, a, b),
+        other => other.not(),
+    }
+}
+
+/// Adds the conditions without connectives that an expression is made of, moved to the current step.
+fn collect(specification: &Specification, expr: &Expr, atoms: &mut Vec<Expr>) {
+    use BinaryOp as B;
+    let truth = |e: &Expr| truth(specification, e);
+    // What is said of inputs alone is a word as a whole, too.
+    if let Expr::Binary(B::And | B::Or, ..) = expr {
+        let (mut inputs, mut times) = (true, Vec::new());
+        expr.for_each_var(&mut |v, t| {
+            inputs &= specification.variable(v).owner == Owner::Environment;
+            times.push(t);
+        });
+        let whole = expr.substitute(&mut |v, _| Expr::Var(v, Time::Now));
+        if inputs && times.windows(2).all(|w| w[0] == w[1]) && !atoms.contains(&whole) {
+            atoms.push(whole);
+        }
+    }
+    match expr {
+        Expr::Unary(UnaryOp::Not, a) => collect(specification, a, atoms),
+        Expr::Binary(B::And | B::Or | B::Implies, a, b) => {
+            collect(specification, a, atoms);
+            collect(specification, b, atoms);
+        }
+        Expr::Binary(B::Eq | B::Ne, a, b) if truth(a) && truth(b) => {
+            collect(specification, a, atoms);
+            collect(specification, b, atoms);
+        }
+        Expr::If(c, a, b) => {
+            collect(specification, c, atoms);
+            if truth(a) && truth(b) {
+                collect(specification, a, atoms);
+                collect(specification, b, atoms);
+            }
+        }
+        Expr::Const(_) => {}
+        atom if truth(atom) => {
+            let mut times = Vec::new();
+            atom.for_each_var(&mut |_, t| times.push(t));
+            let one_step = times.windows(2).all(|w| w[0] == w[1]);
+            // A condition and its negation are one word.
+            let atom = atom.substitute(&mut |v, _| Expr::Var(v, Time::Now));
+            let known = atoms.contains(&atom) || atoms.contains(&negation(atom.clone()));
+            if one_step && !times.is_empty() && !known {
+                atoms.push(atom);
+            }
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,284 @@
+//! What infinite behaviours a set of rules allows, and one of them to look at: the question behind every proof about contracts.
+//!
+//! Nobody plays against anybody here. Rules are put together as a question needs them, so that what a proof rests on can be
+//! found out by leaving rules away. Two questions are enough:
+//!
+//! - [`Runs::lasso`]: is there an infinite run that keeps these rules in every step, meets those again and again, and from some
+//!   step on breaks some others for ever? Language inclusion, equivalence and emptiness all come down to it. Fair states
+//!   are those of Emerson and Lei ("Efficient model checking in fragments of the propositional mu-calculus", LICS 1986), within what can be reached.
+//! - [`Runs::step`]: can a rule be broken in a step, although every step before it kept all rules, and this one keeps some? It is
+//!   the step of an induction over time, which is sound also where components rely on one another in a circle.
+
+mod board;
+mod fair;
+mod path;
+
+use super::structure;
+use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, Order, OxiDd};
+use board::Board;
+use linewright_core::gr1::{Domain, Expr, Formula, Side, Specification, Timing, VarId, Variable};
+use linewright_core::source::Span;
+use std::fmt::Debug;
+
+/// When a rule holds. See [`linewright_core::gr1`] for what each means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum RuleKind {
+    /// In step 0.
+    Initial,
+    /// In every step.
+    Invariant,
+    /// From every step to the next.
+    Safety,
+    /// Infinitely often; of a run it is asked by [`Wanted::again`] or [`Wanted::never_again`].
+    Justice,
+}
+
+/// A formula and when it holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rule {
+    /// When.
+    pub kind: RuleKind,
+    /// What.
+    pub expr: Expr,
+}
+
+/// A run without an end: some steps, and then a cycle for ever. A step has a value for every variable.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Lasso {
+    /// The steps before the cycle.
+    pub prefix: Vec<Vec<i64>>,
+    /// The steps of the cycle; at least one.
+    pub cycle: Vec<Vec<i64>>,
+}
+
+/// What a run is wanted to be like; rules by their places in the list that [`Runs`] was made of.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Wanted {
+    /// Initial conditions, invariants and safety that hold throughout.
+    pub keep: Vec<usize>,
+    /// Justice that is met again and again.
+    pub again: Vec<usize>,
+    /// Justice that is not met any more from some step on.
+    pub never_again: Vec<usize>,
+}
+
+/// A broken rule that is looked for.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Slip {
+    /// Rules that every step before the last one keeps.
+    pub before: Vec<usize>,
+    /// Rules that the last step keeps as well.
+    pub last: Vec<usize>,
+    /// The rule that the last step breaks: an initial condition, an invariant, or safety.
+    pub broken: usize,
+}
+
+/// Rules over variables, and questions about them.
+///
+/// A question costs as much as reaching all states that the kept rules leave reachable.
+#[derive(Debug)]
+pub struct Runs {
+    specification: Specification,
+    rules: Vec<Rule>,
+    order: Order,
+    limits: Limits,
+    asked: Box<dyn Ask>,
+    /// What was done on the small kernel, once it was left.
+    before: u64,
+}
+
+/// More pairs of bits than this are not small.
+const SMALL_PAIRS: usize = 24;
+
+trait Ask: Debug + Send {
+    fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit>;
+    fn any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit>;
+    fn step(&mut self, rules: &[Rule], slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit>;
+    fn depends(
+        &mut self,
+        rules: &[Rule],
+        keep: &[usize],
+        answer: VarId,
+        own: &[VarId],
+    ) -> Result<Vec<VarId>, Limit>;
+    fn count(&mut self, rules: &[Rule], keep: &[usize]) -> Result<f64, Limit>;
+    fn work(&self) -> u64;
+}
+
+impl Runs {
+    /// Room for questions about these rules.
+    ///
+    /// # Errors
+    /// When the kernel has no room for the variables.
+    pub fn new(variables: &[Variable], rules: Vec<Rule>, limits: &Limits) -> Result<Self, Limit> {
+        let specification = as_specification(variables, &rules);
+        let encoding = Encoding::new(&specification);
+        let pairs = encoding.pairs().max(1);
+        let order = structure::order(&specification, &encoding, pairs);
+        let asked: Box<dyn Ask> = if pairs <= SMALL_PAIRS {
+            Box::new(Board::<Biodivine>::new(&specification, &order, limits)?)
+        } else {
+            Box::new(Board::<OxiDd>::new(&specification, &order, limits)?)
+        };
+        Ok(Self {
+            specification,
+            rules,
+            order,
+            limits: *limits,
+            asked,
+            before: 0,
+        })
+    }
+
+    /// The work that was done for all questions so far; see [`Kernel::work`]. It is counted where [`Limits::most_work`] is given.
+    pub fn work(&self) -> u64 {
+        self.before + self.asked.work()
+    }
+
+    /// Asks, and once more on the large kernel where the small one has no room.
+    fn ask<T>(
+        &mut self,
+        question: impl Fn(&mut dyn Ask, &[Rule]) -> Result<T, Limit>,
+    ) -> Result<T, Limit> {
+        let answer = match question(&mut *self.asked, &self.rules) {
+            Err(Limit::Memory) if self.grow()? => question(&mut *self.asked, &self.rules),
+            answer => answer,
+        };
+        answer.map_err(|limit| self.limits.name(limit))
+    }
+
+    /// The rules.
+    pub fn rules(&self) -> &[Rule] {
+        &self.rules
+    }
+
+    /// The variables.
+    pub fn variables(&self) -> &[Variable] {
+        &self.specification.variables
+    }
+
+    /// One more rule, over the same variables; gives its place.
+    pub fn add(&mut self, rule: Rule) -> usize {
+        self.rules.push(rule);
+        self.rules.len() - 1
+    }
+
+    /// The variables whose values in a step what these rules allow of `answer` in that step depends on, whatever came before. `own` are
+    /// set together with it and do not count. Kept rules are as in [`Wanted::keep`].
+    ///
+    /// # Errors
+    /// When a limit was reached.
+    pub fn depends(
+        &mut self,
+        keep: &[usize],
+        answer: VarId,
+        own: &[VarId],
+    ) -> Result<Vec<VarId>, Limit> {
+        self.ask(|asked, rules| asked.depends(rules, keep, answer, own))
+    }
+
+    /// A run as it is wanted, or `None` when there is none. The shortest way into a cycle is taken, the cycle itself need not be
+    /// the shortest. Variables that no rule of the question mentions have the smallest value of their domain.
+    ///
+    /// # Errors
+    /// When a limit was reached.
+    pub fn lasso(&mut self, wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+        self.ask(|asked, rules| asked.lasso(rules, wanted))
+    }
+
+    /// Whether there is a run as it is wanted: [`Runs::lasso`] without the run, which costs less.
+    ///
+    /// # Errors
+    /// When a limit was reached.
+    pub fn any_lasso(&mut self, wanted: &Wanted) -> Result<bool, Limit> {
+        self.ask(|asked, rules| asked.any_lasso(rules, wanted))
+    }
+
+    /// The shortest run up to a step that breaks the rule, that step included; `None` when no step can break it.
+    ///
+    /// # Errors
+    /// When a limit was reached.
+    pub fn step(&mut self, slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+        self.ask(|asked, rules| asked.step(rules, slip))
+    }
+
+    /// How many states can be reached under these rules, a state being a value for every variable that they mention. Exact below 2⁵³.
+    ///
+    /// # Errors
+    /// When a limit was reached.
+    pub fn count(&mut self, keep: &[usize]) -> Result<f64, Limit> {
+        self.ask(|asked, rules| asked.count(rules, keep))
+    }
+
+    /// Goes on with the large kernel, where that has not been done. Says whether there is any sense in asking again.
+    fn grow(&mut self) -> Result<bool, Limit> {
+        if self.order.pairs().len() > SMALL_PAIRS {
+            return Ok(false);
+        }
+        self.before = self.asked.work();
+        self.asked = Box::new(Board::<OxiDd>::new(
+            &self.specification,
+            &self.order,
+            &self.limits,
+        )?);
+        Ok(true)
+    }
+}
+
+impl<K: Kernel> Ask for Board<K> {
+    fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+        self.find_lasso(rules, wanted)
+    }
+
+    fn any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit> {
+        self.is_any_lasso(rules, wanted)
+    }
+
+    fn step(&mut self, rules: &[Rule], slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+        self.find_slip(rules, slip)
+    }
+
+    fn depends(
+        &mut self,
+        rules: &[Rule],
+        keep: &[usize],
+        answer: VarId,
+        own: &[VarId],
+    ) -> Result<Vec<VarId>, Limit> {
+        self.find_dependencies(rules, keep, answer, own)
+    }
+
+    fn count(&mut self, rules: &[Rule], keep: &[usize]) -> Result<f64, Limit> {
+        self.count_states(rules, keep)
+    }
+
+    fn work(&self) -> u64 {
+        self.kernel().work()
+    }
+}
+
+/// Variables and rules in the form that bits are laid out and ordered by.
+fn as_specification(variables: &[Variable], rules: &[Rule]) -> Specification {
+    let formulas = rules.iter().map(|rule| Formula {
+        name: String::new(),
+        requirement: None,
+        expr: rule.expr.clone(),
+        span: Span::default(),
+        text: String::new(),
+    });
+    Specification {
+        name: String::new(),
+        timing: Timing::Mealy,
+        variables: variables.to_vec(),
+        assumptions: Side::default(),
+        guarantees: Side {
+            safety: formulas.collect(),
+            ..Side::default()
+        },
+    }
+}
+
+/// The smallest value of every variable: what stands in a run for those that nothing is known of.
+fn smallest(variables: &[Variable]) -> Vec<i64> {
+    variables.iter().map(|v| Domain::low(&v.domain)).collect()
+}

@@ -1,0 +1,121 @@
+//! The board before the fixpoint: formulas encoded, a good order of the variables, the relations in clusters.
+//!
+//! The order is sifted for small clusters first, so that larger ones can be built in it. Whether the pieces of a relation
+//! belong together is then a matter of size: if the larger clusters take far more nodes than the smaller ones did, the game
+//! is set up once more, with clusters that are sifted but not put together further.
+
+use super::arena::{Arena, Formulas, Selection, first_order};
+use super::clusters::Clustering;
+use super::heuristics::{Heuristic, Heuristics};
+use super::progress::{Phase, Progress};
+use crate::symbolic::{Kernel, Limit, Limits, Order};
+use linewright_core::gr1::Specification;
+use std::time::Instant;
+
+/// Bounds of the clusters, in nodes. Some relations want to be in one piece (generators of buffers, three to four times
+/// faster), others in a few (AMBA's arbiter, the reverse).
+const FIRST: Clustering = Clustering::InOrder(1_000);
+
+/// For relations that may be in one piece.
+const WHOLE: Clustering = Clustering::InOrder(5_000);
+
+/// For those that took well to it, when they are built anew.
+const WHOLE_AGAIN: Clustering = Clustering::ByBits(5_000);
+
+/// For relations that had better stay in pieces.
+pub const SPLIT: Clustering = Clustering::InOrder(3_000);
+
+/// So few clusters need not become fewer.
+const FEW_CLUSTERS: usize = 3;
+
+/// How often larger clusters are built anew in the order that the last ones led to, while that makes them fewer.
+const MORE_ROUNDS: usize = 3;
+
+/// A relation stays in pieces when putting it together takes more than this many percent of the nodes that its pieces have.
+const WHOLE_PERCENT: usize = 180;
+
+/// The formulas and the whole game, in a good order. What each took is noted, also when a limit ends it.
+pub fn set_up<K: Kernel>(
+    specification: &Specification,
+    order: &Order,
+    heuristics: Heuristics,
+    limits: &Limits,
+    progress: &Progress,
+) -> Result<(Formulas<K>, Arena<K>), Limit> {
+    let encode = || Formulas::<K>::encode(specification, order, heuristics, limits);
+    let clock = Instant::now();
+    let formulas = encode();
+    progress.note(|s| s.encode_seconds = clock.elapsed().as_secs_f64());
+    let formulas = formulas?;
+
+    progress.enter(Phase::Ordering);
+    let clock = Instant::now();
+    let found = if heuristics.has(Heuristic::Sifting) && K::REORDERS {
+        in_order(formulas, encode)
+    } else {
+        let arena = formulas.arena(&Selection::All, SPLIT);
+        arena.map(|arena| (formulas, arena))
+    };
+    progress.note(|s| s.order_seconds = clock.elapsed().as_secs_f64());
+    found
+}
+
+/// The same in the usual way, for whoever examines a specification beside its verdict.
+pub fn usual<K: Kernel>(
+    specification: &Specification,
+    limits: &Limits,
+) -> Result<(Formulas<K>, Arena<K>), Limit> {
+    let heuristics = Heuristics::default();
+    let order = first_order(specification, heuristics);
+    set_up(
+        specification,
+        &order,
+        heuristics,
+        limits,
+        &Progress::default(),
+    )
+}
+
+fn in_order<K: Kernel>(
+    formulas: Formulas<K>,
+    encode: impl Fn() -> Result<Formulas<K>, Limit>,
+) -> Result<(Formulas<K>, Arena<K>), Limit> {
+    formulas.kernel().sift()?;
+    let count = |arena: &Arena<K>| arena.environment.count() + arena.system.count();
+    let (arena, pieces) = sifted(&formulas, FIRST)?;
+    if count(&arena) <= FEW_CLUSTERS {
+        return Ok((formulas, arena));
+    }
+    drop(arena);
+    let (mut arena, whole) = sifted(&formulas, WHOLE)?;
+    if whole * 100 <= pieces * WHOLE_PERCENT {
+        for _ in 0..MORE_ROUNDS {
+            if count(&arena) <= FEW_CLUSTERS {
+                break;
+            }
+            let next = formulas.arena(&Selection::All, WHOLE_AGAIN)?;
+            if count(&next) >= count(&arena) {
+                break;
+            }
+            arena = next;
+            formulas.kernel().sift()?;
+        }
+        return Ok((formulas, arena));
+    }
+    drop((arena, formulas));
+    let formulas = encode()?;
+    formulas.kernel().sift()?;
+    let (arena, _) = sifted(&formulas, SPLIT)?;
+    Ok((formulas, arena))
+}
+
+/// The game in clusters, then sifted, and the number of nodes of its relations.
+fn sifted<K: Kernel>(
+    formulas: &Formulas<K>,
+    clustering: Clustering,
+) -> Result<(Arena<K>, usize), Limit> {
+    let arena = formulas.arena(&Selection::All, clustering)?;
+    formulas.kernel().sift()?;
+    let size = arena.environment.size(&arena.kernel) + arena.system.size(&arena.kernel);
+    Ok((arena, size))
+}

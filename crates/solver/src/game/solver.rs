@@ -1,0 +1,468 @@
+//! From a specification to a verdict: which kernel, which order, and what it took.
+//!
+//! Small games are played on biodivine's kernel, which starts at once; a game that outgrows [`SMALL_NODES`] there, or takes more
+//! than [`SMALL_MADE`], or has more than [`SMALL_PAIRS`] pairs of bits, is played on `OxiDD`'s. The choice depends on the specification only, so that the same
+//! input always gives the same machine.
+
+use super::arena::{Arena, Formulas, first_order};
+use super::attack::{self, Attack};
+use super::core;
+use super::explore::{self, Explicit};
+use super::findings::shape::{self, Shape};
+use super::findings::{self, EnvironmentFindings};
+use super::fixpoint::winning_region;
+use super::functions::{self, Controls};
+use super::heuristics::Heuristics;
+use super::progress::{Phase, Progress};
+use super::ranking::{self, Ranking};
+use super::repair::{self, Advice};
+use super::set_up;
+use super::strategy::{self, Preference};
+use super::{GuaranteeRef, Lost, Outcome, Play, Won};
+use crate::symbolic::{Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
+use linewright_core::gr1::{Formula, Specification, Time, VarId};
+use std::fmt::Debug;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A game of more pairs of bits than this is not small.
+const SMALL_PAIRS: usize = 48;
+
+/// A game that needs more nodes than this at once is not small.
+const SMALL_NODES: u64 = 13_000;
+
+/// A game is not small, either, when so many nodes were made in all: about a hundredth of a second.
+const SMALL_MADE: u64 = 50_000;
+
+/// A game that needs more nodes than this at once is large.
+const LARGE_NODES: u64 = 100_000;
+
+/// The same where dead nodes count until they are collected.
+const LARGE_NODES_SHARED: u64 = 1 << 20;
+
+/// Which kernel a game is played on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum KernelChoice {
+    /// By the size of the game.
+    #[default]
+    Automatic,
+    /// biodivine-lib-bdd: every function owns its nodes.
+    Biodivine,
+    /// `OxiDD`: a shared store with complement edges.
+    OxiDd,
+}
+
+/// How to solve.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// When to give up.
+    pub limits: Limits,
+    /// Which kernel.
+    pub kernel: KernelChoice,
+    /// What is done to be fast.
+    pub heuristics: Heuristics,
+    /// Whether no core is looked for when there is no machine.
+    pub without_core: bool,
+    /// An order to begin with, instead of looking for one. With the automatic kernel, only a large game begins with it.
+    pub first_order: Option<Order>,
+    /// A set of states, as the first root, to which the winning region is known to belong. With the automatic kernel, only a
+    /// large game begins with it.
+    pub first_region: Option<Diagram>,
+    /// Where to publish how far it is. Options that are cloned publish to the same place.
+    pub progress: Arc<Progress>,
+}
+
+/// What a verdict took.
+#[derive(Debug, Clone, Default)]
+pub struct Statistics {
+    /// The kernel it was found on.
+    pub kernel: &'static str,
+    /// Pairs of a current and a next bit.
+    pub pairs: usize,
+    /// Seconds of the clock until all formulas were functions.
+    pub encode_seconds: f64,
+    /// Seconds spent on the order before the fixpoint.
+    pub order_seconds: f64,
+    /// Seconds of the fixpoint.
+    pub fixpoint_seconds: f64,
+    /// The largest number of nodes that were kept at once.
+    pub peak_nodes: u64,
+    /// Steps of the outermost fixpoint: one a goal and round.
+    pub outer: u64,
+    /// Steps of the middle fixpoints: one an assumption and round.
+    pub middle: u64,
+    /// Steps of the innermost fixpoints.
+    pub inner: u64,
+    /// Controllable predecessors that were computed.
+    pub predecessors: u64,
+    /// Whether the game is too large to be examined further beside a verdict. By its bits and nodes, never by the clock.
+    pub large: bool,
+    /// The variables from the top of the diagrams to their bottom at the start, by the place of their first bit.
+    pub order_before: Vec<VarId>,
+    /// The same at the end.
+    pub order_after: Vec<VarId>,
+    /// The order at the end; `None` until then.
+    pub last_order: Option<Order>,
+}
+
+/// A verdict and what it took.
+#[derive(Debug)]
+pub struct Solved {
+    /// The verdict.
+    pub outcome: Outcome,
+    /// What it took; what was reached when a limit ended it.
+    pub statistics: Statistics,
+}
+
+/// What a won game can do, whatever its kernel.
+pub trait Game: Debug + Send + Sync {
+    /// See [`Won::explore`].
+    fn explore(
+        &self,
+        specification: &Specification,
+        preference: Preference,
+        limits: &Limits,
+    ) -> Result<Explicit, Limit>;
+
+    /// See [`Won::functions`].
+    fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit>;
+
+    /// See [`Won::examine_environment`].
+    fn examine_environment(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<EnvironmentFindings, Limit>;
+
+    /// See [`Won::shape`].
+    fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit>;
+
+    /// See [`Won::ranking`].
+    fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit>;
+
+    /// See [`Won::region`].
+    fn region(&self) -> Diagram;
+}
+
+/// A game that was won on one kernel.
+#[derive(Debug)]
+struct WonGame<K: Kernel> {
+    /// One by one; not kept of a large game.
+    formulas: Option<Formulas<K>>,
+    arena: Arena<K>,
+    /// The states from which the machine wins.
+    region: K::Function,
+}
+
+impl<K: Kernel> Game for WonGame<K> {
+    fn explore(
+        &self,
+        specification: &Specification,
+        preference: Preference,
+        limits: &Limits,
+    ) -> Result<Explicit, Limit> {
+        let arena = self.arena.with_limits(limits);
+        let strategy = strategy::strategy(&arena, specification, preference, &self.region)?;
+        explore::explore(&arena, specification, &strategy, limits)
+    }
+
+    fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit> {
+        functions::functions(&self.arena.with_limits(limits), specification, &self.region)
+    }
+
+    fn examine_environment(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<EnvironmentFindings, Limit> {
+        match &self.formulas {
+            Some(formulas) => findings::examine(
+                &formulas.with_limits(limits),
+                &self.arena.with_limits(limits),
+                specification,
+            ),
+            None => examine(specification, limits),
+        }
+    }
+
+    fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit> {
+        shape::shape(&self.arena.with_limits(limits), specification, &self.region)
+    }
+
+    fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit> {
+        ranking::ranking(&self.arena.with_limits(limits), specification, &self.region)
+    }
+
+    fn region(&self) -> Diagram {
+        self.arena.kernel.export(&[&self.region])
+    }
+}
+
+/// Decides whether a machine exists, in the usual way; where there is none, also looks for a minimal core of guarantees.
+pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
+    let options = Options {
+        limits: *limits,
+        ..Options::default()
+    };
+    solve_with(specification, &options).outcome
+}
+
+/// Decides whether a machine exists.
+pub fn solve_with(specification: &Specification, options: &Options) -> Solved {
+    let order = first_order(specification, options.heuristics);
+    if let Some(limits) = small(&order, options) {
+        let solved = if options.kernel == KernelChoice::Automatic {
+            play::<Biodivine>(specification, &order, &limits, options, Start::default())
+        } else {
+            play::<Biodivine>(specification, &order, &limits, options, Start::of(options))
+        };
+        let outgrown = options.kernel == KernelChoice::Automatic
+            && matches!(solved.outcome, Outcome::GaveUp(Limit::Memory));
+        if !outgrown {
+            return solved;
+        }
+    }
+    let start = Start::of(options);
+    play::<OxiDd>(specification, &order, &options.limits, options, start)
+}
+
+/// What is known beforehand.
+#[derive(Clone, Copy, Default)]
+struct Start<'a> {
+    order: Option<&'a Order>,
+    region: Option<&'a Diagram>,
+}
+
+impl<'a> Start<'a> {
+    fn of(options: &'a Options) -> Self {
+        Self {
+            order: options.first_order.as_ref(),
+            region: options.first_region.as_ref(),
+        }
+    }
+
+    /// Nothing that does not fit the bits of the game.
+    fn fitting(self, pairs: usize) -> Self {
+        Self {
+            order: self.order.filter(|o| o.pairs().len() == pairs),
+            region: self
+                .region
+                .filter(|r| r.roots.len() == 1 && r.is_sound(2 * pairs)),
+        }
+    }
+}
+
+/// The limits for a try on biodivine's kernel, if there shall be one.
+fn small(order: &Order, options: &Options) -> Option<Limits> {
+    match options.kernel {
+        KernelChoice::Biodivine => Some(options.limits),
+        KernelChoice::OxiDd => None,
+        KernelChoice::Automatic if order.pairs().len() > SMALL_PAIRS => None,
+        KernelChoice::Automatic => Some(Limits {
+            most_nodes: Some(SMALL_NODES),
+            most_made: Some(SMALL_MADE),
+            ..options.limits
+        }),
+    }
+}
+
+/// Examines the environment's side on whichever kernel fits.
+pub fn examine(
+    specification: &Specification,
+    limits: &Limits,
+) -> Result<EnvironmentFindings, Limit> {
+    let options = Options {
+        limits: *limits,
+        ..Options::default()
+    };
+    let order = first_order(specification, options.heuristics);
+    if let Some(limits) = small(&order, &options) {
+        let found = examine_on::<Biodivine>(specification, &order, &limits, options.heuristics);
+        if found != Err(Limit::Memory) {
+            return found;
+        }
+    }
+    examine_on::<OxiDd>(specification, &order, limits, options.heuristics)
+}
+
+fn examine_on<K: Kernel>(
+    specification: &Specification,
+    order: &Order,
+    limits: &Limits,
+    heuristics: Heuristics,
+) -> Result<EnvironmentFindings, Limit> {
+    let progress = Progress::default();
+    let (formulas, arena) =
+        set_up::set_up::<K>(specification, order, heuristics, limits, &progress)?;
+    findings::examine(&formulas, &arena, specification)
+}
+
+/// The counterstrategy of a specification and the play that shows it, or `None` if the machine wins.
+///
+/// In the play the machine begins as `beginning` says, where it can. Meant for the [reduced](super::reduced) specification of a minimal core: who cannot keep that cannot keep more.
+pub fn attack(
+    specification: &Specification,
+    beginning: &[Formula],
+    limits: &Limits,
+) -> Result<Option<Attack>, Limit> {
+    let options = Options {
+        limits: *limits,
+        ..Options::default()
+    };
+    let order = first_order(specification, options.heuristics);
+    if let Some(limits) = small(&order, &options) {
+        let found = attack::attack_on::<Biodivine>(specification, beginning, &limits);
+        if !matches!(found, Err(Limit::Memory)) {
+            return found;
+        }
+    }
+    attack::attack_on::<OxiDd>(specification, beginning, limits)
+}
+
+/// What could be done about an unrealizable specification, given a minimal core and a play that shows it.
+pub fn advise(
+    specification: &Specification,
+    core: &[GuaranteeRef],
+    play: &Play,
+    limits: &Limits,
+) -> Result<Advice, Limit> {
+    let options = Options {
+        limits: *limits,
+        ..Options::default()
+    };
+    let order = first_order(specification, options.heuristics);
+    if let Some(limits) = small(&order, &options) {
+        let limits = Limits {
+            most_made: None,
+            ..limits
+        };
+        let found = repair::advise_on::<Biodivine>(specification, core, play, &limits);
+        if !matches!(found, Err(Limit::Memory)) {
+            return found;
+        }
+    }
+    repair::advise_on::<OxiDd>(specification, core, play, limits)
+}
+
+/// Solves a game on one kernel.
+fn play<K: Kernel>(
+    specification: &Specification,
+    order: &Order,
+    limits: &Limits,
+    options: &Options,
+    start: Start<'_>,
+) -> Solved {
+    let start = start.fitting(order.pairs().len());
+    let order = start.order.unwrap_or(order);
+    let progress = &*options.progress;
+    progress.begin(Statistics {
+        kernel: K::NAME,
+        pairs: order.pairs().len(),
+        large: order.pairs().len() > SMALL_PAIRS,
+        order_before: variables(specification, order),
+        ..Statistics::default()
+    });
+    let outcome = decide::<K>(specification, order, limits, options, start);
+    // Otherwise what it was at says how far it came.
+    if outcome.is_ok() {
+        progress.enter(Phase::Ended);
+    }
+    Solved {
+        outcome: outcome.unwrap_or_else(Outcome::GaveUp),
+        statistics: progress.statistics(),
+    }
+}
+
+fn decide<K: Kernel>(
+    specification: &Specification,
+    order: &Order,
+    limits: &Limits,
+    options: &Options,
+    start: Start<'_>,
+) -> Result<Outcome, Limit> {
+    let progress = &*options.progress;
+    let (formulas, arena) =
+        set_up::set_up::<K>(specification, order, options.heuristics, limits, progress)?;
+
+    progress.enter(Phase::Fixpoint);
+    let clock = Instant::now();
+    let within = match start.region {
+        Some(region) => Some(arena.kernel.import(region)?.swap_remove(0)),
+        None => None,
+    };
+    let region = winning_region(&arena, within.as_ref(), progress.iterations());
+    drop(within);
+    let peak_nodes = formulas.peak_nodes();
+    let last_order = formulas.kernel().order();
+    progress.note(|s| {
+        s.fixpoint_seconds = clock.elapsed().as_secs_f64();
+        s.peak_nodes = peak_nodes;
+        s.order_after = variables(specification, &last_order);
+        s.last_order = Some(last_order);
+        s.large |= peak_nodes
+            > match K::NAME {
+                Biodivine::NAME => LARGE_NODES,
+                _ => LARGE_NODES_SHARED,
+            };
+    });
+    if let Some(region) = region? {
+        return Ok(Outcome::Realizable(Won {
+            game: Box::new(WonGame {
+                formulas: (!progress.statistics().large).then_some(formulas),
+                arena,
+                region,
+            }),
+            peak_nodes,
+        }));
+    }
+    drop(arena);
+    progress.enter(Phase::Core);
+    let core = if options.without_core {
+        None
+    } else {
+        match core::minimal_core(&formulas) {
+            // This was a try with little room; the other kernel has more.
+            Err(Limit::Memory) if limits.most_made != options.limits.most_made => {
+                return Err(Limit::Memory);
+            }
+            core => core.ok(),
+        }
+    };
+    Ok(Outcome::Unrealizable(Lost {
+        core,
+        peak_nodes: formulas.peak_nodes(),
+    }))
+}
+
+/// An order of the pairs of bits from one of the variables, given by their indices. `None` unless each occurs once.
+pub fn order_of_variables(
+    specification: &Specification,
+    variables: impl IntoIterator<Item = usize>,
+) -> Option<Order> {
+    let encoding = Encoding::new(specification);
+    let known = specification.variables.len();
+    let variables = variables.into_iter().filter(|v| *v < known);
+    let pairs = variables.flat_map(|v| {
+        let bits = encoding.bits(VarId(v as u32), Time::Now);
+        bits.map(Bit::pair).collect::<Vec<_>>()
+    });
+    // The strategy's own pair comes last.
+    let last = encoding.pairs() as u16;
+    let order = Order::new(pairs.chain([last]).collect())?;
+    (order.pairs().len() == usize::from(last) + 1).then_some(order)
+}
+
+/// The variables by the place of their topmost bit.
+fn variables(specification: &Specification, order: &Order) -> Vec<VarId> {
+    let encoding = Encoding::new(specification);
+    let positions = order.positions();
+    let mut places: Vec<(u16, VarId)> = (0..specification.variables.len() as u32)
+        .filter_map(|v| {
+            let bits = encoding.bits(VarId(v), Time::Now);
+            let top = bits.map(|b| positions[usize::from(b.pair())]).min()?;
+            Some((top, VarId(v)))
+        })
+        .collect();
+    places.sort_unstable();
+    places.into_iter().map(|(_, v)| v).collect()
+}

@@ -1,0 +1,433 @@
+//! From a won game to a function: for every goal, what to answer to which next inputs in which state.
+//!
+//! In four steps, each of which keeps at least one winning move wherever there was one:
+//!
+//! 1. *Preference.* Of the winning moves, the best kind that is possible (Bloem et al. 2012, section 4): reach the goal, and as
+//!    near to the next goal as can be; else get as near to this goal as can be; else wait for an assumption.
+//!    Where many valuations could be met, or few states are asked for, only those moves are kept that lead into a small set
+//!    of states which can be kept to.
+//! 2. *Forgetting.* A move should depend on as few inputs as possible: current ones the machine would have to remember, next
+//!    ones make its guards longer. Input by input, moves that are right whatever that input is are preferred, where every
+//!    combination that cannot occur in play counts as right.
+//! 3. *Choice.* Outputs keep their value where they can and are as small as possible where they cannot, one after the other.
+//! 4. *Reachability*, to leave out what is never met.
+//!
+//! The goal that is pursued is not encoded in bits; there is one relation a goal. A flag `g` beside the next outputs says how
+//! many goals the transition reaches, from the pursued one on, whereupon the next one behind these is pursued.
+
+use super::arena::Arena;
+use super::fixpoint::{Layer, layers};
+use crate::symbolic::{Bit, BitSet, Kernel, Limit};
+use linewright_core::gr1::{Owner, Specification, Time, Timing, VarId};
+
+/// With more valuations than this, by goal, successors are gathered.
+const MANY_VALUATIONS: f64 = 5_000.0;
+
+/// What a machine shall be good at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Preference {
+    /// Short ways to the next goal.
+    #[default]
+    Reaction,
+    /// Few states.
+    States,
+}
+
+/// A deterministic strategy.
+#[derive(Debug)]
+pub struct Strategy<K: Kernel> {
+    /// For each goal, the transition (x, y, x′, y′, g) taken. Meaningless in states that are not reachable.
+    pub moves: Vec<K::Function>,
+    /// For each goal, the states (x, y) in which it is pursued.
+    pub reachable: Vec<K::Function>,
+    /// The first valuations (x, y), over current bits.
+    pub initial: K::Function,
+    /// The flag g, as a number: how many goals a transition reaches, from the pursued one on.
+    pub flag: [Bit; 2],
+}
+
+/// Makes a strategy for the winning region.
+pub fn strategy<K: Kernel>(
+    arena: &Arena<K>,
+    specification: &Specification,
+    preference: Preference,
+    region: &K::Function,
+) -> Result<Strategy<K>, Limit> {
+    let maker = Maker::new(arena, specification, region)?;
+    let goals = arena.goals.len();
+    let layers: Vec<Vec<Layer<K>>> = (0..goals)
+        .map(|j| layers(arena, j, region))
+        .collect::<Result<_, _>>()?;
+    let initial = maker.initial()?;
+
+    let mut wide = Vec::new();
+    for j in 0..goals {
+        let mut targets = maker.targets(j, &layers[j], &layers[(j + 1) % goals])?;
+        if preference == Preference::States {
+            targets = vec![maker.any(targets)?];
+        }
+        wide.push(match arena.timing {
+            Timing::Mealy => maker.first_feasible_mealy(&targets)?,
+            Timing::Moore => maker.first_feasible_moore(&targets)?,
+        });
+    }
+    // What could be reached at all bounds what has to be right.
+    let mut possible = maker.reachable(&wide, &initial)?;
+    let gather = preference == Preference::States || maker.count(&possible) > MANY_VALUATIONS;
+    if gather && arena.timing == Timing::Mealy {
+        possible = maker.gather(&wide, &initial)?;
+        for (j, moves) in wide.iter_mut().enumerate() {
+            *moves = maker.moves_to_met(moves, j, &possible)?;
+        }
+    }
+    let mut moves = Vec::new();
+    for j in 0..goals {
+        let chosen = maker.choose(&maker.forget(&wide[j], &possible[j])?)?;
+        moves.push(maker.with_flag(&chosen, j)?);
+    }
+    drop(wide);
+    let reachable = maker.reachable(&moves, &initial)?;
+    Ok(Strategy {
+        moves,
+        reachable,
+        initial,
+        flag: maker.flag,
+    })
+}
+
+struct Maker<'a, K: Kernel> {
+    arena: &'a Arena<K>,
+    specification: &'a Specification,
+    region: &'a K::Function,
+    environment: K::Function,
+    system: K::Function,
+    now: BitSet,
+    flag: [Bit; 2],
+}
+
+impl<'a, K: Kernel> Maker<'a, K> {
+    fn new(
+        arena: &'a Arena<K>,
+        specification: &'a Specification,
+        region: &'a K::Function,
+    ) -> Result<Self, Limit> {
+        let now = arena.inputs_now.iter().chain(arena.outputs_now.iter());
+        Ok(Self {
+            arena,
+            specification,
+            region,
+            environment: arena.environment_moves()?,
+            system: arena.system_moves()?,
+            now: BitSet::new(now),
+            flag: [0, 1].map(|i| Bit(2 * arena.encoding.pairs() as u16 + i)),
+        })
+    }
+
+    /// The valuations of step 0. The pure strategy has no value to keep there, so it takes the smallest.
+    fn initial(&self) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
+        let mut good = m.and(&arena.sys_initial, self.region)?;
+        if arena.timing == Timing::Moore {
+            good = m.implies_forall(&arena.env_initial, &good, &arena.inputs_now)?;
+        }
+        let good = self.smallest(good, Time::Now)?;
+        m.and(&good, &arena.env_initial)
+    }
+
+    /// The transitions to aim at in pursuit of goal `j`, the best kind first. Each holds only what is a winning move in the
+    /// state where it begins.
+    fn targets(
+        &self,
+        j: usize,
+        own: &[Layer<K>],
+        next: &[Layer<K>],
+    ) -> Result<Vec<K::Function>, Limit> {
+        let m = &self.arena.kernel;
+        let goal = &self.arena.goals[j];
+        let mut targets = Vec::new();
+        for layer in next {
+            targets.push(m.and(goal, &m.prime(&layer.reached)?)?);
+        }
+        for layer in own {
+            let nearer = m.and_not(&m.prime(&layer.reached)?, &layer.reached)?;
+            targets.push(nearer);
+        }
+        let mut waiting = m.constant(false);
+        let mut below = m.constant(false);
+        for layer in own {
+            let here = m.and_not(&layer.wait, &below)?;
+            let idle = m.and_not(
+                &m.prime(&layer.wait)?,
+                &self.arena.assumptions[layer.assumption],
+            )?;
+            waiting = m.or(&waiting, &m.and(&here, &idle)?)?;
+            below = layer.reached.clone();
+        }
+        targets.push(waiting);
+        Ok(targets)
+    }
+
+    /// All targets as one. Whichever is chosen, the play comes nearer to the goal or waits where an assumption fails.
+    fn any(&self, targets: Vec<K::Function>) -> Result<K::Function, Limit> {
+        let mut any = self.arena.kernel.constant(false);
+        for target in targets {
+            any = self.arena.kernel.or(&any, &target)?;
+        }
+        Ok(any)
+    }
+
+    /// For every state of the region and every next input, the moves of the first kind that is possible.
+    fn first_feasible_mealy(&self, targets: &[K::Function]) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
+        let mut todo = m.and(self.region, &self.environment)?;
+        let mut moves = m.constant(false);
+        for target in targets {
+            if m.is_false(&todo) {
+                break;
+            }
+            let possible = m.and(&m.and(&todo, target)?, &self.system)?;
+            todo = m.and_not(&todo, &m.exists(&possible, &arena.outputs_next)?)?;
+            moves = m.or(&moves, &possible)?;
+        }
+        debug_assert!(m.is_false(&todo), "a winning state without a winning move");
+        Ok(moves)
+    }
+
+    /// For every state of the region, the next outputs that are right whatever the next inputs are, aiming as high as
+    /// possible. Over (x, y, y′).
+    fn first_feasible_moore(&self, targets: &[K::Function]) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
+        let mut todo = self.region.clone();
+        let mut moves = m.constant(false);
+        let mut aim = m.constant(false);
+        for target in targets {
+            if m.is_false(&todo) {
+                break;
+            }
+            aim = m.or(&aim, target)?;
+            let possible = m.and(&arena.for_all_inputs(&aim)?, &self.system)?;
+            let possible = m.and(&todo, &possible)?;
+            todo = m.and_not(&todo, &m.exists(&possible, &arena.outputs_next)?)?;
+            moves = m.or(&moves, &possible)?;
+        }
+        debug_assert!(m.is_false(&todo), "a winning state without a winning move");
+        Ok(moves)
+    }
+
+    /// Prefers moves that do not depend on inputs, one input after the other. Only `possible` states, and inputs
+    /// that keep the assumptions, matter.
+    fn forget(&self, moves: &K::Function, possible: &K::Function) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
+        let mut care = possible.clone();
+        if arena.timing == Timing::Mealy {
+            care = m.and(&care, &self.environment)?;
+        }
+        let mut allowed = m.implies(&care, moves)?;
+        // The next inputs, too: what an answer does not need makes no guard longer. They come last, since an answer had
+        // better look at an input than remember it.
+        //
+        // Current inputs are first forgotten only where that is right whatever comes next: or else one would forget a command
+        // and remember all that tells what the command must have been. After that there is nothing left to tell it by.
+        let rounds = [(Time::Now, true), (Time::Now, false), (Time::Next, false)];
+        let inputs = |round| self.specification.inputs().map(move |v| (v, round));
+        for (input, (time, blindly)) in rounds.into_iter().flat_map(inputs) {
+            let bits = arena.encoding.bit_set([input], time);
+            if !bits.iter().any(|b| m.depends_on(&allowed, b)) {
+                continue;
+            }
+            let always = m.forall(&allowed, &bits)?;
+            let mut offers = m.exists(&always, &arena.outputs_next)?;
+            if blindly {
+                offers = m.forall(&offers, &arena.inputs_next)?;
+            }
+            allowed = m.ite(&offers, &always, &allowed)?;
+        }
+        Ok(allowed)
+    }
+
+    /// Fixes the next outputs: each variable keeps its value where it can, and else takes the smallest possible one.
+    fn choose(&self, moves: &K::Function) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
+        let mut moves = moves.clone();
+        for output in self.outputs() {
+            let same = arena.encoding.unchanged(m, output)?;
+            moves = self.prefer(&moves, &same, &arena.outputs_next)?;
+            for bit in arena.encoding.bits(output, Time::Next) {
+                moves = self.prefer(&moves, &m.literal(bit, false), &arena.outputs_next)?;
+            }
+        }
+        Ok(moves)
+    }
+
+    /// The relation, with only the smallest outputs of this time, one output after the other.
+    fn smallest(&self, mut relation: K::Function, time: Time) -> Result<K::Function, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
+        let answers = match time {
+            Time::Now => &arena.outputs_now,
+            Time::Next => &arena.outputs_next,
+        };
+        for output in self.outputs() {
+            for bit in arena.encoding.bits(output, time) {
+                relation = self.prefer(&relation, &m.literal(bit, false), answers)?;
+            }
+        }
+        Ok(relation)
+    }
+
+    /// The relation, with only the answers that satisfy `wish` wherever there is one.
+    fn prefer(
+        &self,
+        relation: &K::Function,
+        wish: &K::Function,
+        answers: &BitSet,
+    ) -> Result<K::Function, Limit> {
+        let m = &self.arena.kernel;
+        let wished = m.and(relation, wish)?;
+        let possible = m.exists(&wished, answers)?;
+        m.or(&wished, &m.and_not(relation, &possible)?)
+    }
+
+    /// Adds the flag: whether the transition reaches goal `j`. With a single goal there is nothing to keep in mind.
+    fn with_flag(&self, moves: &K::Function, j: usize) -> Result<K::Function, Limit> {
+        let m = &self.arena.kernel;
+        let mut moves = moves.clone();
+        for (bit, holds) in self.flag.into_iter().zip(self.reached(j)?) {
+            moves = m.and(&moves, &m.iff(&m.literal(bit, true), &holds)?)?;
+        }
+        Ok(moves)
+    }
+
+    /// How many goals a transition reaches, from `j` on and up to three, as two bits. With a single goal there is nothing to keep
+    /// in mind.
+    fn reached(&self, j: usize) -> Result<[K::Function; 2], Limit> {
+        let (m, goals) = (&self.arena.kernel, &self.arena.goals);
+        let mut all = m.constant(goals.len() > 1);
+        let mut at_least = Vec::new();
+        for k in 0..3 {
+            all = if k < goals.len() {
+                m.and(&all, &goals[(j + k) % goals.len()])?
+            } else {
+                m.constant(false)
+            };
+            at_least.push(all.clone());
+        }
+        let odd = m.or(&m.and_not(&at_least[0], &at_least[1])?, &at_least[2])?;
+        Ok([at_least.swap_remove(1), odd])
+    }
+
+    /// Steps in pursuit of goal `j`, by the goal that is pursued after them.
+    fn by_goal(&self, steps: K::Function, j: usize) -> Result<Vec<(usize, K::Function)>, Limit> {
+        let m = &self.arena.kernel;
+        let goals = self.arena.goals.len();
+        if goals == 1 {
+            return Ok(vec![(0, steps)]);
+        }
+        let [high, low] = self.reached(j)?;
+        let (many, few) = (m.and(&steps, &high)?, m.and_not(&steps, &high)?);
+        Ok(vec![
+            ((j + 3) % goals, m.and(&many, &low)?),
+            ((j + 2) % goals, m.and_not(&many, &low)?),
+            ((j + 1) % goals, m.and(&few, &low)?),
+            (j, m.and_not(&few, &low)?),
+        ])
+    }
+
+    /// Those of the moves in pursuit of goal `j` that lead to states met.
+    fn moves_to_met(
+        &self,
+        moves: &K::Function,
+        j: usize,
+        met: &[K::Function],
+    ) -> Result<K::Function, Limit> {
+        let m = &self.arena.kernel;
+        let mut into = m.constant(false);
+        for (k, steps) in self.by_goal(moves.clone(), j)? {
+            into = m.or(&into, &m.and(&steps, &m.prime(&met[k])?)?)?;
+        }
+        Ok(into)
+    }
+
+    /// For every goal a set of states, together few, that can be kept to: each answer to each input leads to one that was met
+    /// before, or else where most likely other answers can lead to as well.
+    fn gather(
+        &self,
+        moves: &[K::Function],
+        initial: &K::Function,
+    ) -> Result<Vec<K::Function>, Limit> {
+        let (arena, m) = (self.arena, &self.arena.kernel);
+        let goals = moves.len();
+        let mut met = vec![m.constant(false); goals];
+        let mut fresh = met.clone();
+        fresh[0] = initial.clone();
+        met[0] = initial.clone();
+        while let Some(j) = (0..goals).find(|j| !m.is_false(&fresh[*j])) {
+            let from = std::mem::replace(&mut fresh[j], m.constant(false));
+            let mut todo = m.and(&m.and(&moves[j], &from)?, &self.environment)?;
+            loop {
+                m.safe_point()?;
+                let served = self.moves_to_met(&todo, j, &met)?;
+                todo = m.and_not(&todo, &m.exists(&served, &arena.outputs_next)?)?;
+                if m.is_false(&todo) {
+                    break;
+                }
+                // One more valuation for every next input that is left, for whichever states can answer with it.
+                for (k, steps) in self.by_goal(todo.clone(), j)? {
+                    let offers = self.smallest(m.exists(&steps, &self.now)?, Time::Next)?;
+                    let offers = m.unprime(&offers)?;
+                    let more = m.and_not(&offers, &met[k])?;
+                    fresh[k] = m.or(&fresh[k], &more)?;
+                    met[k] = m.or(&met[k], &more)?;
+                    if !m.is_false(&more) {
+                        break;
+                    }
+                }
+            }
+        }
+        Ok(met)
+    }
+
+    /// The number of valuations, over all goals.
+    fn count(&self, states: &[K::Function]) -> f64 {
+        let states: Vec<&K::Function> = states.iter().collect();
+        let shares = self.arena.kernel.export(&states).shares();
+        shares.iter().sum::<f64>() * (self.now.iter().count() as f64).exp2()
+    }
+
+    /// For every goal, the states in which it may be pursued.
+    fn reachable(
+        &self,
+        moves: &[K::Function],
+        initial: &K::Function,
+    ) -> Result<Vec<K::Function>, Limit> {
+        let m = &self.arena.kernel;
+        let goals = moves.len();
+        let mut known = vec![m.constant(false); goals];
+        let mut fresh = known.clone();
+        fresh[0] = initial.clone();
+        let mut relations = Vec::new();
+        for relation in moves {
+            relations.push(m.and(relation, &self.environment)?);
+        }
+        while let Some(j) = (0..goals).find(|j| !m.is_false(&fresh[*j])) {
+            let from = std::mem::replace(&mut fresh[j], m.constant(false));
+            known[j] = m.or(&known[j], &from)?;
+            let steps = m.and(&relations[j], &from)?;
+            let mut gone = self.now.clone();
+            for bit in self.flag {
+                gone.insert(bit);
+            }
+            for (k, steps) in self.by_goal(steps, j)? {
+                let successors = m.unprime(&m.exists(&steps, &gone)?)?;
+                fresh[k] = m.and_not(&m.or(&fresh[k], &successors)?, &known[k])?;
+            }
+        }
+        Ok(known)
+    }
+
+    fn outputs(&self) -> impl Iterator<Item = VarId> {
+        let variables = self.specification.variables.iter().enumerate();
+        variables
+            .filter(|(_, v)| v.owner == Owner::System)
+            .map(|(i, _)| VarId(i as u32))
+    }
+}

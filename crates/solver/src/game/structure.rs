@@ -1,0 +1,141 @@
+//! An order of the variables from the structure of a specification: those that occur together lie near each other.
+//!
+//! FORCE (Aloul, Markov and Sakallah, "FORCE: a fast and easy-to-implement variable-ordering heuristic", GLSVLSI 2003):
+//! formulas are hyperedges, conjunctions one for each part; every formula pulls its variables towards its centre of gravity, until the sum of all spans
+//! no longer shrinks. A small span is a start for sifting, not an order to rely on.
+//!
+//! A formula about whole arrays says nothing of which elements belong together, its comparisons do: that of `built[i]` with
+//! `target[i]` is small where the two lie side by side, and has no small conjunction with the others where they do not. In
+//! games of many bits, where no order but a fair one lets formulas be encoded at all, comparisons of numbers pull as well.
+
+use crate::symbolic::{Bit, Encoding, Order};
+use linewright_core::gr1::{BinaryOp, Expr, Side, Specification, Time, VarId};
+
+/// Rounds of pulling; spans hardly shrink after the first few.
+const MOST_ROUNDS: usize = 30;
+
+/// Comparisons pull in games of more pairs of bits than this, and formulas are confined to codes that have a value.
+pub const MANY_PAIRS: usize = 48;
+
+/// The pairs of bits by variable, the variables ordered by structure; pairs that belong to no variable come last.
+pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -> Order {
+    let sides = [&specification.assumptions, &specification.guarantees];
+    let formulas = sides.into_iter().flat_map(Side::all);
+    let parts: Vec<&Expr> = formulas.flat_map(|f| f.expr.conjuncts()).collect();
+    let numeric = |v: &usize| specification.variables[*v].domain.size() > 2;
+    let mut edges: Vec<Vec<usize>> = Vec::new();
+    if pairs > MANY_PAIRS {
+        let compared = parts.iter().flat_map(|part| comparisons(part));
+        edges.extend(compared.map(variables).filter(|e| e.iter().all(numeric)));
+    }
+    edges.extend(parts.into_iter().map(variables));
+    edges.retain(|e| e.len() > 1);
+
+    let mut best = first_seen(&edges, specification.variables.len());
+    let mut best_span = span(&edges, &best);
+    let mut current = best.clone();
+    for _ in 0..MOST_ROUNDS {
+        current = pull(&edges, &current);
+        let current_span = span(&edges, &current);
+        if current_span >= best_span {
+            break;
+        }
+        (best, best_span) = (current.clone(), current_span);
+    }
+
+    let mut order = Vec::with_capacity(pairs);
+    for variable in best {
+        let bits = encoding.bits(VarId(variable as u32), Time::Now);
+        order.extend(bits.map(Bit::pair));
+    }
+    order.extend(encoding.pairs() as u16..pairs as u16);
+    Order::new(order).expect("every variable has its place; please report this")
+}
+
+/// The comparisons in a formula, from left to right.
+fn comparisons(formula: &Expr) -> Vec<&Expr> {
+    let mut found = Vec::new();
+    let mut left = vec![formula];
+    while let Some(expr) = left.pop() {
+        match expr {
+            Expr::Const(_) | Expr::Var(..) => {}
+            Expr::Unary(_, a) => left.push(a),
+            Expr::If(c, a, b) => left.extend([&**b, &**a, &**c]),
+            Expr::Binary(op, a, b) => {
+                if is_comparison(*op) {
+                    found.push(expr);
+                }
+                left.extend([&**b, &**a]);
+            }
+        }
+    }
+    found
+}
+
+fn is_comparison(op: BinaryOp) -> bool {
+    use BinaryOp::{Eq, Ge, Gt, Le, Lt, Ne};
+    matches!(op, Eq | Ne | Lt | Le | Gt | Ge)
+}
+
+/// The variables of a formula, each once.
+fn variables(formula: &Expr) -> Vec<usize> {
+    let mut found = Vec::new();
+    formula.for_each_var(&mut |v, _| found.push(v.index()));
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// The variables as the formulas mention them, and then the others.
+fn first_seen(edges: &[Vec<usize>], variables: usize) -> Vec<usize> {
+    let mut order = Vec::new();
+    let mut seen = vec![false; variables];
+    for variable in edges.iter().flatten().copied().chain(0..variables) {
+        if !std::mem::replace(&mut seen[variable], true) {
+            order.push(variable);
+        }
+    }
+    order
+}
+
+fn positions(order: &[usize]) -> Vec<usize> {
+    let mut positions = vec![0; order.len()];
+    for (position, variable) in order.iter().enumerate() {
+        positions[*variable] = position;
+    }
+    positions
+}
+
+/// The sum of the distances between the first and the last variable of each formula.
+fn span(edges: &[Vec<usize>], order: &[usize]) -> usize {
+    let positions = positions(order);
+    let spans = edges.iter().map(|edge| {
+        let places = || edge.iter().map(|v| positions[*v]);
+        places().max().unwrap_or(0) - places().min().unwrap_or(0)
+    });
+    spans.sum()
+}
+
+/// One round: every variable goes to the mean of the centres of its formulas.
+fn pull(edges: &[Vec<usize>], order: &[usize]) -> Vec<usize> {
+    let positions = positions(order);
+    let mut sums = vec![(0.0, 0usize); order.len()];
+    for edge in edges {
+        let total: usize = edge.iter().map(|v| positions[*v]).sum();
+        let centre = total as f64 / edge.len() as f64;
+        for variable in edge {
+            sums[*variable].0 += centre;
+            sums[*variable].1 += 1;
+        }
+    }
+    let mut pulled: Vec<(f64, usize)> = order
+        .iter()
+        .map(|v| match sums[*v] {
+            (_, 0) => (positions[*v] as f64, *v),
+            (sum, count) => (sum / count as f64, *v),
+        })
+        .collect();
+    // The sort is stable: what is pulled to the same place keeps its order.
+    pulled.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pulled.into_iter().map(|(_, v)| v).collect()
+}

@@ -1,0 +1,10 @@
+//! What games are made of, on random functions and specifications.
+
+mod orders;
+mod parts;
+
+#[allow(dead_code, reason = "each test needs a part of it")]
+#[path = "../../../../../tests/oracle/random.rs"]
+mod random;
+
+use random::{Random, specification, specification_with_goals};

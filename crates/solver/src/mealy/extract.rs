@@ -1,0 +1,87 @@
+//! From a won game to a machine.
+
+use super::{Cube, Guard, Machine, Port, Test, Transition, minimise};
+use crate::game::{Limit, Limits, Preference, Row, Won};
+use linewright_core::gr1::{Specification, VarId};
+
+/// The machine of a won game, minimised, not yet verified.
+pub fn extract(
+    specification: &Specification,
+    won: &Won,
+    limits: &Limits,
+) -> Result<Machine, Limit> {
+    extract_preferring(Preference::default(), specification, won, limits)
+}
+
+/// The same, for a machine that is good at something.
+///
+/// Where few states are asked for, freedom in what to aim at mostly leads to fewer, but not always; so both machines are made,
+/// and the one with fewer states is taken.
+pub fn extract_preferring(
+    preference: Preference,
+    specification: &Specification,
+    won: &Won,
+    limits: &Limits,
+) -> Result<Machine, Limit> {
+    let make = |preference| machine(preference, specification, won, limits);
+    let quick = make(Preference::Reaction);
+    if preference == Preference::Reaction {
+        return quick;
+    }
+    match (make(preference), quick) {
+        (Ok(free), Ok(quick)) if free.states.len() < quick.states.len() => Ok(free),
+        (Ok(_), Ok(quick)) => Ok(quick),
+        (Ok(only), Err(Limit::Size | Limit::Memory))
+        | (Err(Limit::Size | Limit::Memory), Ok(only)) => Ok(only),
+        (Err(limit), _) | (_, Err(limit)) => Err(limit),
+    }
+}
+
+/// The machine of one strategy, minimised.
+fn machine(
+    preference: Preference,
+    specification: &Specification,
+    won: &Won,
+    limits: &Limits,
+) -> Result<Machine, Limit> {
+    let explicit = won.explore(specification, preference, limits)?;
+    let rows = |rows: Vec<Row>| -> Vec<Transition> { rows.into_iter().map(transition).collect() };
+    let machine = Machine {
+        name: specification.name.clone(),
+        timing: specification.timing,
+        inputs: ports(specification, specification.inputs()),
+        outputs: ports(specification, specification.outputs()),
+        initial: rows(explicit.initial),
+        states: explicit.states.into_iter().map(rows).collect(),
+    };
+    minimise::minimise(&machine, limits)
+}
+
+pub(super) fn ports(specification: &Specification, ids: impl Iterator<Item = VarId>) -> Vec<Port> {
+    let port = |id: VarId| {
+        let variable = specification.variable(id);
+        Port {
+            name: variable.name.clone(),
+            domain: variable.domain.clone(),
+            unit: variable.unit.clone(),
+            internal: variable.internal,
+        }
+    };
+    ids.map(port).collect()
+}
+
+pub(super) fn transition(row: Row) -> Transition {
+    let cube = |conditions: Vec<(usize, i64, i64)>| {
+        let tests = conditions.into_iter();
+        Cube(
+            tests
+                .map(|(input, low, high)| Test { input, low, high })
+                .collect(),
+        )
+    };
+    Transition {
+        guard: Guard(row.cubes.into_iter().map(cube).collect()),
+        output: row.output,
+        to: row.to,
+    }
+}

@@ -1,0 +1,290 @@
+//! Fewer states with the same behaviour on all inputs that keep the assumptions.
+//!
+//! First by partition refinement (Hopcroft's and Moore's idea; signatures are canonical diagrams, so that no letter is
+//! enumerated), then by merging states that agree wherever both have a transition: what one of them does not care about,
+//! the other decides (Paull and Unger 1959, greedily and with closure). A merged machine gives the same outputs on every play
+//! that keeps the assumptions. States are numbered in breadth-first order of their first being met.
+
+use super::diagram::{Diagrams, Leaf, NOTHING, Ref};
+use super::{Guard, Machine, Transition};
+use crate::game::{Limit, Limits};
+use linewright_core::gr1::Timing;
+use std::collections::HashMap;
+
+/// Merging by don't-cares stops after so many visited diagram nodes: it is worth little where it is dear.
+const MERGE_STEPS: u64 = 300_000;
+
+struct Work {
+    diagrams: Diagrams,
+    outputs: Vec<Vec<i64>>,
+    initial: Ref,
+    states: Vec<Ref>,
+    timing: Timing,
+}
+
+/// The minimised machine. Unreachable states are dropped.
+pub fn minimise(machine: &Machine, limits: &Limits) -> Result<Machine, Limit> {
+    let mut work = Work::new(machine, limits)?;
+    work.refine(limits)?;
+    work.merge(limits)?;
+    work.refine(limits)?;
+    Ok(work.into_machine(machine))
+}
+
+impl Work {
+    fn new(machine: &Machine, limits: &Limits) -> Result<Self, Limit> {
+        let mut work = Self {
+            diagrams: Diagrams::new(&machine.inputs),
+            outputs: Vec::new(),
+            initial: NOTHING,
+            states: Vec::new(),
+            timing: machine.timing,
+        };
+        let mut numbers = HashMap::new();
+        work.initial = work.diagram_of(&machine.initial, &mut numbers);
+        for transitions in &machine.states {
+            limits.check_time()?;
+            let diagram = work.diagram_of(transitions, &mut numbers);
+            work.states.push(diagram);
+        }
+        Ok(work)
+    }
+
+    fn diagram_of(
+        &mut self,
+        transitions: &[Transition],
+        numbers: &mut HashMap<Vec<i64>, u32>,
+    ) -> Ref {
+        let mut parts = Vec::new();
+        for transition in transitions {
+            let output = *numbers.entry(transition.output.clone()).or_insert_with(|| {
+                self.outputs.push(transition.output.clone());
+                self.outputs.len() as u32 - 1
+            });
+            let leaf = Leaf {
+                output,
+                to: transition.to as u32,
+            };
+            for cube in &transition.guard.0 {
+                parts.push(self.diagrams.cube(cube, leaf));
+            }
+        }
+        // Pairwise, so that large diagrams are put together only a few times. The parts are disjoint.
+        while parts.len() > 1 {
+            let mut halves = Vec::with_capacity(parts.len().div_ceil(2));
+            for pair in parts.chunks(2) {
+                let mut seen = HashMap::new();
+                let (a, b) = (pair[0], pair.get(1).copied().unwrap_or(NOTHING));
+                let both = self.diagrams.overlay(
+                    a,
+                    b,
+                    &mut |x, y| (x == y).then_some(x),
+                    &mut seen,
+                    &mut u64::MAX.clone(),
+                );
+                halves.push(both.expect("the guards of a state overlap; please report this"));
+            }
+            parts = halves;
+        }
+        parts.first().copied().unwrap_or(NOTHING)
+    }
+
+    /// Puts states with equal behaviour together.
+    fn refine(&mut self, limits: &Limits) -> Result<(), Limit> {
+        let mut blocks = vec![0u32; self.states.len()];
+        let mut count = 1;
+        loop {
+            limits.check_time()?;
+            let change = |leaf: Leaf| Leaf {
+                to: blocks[leaf.to as usize],
+                ..leaf
+            };
+            let mut seen = HashMap::new();
+            let mut numbers: HashMap<Ref, u32> = HashMap::new();
+            let mut finer = Vec::with_capacity(blocks.len());
+            for state in &self.states {
+                let signature = self.diagrams.relabel(*state, &change, &mut seen);
+                let next = numbers.len() as u32;
+                finer.push(*numbers.entry(signature).or_insert(next));
+            }
+            let found = numbers.len();
+            blocks = finer;
+            if found == count {
+                break;
+            }
+            count = found;
+        }
+        self.quotient(&blocks);
+        Ok(())
+    }
+
+    /// Replaces the states by blocks: the first of each stands for it.
+    fn quotient(&mut self, blocks: &[u32]) {
+        let change = |leaf: Leaf| Leaf {
+            to: blocks[leaf.to as usize],
+            ..leaf
+        };
+        let mut seen = HashMap::new();
+        let mut states: Vec<Option<Ref>> =
+            vec![None; blocks.iter().max().map_or(0, |b| *b as usize + 1)];
+        for (state, block) in self.states.iter().zip(blocks) {
+            if states[*block as usize].is_none() {
+                states[*block as usize] = Some(self.diagrams.relabel(*state, &change, &mut seen));
+            }
+        }
+        self.initial = self.diagrams.relabel(self.initial, &change, &mut seen);
+        self.states = states.into_iter().map(|s| s.unwrap_or(NOTHING)).collect();
+    }
+
+    /// Merges states that agree wherever both have a transition, as far as the steps reach.
+    fn merge(&mut self, limits: &Limits) -> Result<(), Limit> {
+        let count = self.states.len();
+        let moore: Vec<Option<u32>> = self
+            .states
+            .iter()
+            .map(|s| {
+                let mut output = None;
+                if self.timing == Timing::Moore {
+                    self.diagrams
+                        .leaves(*s, &mut |leaf| output = Some(leaf.output));
+                }
+                output
+            })
+            .collect();
+        let mut merged = Merged {
+            parent: (0..count as u32).collect(),
+            diagram: self.states.clone(),
+            moore,
+        };
+        let mut steps = MERGE_STEPS;
+        let mut sizes = HashMap::new();
+        'states: for b in 1..count as u32 {
+            limits.check_time()?;
+            for a in 0..b {
+                if merged.find(b) != b {
+                    break;
+                }
+                if merged.find(a) != a {
+                    continue;
+                }
+                if let Some(better) =
+                    merged.try_merge(&mut self.diagrams, a, b, &mut steps, &mut sizes)
+                {
+                    merged = better;
+                }
+                if steps == 0 {
+                    break 'states;
+                }
+            }
+        }
+        let mut numbers = HashMap::new();
+        let mut blocks = Vec::with_capacity(count);
+        for state in 0..count as u32 {
+            let next = numbers.len() as u32;
+            blocks.push(*numbers.entry(merged.find(state)).or_insert(next));
+        }
+        // Every class is represented by its smallest state, which is also met first.
+        self.states = (0..count as u32)
+            .map(|s| merged.diagram[merged.find(s) as usize])
+            .collect();
+        self.quotient(&blocks);
+        Ok(())
+    }
+
+    fn into_machine(self, machine: &Machine) -> Machine {
+        let mut numbers: Vec<Option<usize>> = vec![None; self.states.len()];
+        let mut order: Vec<usize> = Vec::new();
+        let mut write = |diagram: Ref, order: &mut Vec<usize>| -> Vec<Transition> {
+            let rows = self.diagrams.read(diagram).into_iter();
+            rows.map(|(leaf, cubes)| {
+                let to = *numbers[leaf.to as usize].get_or_insert_with(|| {
+                    order.push(leaf.to as usize);
+                    order.len() - 1
+                });
+                Transition {
+                    guard: Guard(cubes),
+                    output: self.outputs[leaf.output as usize].clone(),
+                    to,
+                }
+            })
+            .collect()
+        };
+        let initial = write(self.initial, &mut order);
+        let mut states = Vec::new();
+        while let Some(next) = order.get(states.len()) {
+            let diagram = self.states[*next];
+            states.push(write(diagram, &mut order));
+        }
+        Machine {
+            initial,
+            states,
+            ..machine.clone()
+        }
+    }
+}
+
+/// States put together so far.
+#[derive(Clone)]
+struct Merged {
+    /// A smaller member of the same class; itself for the smallest.
+    parent: Vec<u32>,
+    /// Of the smallest member: what the class does.
+    diagram: Vec<Ref>,
+    /// Of the smallest member of a Moore machine: its output, if it has one.
+    moore: Vec<Option<u32>>,
+}
+
+impl Merged {
+    fn find(&self, mut state: u32) -> u32 {
+        while self.parent[state as usize] != state {
+            state = self.parent[state as usize];
+        }
+        state
+    }
+
+    /// With `a` and `b` in one class, and all that follows from it; `None` if they do not agree.
+    fn try_merge(
+        &self,
+        diagrams: &mut Diagrams,
+        a: u32,
+        b: u32,
+        steps: &mut u64,
+        sizes: &mut HashMap<Ref, u64>,
+    ) -> Option<Self> {
+        let mut result: Option<Self> = None;
+        let mut pairs = vec![(a, b)];
+        while let Some((a, b)) = pairs.pop() {
+            let current = result.as_ref().unwrap_or(self);
+            let (a, b) = (current.find(a), current.find(b));
+            if a == b {
+                continue;
+            }
+            let (a, b) = (a.min(b), a.max(b));
+            let (x, y) = (current.moore[a as usize], current.moore[b as usize]);
+            if x.is_some() && y.is_some() && x != y {
+                return None;
+            }
+            let (left, right) = (current.diagram[a as usize], current.diagram[b as usize]);
+            let mut join = |x: Leaf, y: Leaf| {
+                if x.output != y.output {
+                    return None;
+                }
+                if x.to != y.to {
+                    pairs.push((x.to, y.to));
+                }
+                Some(x)
+            };
+            let joined = diagrams.overlay(left, right, &mut join, &mut HashMap::new(), steps)?;
+            // A state less is no gain if its rows become more.
+            let mut count = |node| diagrams.cubes(node, sizes);
+            if count(joined) > count(left).saturating_add(count(right)) {
+                return None;
+            }
+            let next = result.get_or_insert_with(|| self.clone());
+            next.parent[b as usize] = a;
+            next.diagram[a as usize] = joined;
+            next.moore[a as usize] = x.or(y);
+        }
+        result
+    }
+}

@@ -1,0 +1,184 @@
+//! Controllers: finite machines whose transitions carry guards over the inputs.
+//!
+//! A [`Machine`] starts *before* step 0. Its first step takes one of the `initial` transitions, every later one a
+//! transition of the state it is in: the one whose guard the step's inputs satisfy. The guards of one state are disjoint.
+//! They cover at least every input that keeps the assumptions; on other inputs there may be no transition.
+//! A `Moore` machine is one in which all transitions of a state (and all initial ones) have the same output.
+
+pub mod certify;
+mod controller;
+pub mod counter;
+mod diagram;
+pub mod extract;
+pub mod functions;
+pub mod gr1c;
+pub mod json;
+pub mod minimise;
+pub mod picture;
+mod text;
+pub mod verify;
+
+pub use controller::Controller;
+
+use linewright_core::gr1::{Domain, Timing, shown};
+use serde::{Deserialize, Serialize};
+
+/// An input or output.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Port {
+    /// The variable's name.
+    pub name: String,
+    /// Its values.
+    pub domain: Domain,
+    /// What they count, `mm`; empty for bare numbers.
+    pub unit: String,
+    /// Whether it is an internal variable: an output that is not part of the interface.
+    pub internal: bool,
+}
+
+/// One condition of a cube: input `input` lies in `low..=high`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Test {
+    /// Index into [`Machine::inputs`].
+    pub input: usize,
+    /// Smallest value.
+    pub low: i64,
+    /// Largest value.
+    pub high: i64,
+}
+
+/// A conjunction of tests, at most one an input, in ascending order of input. No test at all is `true`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub struct Cube(pub Vec<Test>);
+
+impl Cube {
+    /// Whether the inputs satisfy every test.
+    pub fn holds(&self, inputs: &[i64]) -> bool {
+        self.0
+            .iter()
+            .all(|t| t.low <= inputs[t.input] && inputs[t.input] <= t.high)
+    }
+}
+
+/// A disjunction of disjoint cubes. No cube at all is `false`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub struct Guard(pub Vec<Cube>);
+
+impl Guard {
+    /// Whether the inputs satisfy one of the cubes.
+    pub fn holds(&self, inputs: &[i64]) -> bool {
+        self.0.iter().any(|c| c.holds(inputs))
+    }
+}
+
+/// What the machine does on some inputs.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Transition {
+    /// On which inputs of the step.
+    pub guard: Guard,
+    /// The step's outputs, one an entry of [`Machine::outputs`].
+    pub output: Vec<i64>,
+    /// Index of the state it goes to.
+    pub to: usize,
+}
+
+/// A controller.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Machine {
+    /// The contract's name.
+    pub name: String,
+    /// Who answers first.
+    pub timing: Timing,
+    /// Inputs in the order of the specification.
+    pub inputs: Vec<Port>,
+    /// Outputs and internal variables in the order of the specification.
+    pub outputs: Vec<Port>,
+    /// What it can do in step 0.
+    pub initial: Vec<Transition>,
+    /// The transitions of every state.
+    pub states: Vec<Vec<Transition>>,
+}
+
+impl Machine {
+    /// The transition for these inputs: from `state`, or in step 0 when there is none yet. `None` when no guard
+    /// holds, which means that the inputs break an assumption.
+    pub fn step(&self, state: Option<usize>, inputs: &[i64]) -> Option<&Transition> {
+        self.transitions(state)
+            .iter()
+            .find(|t| t.guard.holds(inputs))
+    }
+
+    /// The transitions of `state`, or the initial ones.
+    pub fn transitions(&self, state: Option<usize>) -> &[Transition] {
+        state.map_or(&self.initial, |s| &self.states[s])
+    }
+
+    /// The outputs of a Moore machine before it has seen the inputs of the step.
+    ///
+    /// # Panics
+    /// When the machine has no transition at all in that state.
+    pub fn moore_output(&self, state: Option<usize>) -> &[i64] {
+        debug_assert_eq!(self.timing, Timing::Moore);
+        &self.transitions(state)[0].output
+    }
+
+    /// How many transitions there are, initial ones included.
+    pub fn transition_count(&self) -> usize {
+        self.initial.len() + self.states.iter().map(Vec::len).sum::<usize>()
+    }
+
+    /// A guard as a disjunction of conjunctions, put together for reading: of every conjunction the values of each input, as
+    /// ascending intervals with gaps between them.
+    pub fn guard_values(&self, guard: &Guard) -> Vec<Vec<Vec<(i64, i64)>>> {
+        text::guard_values(self, &[guard])
+    }
+
+    /// A guard as a person reads it: `command = turn & desired = 3 | command != turn`.
+    pub fn show_guard(&self, guard: &Guard) -> String {
+        if guard.0.is_empty() {
+            return "false".to_owned();
+        }
+        let show = |tests: Vec<String>| {
+            if tests.is_empty() {
+                "true".to_owned()
+            } else {
+                tests.join(" & ")
+            }
+        };
+        let cubes = text::guard_parts(self, &[guard]).into_iter();
+        cubes.map(show).collect::<Vec<_>>().join(" | ")
+    }
+
+    /// A cube as a person reads it: `command = turn & 2 <= desired <= 4 & !grip`.
+    pub fn show_cube(&self, cube: &Cube) -> String {
+        if cube.0.is_empty() {
+            return "true".to_owned();
+        }
+        let tests: Vec<String> = cube.0.iter().map(|t| self.show_test(t)).collect();
+        tests.join(" & ")
+    }
+
+    fn show_test(&self, test: &Test) -> String {
+        let port = &self.inputs[test.input];
+        let name = &port.name;
+        match &port.domain {
+            Domain::Bool if test.low == test.high => {
+                format!("{}{name}", if test.low == 0 { "!" } else { "" })
+            }
+            domain if test.low == test.high => {
+                format!("{name} = {}", shown(domain, test.low, &port.unit))
+            }
+            Domain::Enum { .. } => {
+                let labels: Vec<String> = (test.low..=test.high)
+                    .map(|v| port.domain.show(v))
+                    .collect();
+                format!("{name} in {{{}}}", labels.join(", "))
+            }
+            domain => format!(
+                "{} <= {name} <= {}",
+                shown(domain, test.low, &port.unit),
+                shown(domain, test.high, &port.unit)
+            ),
+        }
+    }
+}

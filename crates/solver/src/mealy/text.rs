@@ -1,0 +1,123 @@
+//! Guards as a person reads them.
+//!
+//! The cubes of a guard are disjoint and hold one interval an input. For reading, cubes that differ in one input only are put
+//! together, so that `cmd in {none, pick} & grip | cmd = move & grip` becomes `cmd != turn & grip`.
+
+use super::{Cube, Guard, Machine, Port};
+use linewright_core::gr1::{Domain, shown};
+
+/// Values of one input: ascending intervals with gaps between them.
+pub type Values = Vec<(i64, i64)>;
+
+/// Guards of more cubes than this are left as they are: putting together takes cubic time.
+const MOST_CUBES: usize = 200;
+
+/// A disjunction of conjunctions: of every cube the values of each input.
+pub fn guard_values(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<Values>> {
+    let cubes = guards.iter().flat_map(|g| &g.0);
+    let mut cubes: Vec<Vec<Values>> = cubes.map(|c| values(machine, c)).collect();
+    if cubes.len() <= MOST_CUBES {
+        while put_together(&mut cubes) {}
+    }
+    cubes
+}
+
+/// A disjunction of conjunctions of tests; an empty conjunction is `true`.
+pub fn guard_parts(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<String>> {
+    let cubes = guard_values(machine, guards);
+    let show = |cube: Vec<Values>| -> Vec<String> {
+        let pairs = machine.inputs.iter().zip(cube);
+        pairs.filter_map(|(p, v)| show_test(p, &v)).collect()
+    };
+    cubes.into_iter().map(show).collect()
+}
+
+/// The values of every input that a cube allows.
+fn values(machine: &Machine, cube: &Cube) -> Vec<Values> {
+    let ports = machine.inputs.iter();
+    let mut all: Vec<Values> = ports
+        .map(|p| vec![(p.domain.low(), p.domain.high())])
+        .collect();
+    for test in &cube.0 {
+        all[test.input] = vec![(test.low, test.high)];
+    }
+    all
+}
+
+/// Puts the first two cubes together that differ in one input; false if there are none.
+fn put_together(cubes: &mut Vec<Vec<Values>>) -> bool {
+    for a in 0..cubes.len() {
+        for b in a + 1..cubes.len() {
+            let mut differing = (0..cubes[a].len()).filter(|i| cubes[a][*i] != cubes[b][*i]);
+            let (first, second) = (differing.next(), differing.next());
+            let (Some(input), None) = (first, second) else {
+                continue;
+            };
+            let mut union = [&cubes[a][input][..], &cubes[b][input][..]].concat();
+            union.sort_unstable();
+            let mut merged: Values = Vec::new();
+            for (low, high) in union {
+                match merged.last_mut() {
+                    Some(last) if last.1 + 1 >= low => last.1 = last.1.max(high),
+                    _ => merged.push((low, high)),
+                }
+            }
+            cubes[a][input] = merged;
+            cubes.remove(b);
+            return true;
+        }
+    }
+    false
+}
+
+/// One input's test, or nothing where every value will do.
+fn show_test(port: &Port, values: &Values) -> Option<String> {
+    let (name, domain) = (&port.name, &port.domain);
+    let (low, high) = (domain.low(), domain.high());
+    let show = |value: i64| shown(domain, value, &port.unit);
+    if values[..] == [(low, high)] {
+        return None;
+    }
+    if let Some(hole) = only_hole(values, low, high)
+        && high - low > 1
+    {
+        return Some(format!("{name} != {}", show(hole)));
+    }
+    Some(match (values[..].as_ref(), domain) {
+        ([(a, b)], Domain::Bool) if a == b => {
+            format!("{}{name}", if *a == 0 { "!" } else { "" })
+        }
+        ([(a, b)], _) if a == b => format!("{name} = {}", show(*a)),
+        (_, Domain::Enum { .. }) => {
+            let all = values.iter().flat_map(|(a, b)| *a..=*b);
+            let labels: Vec<String> = all.map(|v| domain.show(v)).collect();
+            format!("{name} in {{{}}}", labels.join(", "))
+        }
+        ([(a, b)], _) if *a == low => format!("{name} <= {}", show(*b)),
+        ([(a, b)], _) if *b == high => format!("{name} >= {}", show(*a)),
+        ([(a, b)], _) => format!("{} <= {name} <= {}", show(*a), show(*b)),
+        _ => {
+            let pieces = values.iter();
+            let pieces: Vec<String> = pieces
+                .map(|(a, b)| {
+                    if a == b {
+                        show(*a)
+                    } else {
+                        format!("{a}..{}", show(*b))
+                    }
+                })
+                .collect();
+            format!("{name} in {{{}}}", pieces.join(", "))
+        }
+    })
+}
+
+/// The value that alone is missing, if it is one.
+fn only_hole(values: &Values, low: i64, high: i64) -> Option<i64> {
+    match values[..] {
+        [(a, b)] if a == low && b == high - 1 => Some(high),
+        [(a, b)] if a == low + 1 && b == high => Some(low),
+        [(a, b), (c, d)] if a == low && d == high && c == b + 2 => Some(b + 1),
+        _ => None,
+    }
+}

@@ -1,0 +1,345 @@
+//! What is left of formulas when some variables are known.
+//!
+//! Expressions are shared in a [`Pool`]; fixing a variable simplifies. A [`Tree`] asks for variables one after the other, and
+//! only for those that what is left still mentions. Two valuations that leave the same formulas end in the same place of
+//! the tree, and nothing that the formulas say can tell them apart. No diagrams of the solver are involved.
+
+use linewright_core::gr1::eval;
+use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp};
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+use std::rc::Rc;
+
+/// A quick hash for small keys of our own making; the default one guards against attackers, of which there are none here.
+#[derive(Debug, Default)]
+pub struct Mixer(u64);
+
+type Mix = BuildHasherDefault<Mixer>;
+
+impl Hasher for Mixer {
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for chunk in bytes.chunks(8) {
+            let mut word = [0; 8];
+            word[..chunk.len()].copy_from_slice(chunk);
+            self.write_u64(u64::from_le_bytes(word));
+        }
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(0x517C_C1B7_2722_0A95);
+    }
+
+    fn write_u32(&mut self, word: u32) {
+        self.write_u64(u64::from(word));
+    }
+
+    fn write_i64(&mut self, word: i64) {
+        self.write_u64(word as u64);
+    }
+
+    fn write_usize(&mut self, word: usize) {
+        self.write_u64(word as u64);
+    }
+}
+
+/// The number of an expression in its pool.
+pub type Id = u32;
+
+/// A variable at a time, as a number: `2 · variable`, one more for its next value.
+pub type Key = u32;
+
+/// The key of a variable.
+pub fn key(variable: usize, time: Time) -> Key {
+    2 * variable as u32 + u32::from(time == Time::Next)
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Node {
+    Const(i64),
+    Var(Key),
+    Unary(UnaryOp, Id),
+    Binary(BinaryOp, Id, Id),
+    If(Id, Id, Id),
+}
+
+/// Shared, simplified expressions.
+#[derive(Debug, Default)]
+pub struct Pool {
+    nodes: Vec<Node>,
+    /// The keys each expression mentions, in order.
+    keys: Vec<Rc<[Key]>>,
+    ids: HashMap<Node, Id, Mix>,
+    fixed: HashMap<(Id, Key, i64), Id, Mix>,
+}
+
+impl Pool {
+    fn intern(&mut self, node: Node) -> Id {
+        if let Some(id) = self.ids.get(&node) {
+            return *id;
+        }
+        let of = |id: Id| self.keys[id as usize].iter().copied();
+        let mut keys: Vec<Key> = match node {
+            Node::Const(_) => Vec::new(),
+            Node::Var(k) => vec![k],
+            Node::Unary(_, a) => of(a).collect(),
+            Node::Binary(_, a, b) => of(a).chain(of(b)).collect(),
+            Node::If(c, a, b) => of(c).chain(of(a)).chain(of(b)).collect(),
+        };
+        keys.sort_unstable();
+        keys.dedup();
+        let id = self.nodes.len() as Id;
+        self.nodes.push(node);
+        self.keys.push(keys.into());
+        self.ids.insert(node, id);
+        id
+    }
+
+    /// A constant.
+    pub fn constant(&mut self, value: i64) -> Id {
+        self.intern(Node::Const(value))
+    }
+
+    /// Its value, if it is a constant.
+    pub fn value(&self, id: Id) -> Option<i64> {
+        match self.nodes[id as usize] {
+            Node::Const(value) => Some(value),
+            _ => None,
+        }
+    }
+
+    /// The keys an expression mentions, in order.
+    pub fn keys(&self, id: Id) -> &[Key] {
+        &self.keys[id as usize]
+    }
+
+    /// An expression, with every variable at the time that `time` makes of the written one.
+    pub fn add(&mut self, expr: &Expr, time: &impl Fn(Time) -> Time) -> Id {
+        match expr {
+            Expr::Const(c) => self.constant(*c),
+            Expr::Var(v, t) => self.intern(Node::Var(key(v.index(), time(*t)))),
+            Expr::Unary(op, a) => {
+                let a = self.add(a, time);
+                self.unary(*op, a)
+            }
+            Expr::Binary(op, a, b) => {
+                let (a, b) = (self.add(a, time), self.add(b, time));
+                self.binary(*op, a, b)
+            }
+            Expr::If(c, a, b) => {
+                let (c, a, b) = (self.add(c, time), self.add(a, time), self.add(b, time));
+                self.choose(c, a, b)
+            }
+        }
+    }
+
+    fn unary(&mut self, op: UnaryOp, a: Id) -> Id {
+        match self.value(a) {
+            Some(value) => self.constant(eval::unary(op, value)),
+            None => self.intern(Node::Unary(op, a)),
+        }
+    }
+
+    fn binary(&mut self, op: BinaryOp, a: Id, b: Id) -> Id {
+        use BinaryOp::{And, Div, Eq, Implies, Mod, Or};
+        let (x, y) = (self.value(a), self.value(b));
+        match (op, x, y) {
+            (Div | Mod, _, Some(0)) => self.intern(Node::Binary(op, a, b)),
+            (_, Some(x), Some(y)) => self.constant(eval::binary(op, x, y)),
+            (And, Some(0), _) | (And, _, Some(0)) => self.constant(0),
+            (And, Some(_), _) | (Or, Some(0), _) | (Implies, Some(1), _) => b,
+            (And, _, Some(_)) | (Or, _, Some(0)) => a,
+            (Or, Some(_), _) | (Or, _, Some(_)) | (Implies, Some(0), _) | (Implies, _, Some(1)) => {
+                self.constant(1)
+            }
+            (Implies, _, Some(0)) => self.unary(UnaryOp::Not, a),
+            (Eq, ..) if a == b => self.constant(1),
+            _ => self.intern(Node::Binary(op, a, b)),
+        }
+    }
+
+    fn choose(&mut self, c: Id, a: Id, b: Id) -> Id {
+        match self.value(c) {
+            Some(0) => b,
+            Some(_) => a,
+            None if a == b => a,
+            None => self.intern(Node::If(c, a, b)),
+        }
+    }
+
+    /// The expression with one variable known.
+    pub fn fix(&mut self, id: Id, key: Key, value: i64) -> Id {
+        if self.keys[id as usize].binary_search(&key).is_err() {
+            return id;
+        }
+        if let Some(known) = self.fixed.get(&(id, key, value)) {
+            return *known;
+        }
+        let result = match self.nodes[id as usize] {
+            Node::Const(_) | Node::Var(_) => self.constant(value),
+            Node::Unary(op, a) => {
+                let a = self.fix(a, key, value);
+                self.unary(op, a)
+            }
+            Node::Binary(op, a, b) => {
+                let (a, b) = (self.fix(a, key, value), self.fix(b, key, value));
+                self.binary(op, a, b)
+            }
+            Node::If(c, a, b) => {
+                let c = self.fix(c, key, value);
+                let (a, b) = (self.fix(a, key, value), self.fix(b, key, value));
+                self.choose(c, a, b)
+            }
+        };
+        self.fixed.insert((id, key, value), result);
+        result
+    }
+
+    /// The value of an expression that mentions next values only.
+    pub fn eval(&self, id: Id, next: &[i64]) -> i64 {
+        match self.nodes[id as usize] {
+            Node::Const(value) => value,
+            Node::Var(key) => next[(key / 2) as usize],
+            Node::Unary(op, a) => eval::unary(op, self.eval(a, next)),
+            Node::Binary(BinaryOp::And, a, b) => {
+                i64::from(self.eval(a, next) != 0 && self.eval(b, next) != 0)
+            }
+            Node::Binary(BinaryOp::Or, a, b) => {
+                i64::from(self.eval(a, next) != 0 || self.eval(b, next) != 0)
+            }
+            Node::Binary(BinaryOp::Implies, a, b) => {
+                i64::from(self.eval(a, next) == 0 || self.eval(b, next) != 0)
+            }
+            Node::Binary(op, a, b) => eval::binary(op, self.eval(a, next), self.eval(b, next)),
+            Node::If(c, a, b) => {
+                if self.eval(c, next) == 0 {
+                    self.eval(b, next)
+                } else {
+                    self.eval(a, next)
+                }
+            }
+        }
+    }
+}
+
+/// A place in a [`Tree`].
+pub type Place = u32;
+
+#[derive(Debug)]
+struct Branch {
+    formulas: Rc<[Id]>,
+    /// The place in [`Tree::order`] of what is asked for; none when nothing asked for is mentioned any more.
+    question: Option<u32>,
+    /// By value, from the smallest; unknown yet where `u32::MAX`.
+    children: Vec<Place>,
+}
+
+/// Lists of formulas, and what is left of them as variables become known.
+#[derive(Debug)]
+pub struct Tree {
+    /// What may be asked for, with its smallest and largest value, in this order.
+    order: Vec<(Key, i64, i64)>,
+    /// By key, its place in the order.
+    ranks: Vec<u32>,
+    /// Whether the lists are conjunctions: then what is true is left out, and what is false leaves nothing else.
+    pub conjunction: bool,
+    branches: Vec<Branch>,
+    places: HashMap<Rc<[Id]>, Place, Mix>,
+}
+
+const UNKNOWN: Place = u32::MAX;
+
+/// The rank of a key that is not asked for.
+const NEVER: u32 = u32::MAX;
+
+impl Tree {
+    /// A tree that asks for these keys.
+    pub fn new(order: Vec<(Key, i64, i64)>) -> Self {
+        let ends = order.iter().map(|(k, ..)| *k as usize + 1);
+        let mut ranks = vec![NEVER; ends.max().unwrap_or_default()];
+        for (rank, (key, ..)) in order.iter().enumerate() {
+            ranks[*key as usize] = rank as u32;
+        }
+        Self {
+            order,
+            ranks,
+            conjunction: false,
+            branches: Vec::new(),
+            places: HashMap::default(),
+        }
+    }
+
+    /// The place of a list.
+    pub fn place(&mut self, pool: &Pool, mut formulas: Vec<Id>) -> Place {
+        if self.conjunction {
+            formulas.sort_unstable();
+            formulas.dedup();
+            if let Some(no) = formulas.iter().find(|id| pool.value(**id) == Some(0)) {
+                formulas = vec![*no];
+            } else {
+                formulas.retain(|id| pool.value(*id).is_none());
+            }
+        }
+        let formulas: Rc<[Id]> = formulas.into();
+        if let Some(place) = self.places.get(&formulas) {
+            return *place;
+        }
+        let keys = formulas.iter().flat_map(|id| pool.keys(*id));
+        let ranks = keys.map(|k| self.ranks.get(*k as usize).copied().unwrap_or(NEVER));
+        let question = ranks.min().filter(|r| *r != NEVER).map(|r| r as usize);
+        let values = |q: usize| (self.order[q].2 - self.order[q].1 + 1) as usize;
+        let children = question.map(values).unwrap_or_default();
+        let place = self.branches.len() as Place;
+        self.branches.push(Branch {
+            formulas: Rc::clone(&formulas),
+            question: question.map(|q| q as u32),
+            children: vec![UNKNOWN; children],
+        });
+        self.places.insert(formulas, place);
+        place
+    }
+
+    /// The formulas left in a place.
+    pub fn formulas(&self, place: Place) -> &[Id] {
+        &self.branches[place as usize].formulas
+    }
+
+    /// What is asked for in a place: a place in the order.
+    pub fn question(&self, place: Place) -> Option<usize> {
+        self.branches[place as usize].question.map(|q| q as usize)
+    }
+
+    /// Where an answer leads.
+    pub fn answer(&mut self, pool: &mut Pool, place: Place, value: i64) -> Place {
+        let branch = &self.branches[place as usize];
+        let Some(question) = branch.question else {
+            return place;
+        };
+        let (key, low, _) = self.order[question as usize];
+        let slot = (value - low) as usize;
+        let known = branch.children[slot];
+        if known != UNKNOWN {
+            return known;
+        }
+        let formulas = Rc::clone(&branch.formulas);
+        let fixed = formulas
+            .iter()
+            .map(|id| pool.fix(*id, key, value))
+            .collect();
+        let child = self.place(pool, fixed);
+        self.branches[place as usize].children[slot] = child;
+        child
+    }
+
+    /// Answers with the values of a valuation until nothing more is asked for. Keys are looked up by their variable.
+    pub fn descend(&mut self, pool: &mut Pool, mut place: Place, values: &[i64]) -> Place {
+        while let Some(question) = self.question(place) {
+            let variable = (self.order[question].0 / 2) as usize;
+            place = self.answer(pool, place, values[variable]);
+        }
+        place
+    }
+}

@@ -1,0 +1,320 @@
+//! Several coordinators as one: their contracts side by side, and the product of their machines.
+//!
+//! Coordinators answer before they see the inputs of the step, so neither waits for the other, and a step of both is a step of each.
+//! The wires of the merged machine are those of the machine itself, in the same order. With one coordinator left, everything that is
+//! checked of a machine's composition is checked as before.
+//!
+//! A single coordinator knows its job from its own state. Of several, each knows its own job only, so that the product alone would
+//! meet situations in which two jobs run at once. The operation stays until it is done, and that is a part of the product's state.
+
+use super::{By, Composition};
+use linewright_core::gr1::{
+    Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
+};
+use linewright_language::contract::machine::{Component, Machine, PlantSource, Role};
+use linewright_solver::mealy::{self, Cube, Guard, Test, Transition};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A product of more states is not looked at.
+const MOST_STATES: usize = 20_000;
+
+/// Between a coordinator's name and what is its own.
+const OF: &str = ": ";
+
+/// A machine with one coordinator in the place of several.
+pub(super) struct Merged {
+    /// The machine.
+    pub machine: Machine,
+    /// The coordinator's machine.
+    pub coordinator: mealy::Machine,
+}
+
+/// Whether a machine has more than one coordinator.
+pub(super) fn has_several(machine: &Machine) -> bool {
+    coordinators(machine) > 1
+}
+
+fn coordinators(machine: &Machine) -> usize {
+    let roles = machine.components.iter();
+    roles.take_while(|c| c.role == Role::Coordinator).count()
+}
+
+/// The merged machine. `None` where the product has too many states, where a coordinator's controller is no machine, or where the plant
+/// gives nothing.
+pub(super) fn merge(machine: &Machine, controllers: &[&mealy::Controller]) -> Option<Merged> {
+    let count = coordinators(machine);
+    let machines: Vec<&mealy::Machine> = controllers[..count]
+        .iter()
+        .map(|c| c.machine())
+        .collect::<Option<_>>()?;
+    let components = &machine.components[..count];
+    let mut merged = machine.clone();
+    merged.components.drain(..count);
+    let wire = &machine.plant.first()?.domain;
+    merged.components.insert(0, component(components, wire));
+    for operation in &mut merged.operations {
+        for action in &mut operation.sequence {
+            *action -= count - 1;
+        }
+    }
+    Some(Merged {
+        machine: merged,
+        coordinator: product(machine, &machines)?,
+    })
+}
+
+/// The contracts side by side.
+fn component(components: &[Component], domain: &Domain) -> Component {
+    let mut specification = Specification {
+        name: String::new(),
+        timing: Timing::Moore,
+        variables: Vec::new(),
+        assumptions: Side::default(),
+        guarantees: Side::default(),
+    };
+    for c in components {
+        let first = specification.variables.len() as u32;
+        let own = &c.specification;
+        specification
+            .variables
+            .extend(own.variables.iter().cloned());
+        let sides = [
+            (&own.assumptions, &mut specification.assumptions),
+            (&own.guarantees, &mut specification.guarantees),
+        ];
+        for (from, to) in sides {
+            let moved = |formulas: &[Formula]| -> Vec<Formula> {
+                let moved = formulas.iter().map(|f| Formula {
+                    name: format!("{}{OF}{}", c.name, f.name),
+                    expr: f
+                        .expr
+                        .substitute(&mut |v, time| Expr::Var(VarId(v.0 + first), time)),
+                    ..f.clone()
+                });
+                moved.collect()
+            };
+            to.initial.extend(moved(&from.initial));
+            to.invariants.extend(moved(&from.invariants));
+            to.safety.extend(moved(&from.safety));
+            to.justice.extend(moved(&from.justice));
+        }
+    }
+    // Bound to the wire that says which operation runs.
+    specification.variables.push(Variable {
+        name: "operation".to_owned(),
+        owner: Owner::Environment,
+        internal: false,
+        domain: domain.clone(),
+        unit: String::new(),
+        span: components[0].span,
+    });
+    let names: Vec<&str> = components.iter().map(|c| c.name.as_str()).collect();
+    let bindings = components.iter().flat_map(|c| c.bindings.clone());
+    let bindings = bindings.chain([Expr::now(VarId(0))]);
+    Component {
+        name: names.join(", "),
+        specification: Arc::new(specification),
+        bindings: bindings.collect(),
+        ..components[0].clone()
+    }
+}
+
+/// The machine whose state is a state of each, and the operation that runs.
+struct Product<'a> {
+    machines: &'a [&'a mealy::Machine],
+    operations: Operations,
+    numbers: BTreeMap<Place, usize>,
+    open: Vec<Place>,
+}
+
+/// A state of each coordinator, and the operation that has begun and is not done.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+struct Place {
+    states: Vec<usize>,
+    running: Option<i64>,
+}
+
+/// The wire that says which operation runs.
+struct Operations {
+    /// Its values; none for a machine without operations.
+    values: Vec<i64>,
+    /// Those of operations.
+    named: Vec<i64>,
+    /// When one is done, over the wires.
+    done: Expr,
+    /// The first wire of the coordinators.
+    first: usize,
+    /// The wire's place among the inputs.
+    input: usize,
+}
+
+impl Operations {
+    fn of(machine: &Machine, inputs: usize) -> Self {
+        let wire = machine.plant.first();
+        let wire = wire.filter(|p| matches!(p.source, PlantSource::Operation));
+        Self {
+            values: wire.map_or_else(Vec::new, |p| (p.domain.low()..=p.domain.high()).collect()),
+            named: machine.operations.iter().map(|o| o.value).collect(),
+            done: machine.done.clone().unwrap_or(Expr::FALSE),
+            first: machine.plant.len(),
+            input: inputs,
+        }
+    }
+
+    /// What runs after a step with these outputs of the coordinators.
+    fn after(&self, operation: i64, outputs: &[i64]) -> Option<i64> {
+        let done = self.done.substitute(&mut |v, time| {
+            let place = v.index().checked_sub(self.first);
+            match place.and_then(|p| outputs.get(p)) {
+                Some(value) => Expr::Const(*value),
+                None => Expr::Var(v, time),
+            }
+        });
+        let goes_on = done.simplify() == Expr::FALSE && self.named.contains(&operation);
+        goes_on.then_some(operation)
+    }
+}
+
+/// A step of some of the coordinators.
+struct Partial {
+    guard: Vec<Cube>,
+    output: Vec<i64>,
+    states: Vec<usize>,
+}
+
+fn product(machine: &Machine, machines: &[&mealy::Machine]) -> Option<mealy::Machine> {
+    let mut inputs: Vec<mealy::Port> = machines.iter().flat_map(|m| m.inputs.clone()).collect();
+    let mut product = Product {
+        machines,
+        operations: Operations::of(machine, inputs.len()),
+        numbers: BTreeMap::new(),
+        open: Vec::new(),
+    };
+    if let Some(wire) = machine.plant.first() {
+        inputs.push(mealy::Port {
+            name: wire.name.clone(),
+            domain: wire.domain.clone(),
+            unit: String::new(),
+            internal: false,
+        });
+    }
+    let initial = product.steps(None);
+    let mut states: Vec<Vec<Transition>> = Vec::new();
+    while let Some(place) = product.open.get(states.len()).cloned() {
+        if product.open.len() > MOST_STATES {
+            return None;
+        }
+        states.push(product.steps(Some(&place)));
+    }
+    Some(mealy::Machine {
+        name: String::new(),
+        timing: Timing::Moore,
+        inputs,
+        outputs: machines.iter().flat_map(|m| m.outputs.clone()).collect(),
+        initial,
+        states,
+    })
+}
+
+impl Product<'_> {
+    /// The steps from a place, or the first ones. Places that are new are numbered in the order in which they are met.
+    fn steps(&mut self, from: Option<&Place>) -> Vec<Transition> {
+        let values = match from.and_then(|f| f.running) {
+            Some(value) => vec![Some(value)],
+            None if self.operations.values.is_empty() => vec![None],
+            None => self.operations.values.iter().copied().map(Some).collect(),
+        };
+        let mut transitions = Vec::new();
+        for partial in self.together(from) {
+            for value in &values {
+                let mut guard = partial.guard.clone();
+                if let Some(value) = value {
+                    for cube in &mut guard {
+                        cube.0.push(Test {
+                            input: self.operations.input,
+                            low: *value,
+                            high: *value,
+                        });
+                    }
+                }
+                let running = value.and_then(|v| self.operations.after(v, &partial.output));
+                transitions.push(Transition {
+                    guard: Guard(guard),
+                    output: partial.output.clone(),
+                    to: self.number(Place {
+                        states: partial.states.clone(),
+                        running,
+                    }),
+                });
+            }
+        }
+        transitions
+    }
+
+    fn number(&mut self, place: Place) -> usize {
+        let next = self.numbers.len();
+        *self.numbers.entry(place.clone()).or_insert_with(|| {
+            self.open.push(place);
+            next
+        })
+    }
+
+    /// A step of each coordinator, in all combinations.
+    fn together(&self, from: Option<&Place>) -> Vec<Partial> {
+        let mut partial = vec![Partial {
+            guard: vec![Cube(Vec::new())],
+            output: Vec::new(),
+            states: Vec::new(),
+        }];
+        let mut first = 0;
+        for (i, machine) in self.machines.iter().enumerate() {
+            let mut longer = Vec::new();
+            for before in &partial {
+                for own in machine.transitions(from.map(|f| f.states[i])) {
+                    let mut states = before.states.clone();
+                    states.push(own.to);
+                    longer.push(Partial {
+                        guard: both(&before.guard, &own.guard.0, first),
+                        output: before.output.iter().chain(&own.output).copied().collect(),
+                        states,
+                    });
+                }
+            }
+            partial = longer;
+            first += machine.inputs.len();
+        }
+        partial
+    }
+}
+
+/// Both guards; the inputs of the second one are counted from `first` on.
+fn both(a: &[Cube], b: &[Cube], first: usize) -> Vec<Cube> {
+    let mut found = Vec::with_capacity(a.len() * b.len());
+    for x in a {
+        for y in b {
+            let shifted = y.0.iter().map(|t| Test {
+                input: t.input + first,
+                ..t.clone()
+            });
+            found.push(Cube(x.0.iter().cloned().chain(shifted).collect()));
+        }
+    }
+    found
+}
+
+/// What was found out of the merged machine, said of the coordinators themselves.
+pub(super) fn apart(result: &mut Composition, merged: &Machine) {
+    let together = &merged.components[0].name;
+    for discharge in &mut result.discharges {
+        if discharge.component == *together
+            && let Some((component, assumption)) = discharge.assumption.split_once(OF)
+        {
+            discharge.component = component.to_owned();
+            discharge.assumption = assumption.to_owned();
+        }
+        if let By::Guarantee(names) = &mut discharge.by {
+            *names = names.replace(&format!("{together}{OF}"), "");
+        }
+    }
+}

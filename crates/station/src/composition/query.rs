@@ -1,0 +1,217 @@
+//! Small questions about expressions over wires: does a goal follow from hypotheses?
+//!
+//! Decided by trying all values of the wires that occur, or, where they are many, with decision diagrams. Hypotheses that share
+//! no wire with the goal, directly or through other hypotheses, are left out first; leaving one out can only turn a "yes" into a
+//! "no".
+
+use super::walk::Node;
+use super::{diagrams, support};
+use linewright_core::gr1::{Domain, Expr, Time, VarId, Variable, eval, shown};
+use linewright_language::contract::machine::Machine;
+
+/// So many valuations are tried at most; diagrams take longer for fewer, and less for more.
+const MOST_VALUATIONS: u64 = 1 << 12;
+
+/// So many are tried where diagrams are too large.
+const MOST_VALUATIONS_AT_ALL: u64 = 1 << 18;
+
+/// "Under these hypotheses the goal holds", over the wires of one step and the next.
+#[derive(Debug, Clone)]
+pub struct Question {
+    /// What may be relied on.
+    pub hypotheses: Vec<Expr>,
+    /// What is asked.
+    pub goal: Expr,
+    /// Where the coordinator is in this step, and in the next one, as far as that is known.
+    pub at: (Option<Node>, Option<Node>),
+}
+
+/// What came out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Answer {
+    /// It follows.
+    Holds,
+    /// It does not: here the hypotheses hold and the goal does not.
+    Fails(Values),
+    /// Too many values are involved.
+    TooLarge,
+}
+
+/// Values of some wires.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Values(pub Vec<((VarId, Time), i64)>);
+
+impl Values {
+    /// In words.
+    pub fn show(&self, machine: &Machine) -> String {
+        if self.0.is_empty() {
+            return "the action is asked for".to_owned();
+        }
+        let shown: Vec<String> = self
+            .0
+            .iter()
+            .map(|((wire, time), value)| {
+                let next = if *time == Time::Next { "next " } else { "" };
+                let name = machine.wire_name(wire.index());
+                let unit = unit(machine, *wire);
+                format!(
+                    "{next}{name} = {}",
+                    shown(&domain(machine, *wire), *value, &unit)
+                )
+            })
+            .collect();
+        shown.join(", ")
+    }
+}
+
+/// The domain of a wire.
+pub fn domain(machine: &Machine, wire: VarId) -> Domain {
+    match machine.plant.get(wire.index()) {
+        Some(input) => input.domain.clone(),
+        None => output(machine, wire).map_or(Domain::Bool, |v| v.domain.clone()),
+    }
+}
+
+/// What a wire's values count; empty for bare numbers.
+fn unit(machine: &Machine, wire: VarId) -> String {
+    match machine.plant.get(wire.index()) {
+        Some(input) => input.unit.clone(),
+        None => output(machine, wire).map_or_else(String::new, |v| v.unit.clone()),
+    }
+}
+
+/// The variable that a component puts on a wire.
+fn output(machine: &Machine, wire: VarId) -> Option<&Variable> {
+    let mut first = machine.plant.len();
+    for component in &machine.components {
+        let count = component.specification.outputs().count();
+        if wire.index() < first + count {
+            let id = component.specification.outputs().nth(wire.index() - first);
+            return id.map(|id| component.specification.variable(id));
+        }
+        first += count;
+    }
+    None
+}
+
+impl Question {
+    /// A goal without hypotheses, of no particular step.
+    pub fn plain(goal: &Expr) -> Self {
+        Self {
+            hypotheses: Vec::new(),
+            goal: goal.simplify(),
+            at: (None, None),
+        }
+    }
+
+    /// Whether the goal is true without trying anything.
+    pub fn goal_is_true(&self) -> bool {
+        self.goal == Expr::TRUE
+    }
+
+    /// Whether a hypothesis is false without trying anything: then the situation does not occur.
+    pub fn is_void(&self) -> bool {
+        self.hypotheses.contains(&Expr::FALSE)
+    }
+
+    /// The answer.
+    pub fn answer(&self, machine: &Machine) -> Answer {
+        if self.goal_is_true() || self.is_void() {
+            return Answer::Holds;
+        }
+        let (wires, relevant) = self.relevant(machine, u64::MAX);
+        if valuations(machine, &wires) <= MOST_VALUATIONS {
+            return self.enumerate(machine, &wires, &relevant);
+        }
+        match diagrams::decide(machine, &self.goal, &relevant) {
+            Answer::TooLarge => {}
+            decided => return decided,
+        }
+        let (wires, relevant) = self.relevant(machine, MOST_VALUATIONS_AT_ALL);
+        if valuations(machine, &wires) > MOST_VALUATIONS_AT_ALL {
+            return Answer::TooLarge;
+        }
+        self.enumerate(machine, &wires, &relevant)
+    }
+
+    /// The hypotheses that share wires with the goal, directly or through others, as far as all of them together have no more
+    /// valuations than `most`; and all wires that occur then.
+    fn relevant(&self, machine: &Machine, most: u64) -> (Vec<(VarId, Time)>, Vec<&Expr>) {
+        let mut wires = support(&self.goal);
+        let mut relevant: Vec<&Expr> = Vec::new();
+        let mut rest: Vec<&Expr> = self
+            .hypotheses
+            .iter()
+            .filter(|h| **h != Expr::TRUE)
+            .collect();
+        loop {
+            let (near, far): (Vec<&Expr>, Vec<&Expr>) = rest
+                .into_iter()
+                .partition(|h| support(h).iter().any(|w| wires.contains(w)));
+            rest = far;
+            if near.is_empty() {
+                break;
+            }
+            for hypothesis in near {
+                let more = support(hypothesis);
+                let joined: Vec<_> = wires.iter().chain(&more).copied().collect();
+                if valuations(machine, &joined) > most {
+                    continue;
+                }
+                wires.extend(more);
+                wires.sort_unstable();
+                wires.dedup();
+                relevant.push(hypothesis);
+            }
+        }
+        (wires, relevant)
+    }
+
+    pub(super) fn enumerate(
+        &self,
+        machine: &Machine,
+        wires: &[(VarId, Time)],
+        relevant: &[&Expr],
+    ) -> Answer {
+        let domains: Vec<Domain> = wires.iter().map(|(w, _)| domain(machine, *w)).collect();
+        let mut now = vec![0; machine.wire_count()];
+        let mut next = vec![0; machine.wire_count()];
+        let mut values: Vec<i64> = domains.iter().map(Domain::low).collect();
+        loop {
+            for ((wire, time), value) in wires.iter().zip(&values) {
+                match time {
+                    Time::Now => now[wire.index()] = *value,
+                    Time::Next => next[wire.index()] = *value,
+                }
+            }
+            if !eval::holds(&self.goal, &now, &next)
+                && relevant.iter().all(|h| eval::holds(h, &now, &next))
+            {
+                let pairs = wires.iter().copied().zip(values);
+                return Answer::Fails(Values(pairs.collect()));
+            }
+            // The next valuation, like an odometer.
+            let mut place = 0;
+            loop {
+                if place == values.len() {
+                    return Answer::Holds;
+                }
+                if values[place] < domains[place].high() {
+                    values[place] += 1;
+                    break;
+                }
+                values[place] = domains[place].low();
+                place += 1;
+            }
+        }
+    }
+}
+
+fn valuations(machine: &Machine, wires: &[(VarId, Time)]) -> u64 {
+    let mut distinct = wires.to_vec();
+    distinct.sort_unstable();
+    distinct.dedup();
+    distinct.iter().fold(1u64, |product, (w, _)| {
+        product.saturating_mul(domain(machine, *w).size())
+    })
+}

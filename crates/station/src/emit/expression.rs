@@ -1,0 +1,380 @@
+//! Formulas and numbers of the plant as C expressions.
+//!
+//! Integer expressions compute in `int64_t`, exactly as [`gr1::eval`](linewright_core::gr1::eval); real ones in `double`, exactly as
+//! [`RealExpr::eval`]. Every operand that is not atomic stands in parentheses, but chains of one associative operator do
+//! not nest: compilers bound the depth.
+//!
+//! What a compiler would warn about is simplified away first: comparisons of equal operands, and constant parts.
+
+use linewright_core::gr1::interval::{Interval, interval};
+use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp, VarId, eval};
+use linewright_language::contract::machine::{RealBinary, RealExpr, RealUnary};
+use std::fmt::Write;
+
+/// What an expression is in C, which decides how it may be used.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// A name, a call or a literal: an `int64_t` that needs no parentheses.
+    Atom,
+    /// Arithmetic: an `int64_t`.
+    Number,
+    /// A comparison or a connective: an `int` that is 0 or 1.
+    Truth,
+}
+
+struct Text {
+    kind: Kind,
+    text: String,
+}
+
+/// The C text of an integer or boolean expression. `name` gives the C text of a variable, which must be an `int64_t` that
+/// needs no parentheses.
+pub fn integer(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
+    emit(&simplify(expr), name).text
+}
+
+/// The same as a condition: an `int` that is 0 or 1.
+pub fn truth(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
+    let Text { kind, text } = emit(&simplify(expr), name);
+    match kind {
+        Kind::Atom => format!("{text} != 0"),
+        Kind::Number => format!("({text}) != 0"),
+        Kind::Truth => text,
+    }
+}
+
+/// The C text of an `int64_t` literal.
+pub fn literal(value: i64) -> String {
+    if value == i64::MIN {
+        "(-9223372036854775807LL - 1)".to_owned()
+    } else if i32::try_from(value).is_ok() {
+        value.to_string()
+    } else {
+        format!("{value}LL")
+    }
+}
+
+/// The C text of a `double` literal that reads back as the same number.
+pub fn real_literal(value: f64) -> String {
+    if value.is_nan() {
+        "(double)NAN".to_owned()
+    } else if value == f64::INFINITY {
+        "HUGE_VAL".to_owned()
+    } else if value == f64::NEG_INFINITY {
+        "(-HUGE_VAL)".to_owned()
+    } else if value.is_sign_negative() {
+        format!("({value:?})")
+    } else {
+        format!("{value:?}")
+    }
+}
+
+/// The runtime's header, which defines the operators that C lacks.
+const RUNTIME: &str = include_str!("../../../../ffi/machine.h");
+
+/// The operators that a text calls, defined as in the runtime.
+pub fn operators(text: &str) -> String {
+    let calls = |name: &str| text.contains(&format!("{name}("));
+    let mut out = String::new();
+    for name in ["lw_abs", "lw_min", "lw_max", "lw_div", "lw_mod", "lw_int"] {
+        // The rest is computed with the division.
+        if calls(name) || name == "lw_div" && calls("lw_mod") {
+            let _ = writeln!(out, "{}", operator(name).replace("LW_MAY_BE_UNUSED ", ""));
+        }
+    }
+    if out.is_empty() {
+        return out;
+    }
+    format!(
+        "/* Operators of contracts that C lacks. No value leaves an int64_t, and no divisor is 0. */\n{out}"
+    )
+}
+
+/// The definition of one operator in the runtime.
+fn operator(name: &str) -> &'static str {
+    let head = format!("LW_MAY_BE_UNUSED static int64_t {name}(");
+    let definition = RUNTIME.find(&head).and_then(|start| {
+        let rest = &RUNTIME[start..];
+        Some(&rest[..rest.find("\n}\n")? + 3])
+    });
+    definition.expect("the runtime defines its operators; please report this")
+}
+
+/// The same expression without constant parts. Arithmetic that could leave an `int64_t` is left as it is.
+fn simplify(expr: &Expr) -> Expr {
+    let simple = match expr {
+        Expr::Const(_) | Expr::Var(..) => expr.clone(),
+        Expr::Unary(op, a) => Expr::Unary(*op, Box::new(simplify(a))),
+        Expr::Binary(op, a, b) => {
+            let (a, b) = (simplify(a), simplify(b));
+            match (op, constant(&a), constant(&b)) {
+                // One constant decides ...
+                (BinaryOp::And, Some(0), _) | (BinaryOp::And, _, Some(0)) => Expr::FALSE,
+                (BinaryOp::Or, Some(x), _) | (BinaryOp::Or | BinaryOp::Implies, _, Some(x))
+                    if x != 0 =>
+                {
+                    Expr::TRUE
+                }
+                (BinaryOp::Implies, Some(0), _) => Expr::TRUE,
+                // ... or says nothing, and the other operand is left,
+                (BinaryOp::And | BinaryOp::Or | BinaryOp::Implies, Some(_), _)
+                | (BinaryOp::Eq, Some(1), _)
+                    if is_truth(&b) =>
+                {
+                    b
+                }
+                (BinaryOp::And | BinaryOp::Or, _, Some(_)) | (BinaryOp::Eq, _, Some(1))
+                    if is_truth(&a) =>
+                {
+                    a
+                }
+                // ... or its negation.
+                (BinaryOp::Implies, _, Some(_)) | (BinaryOp::Eq, _, Some(0)) if is_truth(&a) => {
+                    a.not()
+                }
+                (BinaryOp::Eq, Some(0), _) if is_truth(&b) => b.not(),
+                (BinaryOp::Eq | BinaryOp::Le | BinaryOp::Ge, _, _) if a == b => Expr::TRUE,
+                (BinaryOp::Ne | BinaryOp::Lt | BinaryOp::Gt, _, _) if a == b => Expr::FALSE,
+                _ => Expr::binary(*op, a, b),
+            }
+        }
+        Expr::If(c, a, b) => {
+            let (c, a, b) = (simplify(c), simplify(a), simplify(b));
+            match constant(&c) {
+                Some(0) => b,
+                Some(_) => a,
+                None => Expr::If(Box::new(c), Box::new(a), Box::new(b)),
+            }
+        }
+    };
+    let mut variables = false;
+    simple.for_each_var(&mut |_, _| variables = true);
+    // The interval of an expression without variables says whether it can be computed at all.
+    if !variables && interval(&simple, &|_| Interval::BOOL).is_ok() {
+        return Expr::Const(eval::eval(&simple, &[], &[]));
+    }
+    simple
+}
+
+fn constant(expr: &Expr) -> Option<i64> {
+    match expr {
+        Expr::Const(c) => Some(*c),
+        _ => None,
+    }
+}
+
+/// Whether the expression is 0 or 1 by its form.
+fn is_truth(expr: &Expr) -> bool {
+    match expr {
+        Expr::Const(c) => *c == 0 || *c == 1,
+        Expr::Unary(op, _) => *op == UnaryOp::Not,
+        Expr::Binary(op, ..) => comparison(*op).is_some() || connective(*op).is_some(),
+        Expr::Var(..) | Expr::If(..) => false,
+    }
+}
+
+fn comparison(op: BinaryOp) -> Option<&'static str> {
+    Some(match op {
+        BinaryOp::Eq => "==",
+        BinaryOp::Ne => "!=",
+        BinaryOp::Lt => "<",
+        BinaryOp::Le => "<=",
+        BinaryOp::Gt => ">",
+        BinaryOp::Ge => ">=",
+        _ => return None,
+    })
+}
+
+fn connective(op: BinaryOp) -> Option<&'static str> {
+    Some(match op {
+        BinaryOp::And => "&&",
+        BinaryOp::Or | BinaryOp::Implies => "||",
+        _ => return None,
+    })
+}
+
+fn emit(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> Text {
+    let text = |kind, text| Text { kind, text };
+    match expr {
+        Expr::Const(c) if *c < 0 => text(Kind::Number, literal(*c)),
+        Expr::Const(c) => text(Kind::Atom, literal(*c)),
+        Expr::Var(v, t) => text(Kind::Atom, name(*v, *t)),
+        Expr::Unary(UnaryOp::Not, a) => text(Kind::Truth, negated(a, name)),
+        Expr::Unary(UnaryOp::Neg, a) => text(Kind::Number, format!("-{}", operand(a, name))),
+        Expr::Unary(UnaryOp::Abs, a) => text(Kind::Atom, call("lw_abs", &[a], name)),
+        Expr::Binary(op, a, b) => {
+            if let Some(sign) = comparison(*op) {
+                let constants = constant(a).is_some() || constant(b).is_some();
+                let (a, b) = (compared(a, constants, name), compared(b, constants, name));
+                return text(Kind::Truth, format!("{a} {sign} {b}"));
+            }
+            match op {
+                BinaryOp::And => text(
+                    Kind::Truth,
+                    chain(expr, BinaryOp::And, "&&", name, condition),
+                ),
+                BinaryOp::Or => text(
+                    Kind::Truth,
+                    chain(expr, BinaryOp::Or, "||", name, condition),
+                ),
+                BinaryOp::Implies => text(
+                    Kind::Truth,
+                    format!("{} || {}", negated(a, name), condition(b, name)),
+                ),
+                BinaryOp::Add => text(Kind::Number, chain_left(expr, name)),
+                BinaryOp::Sub => text(
+                    Kind::Number,
+                    format!("{} - {}", operand(a, name), operand(b, name)),
+                ),
+                BinaryOp::Mul => text(
+                    Kind::Number,
+                    format!("{} * {}", operand(a, name), operand(b, name)),
+                ),
+                BinaryOp::Div => text(Kind::Atom, call("lw_div", &[a, b], name)),
+                BinaryOp::Mod => text(Kind::Atom, call("lw_mod", &[a, b], name)),
+                BinaryOp::Min => text(Kind::Atom, call("lw_min", &[a, b], name)),
+                _ => text(Kind::Atom, call("lw_max", &[a, b], name)),
+            }
+        }
+        Expr::If(c, a, b) => {
+            // A chain of conditions does not nest either.
+            let otherwise = match **b {
+                Expr::If(..) => emit(b, name).text,
+                _ => operand(b, name),
+            };
+            let (c, a) = (condition(c, name), operand(a, name));
+            text(Kind::Number, format!("{c} ? {a} : {otherwise}"))
+        }
+    }
+}
+
+/// As an operand of arithmetic: an `int64_t`.
+fn operand(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
+    let Text { kind, text } = emit(expr, name);
+    match kind {
+        Kind::Atom => text,
+        Kind::Number => format!("({text})"),
+        Kind::Truth => format!("lw_int({text})"),
+    }
+}
+
+/// As an operand of a comparison. Compilers warn where a truth value is compared with a number.
+fn compared(expr: &Expr, constants: bool, name: &impl Fn(VarId, Time) -> String) -> String {
+    let Text { kind, text } = emit(expr, name);
+    match kind {
+        Kind::Atom => text,
+        Kind::Truth if constants => format!("lw_int({text})"),
+        Kind::Number | Kind::Truth => format!("({text})"),
+    }
+}
+
+/// As an operand of a connective. Compilers warn where arithmetic is taken for a truth value.
+fn condition(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
+    let Text { kind, text } = emit(expr, name);
+    match kind {
+        Kind::Atom => match constant(expr) {
+            Some(c) => i64::from(c != 0).to_string(),
+            None => text,
+        },
+        Kind::Number => format!("(({text}) != 0)"),
+        Kind::Truth => format!("({text})"),
+    }
+}
+
+fn negated(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
+    format!("!{}", condition(expr, name))
+}
+
+fn call(function: &str, arguments: &[&Expr], name: &impl Fn(VarId, Time) -> String) -> String {
+    let arguments: Vec<String> = arguments
+        .iter()
+        .map(|a| {
+            let Text { kind, text } = emit(a, name);
+            if kind == Kind::Truth {
+                format!("lw_int({text})")
+            } else {
+                text
+            }
+        })
+        .collect();
+    format!("{function}({})", arguments.join(", "))
+}
+
+/// Operands of an associative operator, side by side.
+fn chain<N: Fn(VarId, Time) -> String>(
+    expr: &Expr,
+    op: BinaryOp,
+    sign: &str,
+    name: &N,
+    emit: fn(&Expr, &N) -> String,
+) -> String {
+    let mut operands = Vec::new();
+    let mut stack = vec![expr];
+    while let Some(expr) = stack.pop() {
+        match expr {
+            Expr::Binary(o, a, b) if *o == op => {
+                stack.push(b);
+                stack.push(a);
+            }
+            _ => operands.push(emit(expr, name)),
+        }
+    }
+    operands.join(&format!(" {sign} "))
+}
+
+/// A sum: only the left operand may be a sum itself, since another order could leave an `int64_t`.
+fn chain_left(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
+    let mut terms = Vec::new();
+    let mut expr = expr;
+    while let Expr::Binary(BinaryOp::Add, a, b) = expr {
+        terms.push(operand(b, name));
+        expr = a;
+    }
+    terms.push(operand(expr, name));
+    terms.reverse();
+    terms.join(" + ")
+}
+
+/// The C text of a real expression, over `properties` (doubles) and `values` (`int64_t`), in which wires are found by these names.
+pub fn real(expr: &RealExpr, wires: &[String]) -> String {
+    let real = |e: &RealExpr| real(e, wires);
+    let zero = |e: &RealExpr| format!("({} == 0.0)", real(e));
+    let nonzero = |e: &RealExpr| format!("({} != 0.0)", real(e));
+    match expr {
+        RealExpr::Number(x) => real_literal(*x),
+        RealExpr::Property(i) => format!("properties[{i}]"),
+        RealExpr::Wire(i) => format!("(double)values[{}]", wires[*i]),
+        RealExpr::Unary(op, a) => match op {
+            RealUnary::Not => format!("lw_truth({})", zero(a)),
+            RealUnary::Neg => format!("(-{})", real(a)),
+            RealUnary::Abs => format!("fabs({})", real(a)),
+            RealUnary::Floor => format!("floor({})", real(a)),
+            RealUnary::Ceil => format!("ceil({})", real(a)),
+            RealUnary::Round => format!("round({})", real(a)),
+        },
+        RealExpr::Binary(op, a, b) => {
+            let infix = |sign: &str| format!("({} {sign} {})", real(a), real(b));
+            let truth = |sign: &str| format!("lw_truth({} {sign} {})", real(a), real(b));
+            let call = |function: &str| format!("{function}({}, {})", real(a), real(b));
+            match op {
+                RealBinary::And => format!("lw_truth({} && {})", nonzero(a), nonzero(b)),
+                RealBinary::Or => format!("lw_truth({} || {})", nonzero(a), nonzero(b)),
+                RealBinary::Implies => format!("lw_truth({} || {})", zero(a), nonzero(b)),
+                RealBinary::Eq => truth("=="),
+                RealBinary::Ne => truth("!="),
+                RealBinary::Lt => truth("<"),
+                RealBinary::Le => truth("<="),
+                RealBinary::Gt => truth(">"),
+                RealBinary::Ge => truth(">="),
+                RealBinary::Add => infix("+"),
+                RealBinary::Sub => infix("-"),
+                RealBinary::Mul => infix("*"),
+                RealBinary::Div => infix("/"),
+                RealBinary::Mod => call("lw_real_mod"),
+                RealBinary::Min => call("fmin"),
+                RealBinary::Max => call("fmax"),
+            }
+        }
+        RealExpr::If(c, a, b) => format!("({} ? {} : {})", nonzero(c), real(a), real(b)),
+    }
+}

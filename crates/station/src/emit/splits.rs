@@ -1,0 +1,386 @@
+//! Guards as decisions: which transition a state takes is found by a few comparisons, not by trying guard after guard.
+//!
+//! A split compares one input with a bound; both ways lead to a further split or to a leaf, which names an answer and the place
+//! that follows. Equal splits of all places are one. A component is asked only after its assumptions were found to hold, and for such inputs its guards
+//! leave no gap (the machine was verified). So what is left to decide is which of the remaining guards it is: where they all lead
+//! to the same leaf, nothing more is compared.
+//!
+//! The split that is taken is the one that leaves fewest guards on its heavier side. Guards that are badly cut would be
+//! copied again and again, so beyond a few splits a test they are compared one after the other, by the same kind of splits.
+
+use linewright_solver::mealy::{Cube, Machine, Transition};
+use std::collections::BTreeMap;
+
+/// Whereto a split leads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Way {
+    /// To the split of this number.
+    Split(usize),
+    /// To the leaf of this number.
+    Leaf(usize),
+}
+
+/// A comparison of one input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Split {
+    /// The component's input.
+    pub input: usize,
+    /// What it is compared with.
+    pub bound: i64,
+    /// The way where the input is at most that.
+    pub at_most: Way,
+    /// The way where it is more.
+    pub above: Way,
+}
+
+/// What a transition gives: the answer's number and the place that follows; `None` where no guard holds.
+pub(super) type Leaf = Option<(usize, usize)>;
+
+/// The transitions of a machine, as decisions.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Decisions {
+    /// The splits; each leads to earlier ones only.
+    pub splits: Vec<Split>,
+    /// The leaves, each once.
+    pub leaves: Vec<Leaf>,
+    /// Every answer once: values of all outputs.
+    pub answers: Vec<Vec<i64>>,
+    /// Where each place begins: place 0 is before step 0, place `s + 1` is state `s`.
+    pub places: Vec<Way>,
+    /// For a Moore machine, each place's answer.
+    pub first_answers: Vec<Option<usize>>,
+}
+
+/// How many splits a place may have beyond the tests of its guards.
+const MORE: usize = 16;
+
+/// A guard's cube, and where it leads to.
+type Row<'a> = (&'a Cube, usize);
+
+impl Decisions {
+    /// Those of a machine.
+    pub fn of(machine: &Machine) -> Self {
+        let mut work = Work::default();
+        let (mut places, mut first_answers) = (Vec::new(), Vec::new());
+        let domains: Vec<(i64, i64)> = machine
+            .inputs
+            .iter()
+            .map(|port| (port.domain.low(), port.domain.high()))
+            .collect();
+        for transitions in std::iter::once(&machine.initial).chain(&machine.states) {
+            let mut rows: Vec<Row<'_>> = Vec::new();
+            for transition in transitions {
+                let answer = work.answer(transition);
+                let leaf = work.leaf(Some((answer, transition.to + 1)));
+                rows.extend(transition.guard.0.iter().map(|cube| (cube, leaf)));
+            }
+            first_answers.push(transitions.first().map(|t| work.answer(t)));
+            let tests: usize = rows.iter().map(|(cube, _)| cube.0.len()).sum();
+            work.left = 2 * tests + MORE;
+            let way = match work.balanced(&rows, &mut domains.clone()) {
+                Some(way) => way,
+                None => work.one_by_one(&rows, &domains),
+            };
+            places.push(way);
+        }
+        Self {
+            splits: work.splits,
+            leaves: work.leaves,
+            answers: work.answers,
+            places,
+            first_answers,
+        }
+    }
+}
+
+impl Decisions {
+    /// How many bytes the emitted tables take, where values need four bytes.
+    pub fn bytes(&self) -> usize {
+        let answers: usize = self.answers.iter().map(Vec::len).sum();
+        16 * self.splits.len() + 8 * self.leaves.len() + 4 * (answers + 2 * self.places.len())
+    }
+}
+
+#[derive(Default)]
+struct Work {
+    splits: Vec<Split>,
+    split_numbers: BTreeMap<Split, usize>,
+    leaves: Vec<Leaf>,
+    leaf_numbers: BTreeMap<Leaf, usize>,
+    answers: Vec<Vec<i64>>,
+    answer_numbers: BTreeMap<Vec<i64>, usize>,
+    /// How many more splits the place may have.
+    left: usize,
+}
+
+impl Work {
+    fn answer(&mut self, transition: &Transition) -> usize {
+        let fresh = self.answers.len();
+        let output = transition.output.clone();
+        let number = *self.answer_numbers.entry(output.clone()).or_insert(fresh);
+        if number == fresh {
+            self.answers.push(output);
+        }
+        number
+    }
+
+    fn leaf(&mut self, leaf: Leaf) -> usize {
+        let fresh = self.leaves.len();
+        let number = *self.leaf_numbers.entry(leaf).or_insert(fresh);
+        if number == fresh {
+            self.leaves.push(leaf);
+        }
+        number
+    }
+
+    fn split(&mut self, split: Split) -> Way {
+        if split.at_most == split.above {
+            return split.above;
+        }
+        let fresh = self.splits.len();
+        let number = *self.split_numbers.entry(split).or_insert(fresh);
+        if number == fresh {
+            self.splits.push(split);
+        }
+        Way::Split(number)
+    }
+
+    /// Decides between guards for inputs in `within`; `None` when too many splits were made.
+    fn balanced(&mut self, rows: &[Row<'_>], within: &mut [(i64, i64)]) -> Option<Way> {
+        let Some(&(_, leaf)) = rows.first() else {
+            return Some(Way::Leaf(self.leaf(None)));
+        };
+        if rows.iter().all(|&(_, l)| l == leaf) {
+            return Some(Way::Leaf(leaf));
+        }
+        self.left = self.left.checked_sub(1)?;
+        let (input, bound) = best(rows, within);
+        let (low, high) = within[input];
+        let mut side = |low: i64, high: i64| {
+            let met: Vec<Row<'_>> = rows
+                .iter()
+                .copied()
+                .filter(|(cube, _)| {
+                    let (first, last) = interval(cube, input).unwrap_or((low, high));
+                    first <= high && low <= last
+                })
+                .collect();
+            let outer = std::mem::replace(&mut within[input], (low, high));
+            let way = self.balanced(&met, within);
+            within[input] = outer;
+            way
+        };
+        let at_most = side(low, bound)?;
+        let above = side(bound + 1, high)?;
+        Some(self.split(Split {
+            input,
+            bound,
+            at_most,
+            above,
+        }))
+    }
+
+    /// Tries the guards in order.
+    fn one_by_one(&mut self, rows: &[Row<'_>], within: &[(i64, i64)]) -> Way {
+        let mut otherwise = Way::Leaf(self.leaf(None));
+        for (cube, leaf) in rows.iter().rev() {
+            let mut way = Way::Leaf(*leaf);
+            for test in cube.0.iter().rev() {
+                let (low, high) = within[test.input];
+                if test.high < high {
+                    way = self.split(Split {
+                        input: test.input,
+                        bound: test.high,
+                        at_most: way,
+                        above: otherwise,
+                    });
+                }
+                if test.low > low {
+                    way = self.split(Split {
+                        input: test.input,
+                        bound: test.low - 1,
+                        at_most: otherwise,
+                        above: way,
+                    });
+                }
+            }
+            otherwise = way;
+        }
+        otherwise
+    }
+}
+
+/// What a cube says of an input.
+fn interval(cube: &Cube, input: usize) -> Option<(i64, i64)> {
+    let test = cube.0.iter().find(|t| t.input == input)?;
+    Some((test.low, test.high))
+}
+
+/// The split that leaves fewest guards on its heavier side, then fewest in all. Of two disjoint guards one is left on each side of some
+/// bound, so there is always one that separates.
+fn best(rows: &[Row<'_>], within: &[(i64, i64)]) -> (usize, i64) {
+    let mut found: Option<((usize, usize), usize, i64)> = None;
+    for (input, &(low, high)) in within.iter().enumerate() {
+        let intervals: Vec<(i64, i64)> = rows
+            .iter()
+            .map(|(cube, _)| interval(cube, input).unwrap_or((low, high)))
+            .collect();
+        // Sorted first and last values: how many guards begin at most at a bound, and how many end above it.
+        let (mut firsts, mut lasts): (Vec<i64>, Vec<i64>) = intervals.into_iter().unzip();
+        firsts.sort_unstable();
+        lasts.sort_unstable();
+        let mut bounds: Vec<i64> = firsts
+            .iter()
+            .map(|f| f - 1)
+            .chain(lasts.iter().copied())
+            .collect();
+        bounds.sort_unstable();
+        bounds.dedup();
+        for bound in bounds {
+            if bound < low || bound >= high {
+                continue;
+            }
+            let below = firsts.partition_point(|&f| f <= bound);
+            let above = rows.len() - lasts.partition_point(|&l| l <= bound);
+            let weight = (below.max(above), below + above);
+            if found.is_none_or(|(least, _, _)| weight < least) {
+                found = Some((weight, input, bound));
+            }
+        }
+    }
+    let (_, input, bound) =
+        found.expect("guards that lead elsewhere are disjoint; please report this");
+    (input, bound)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_core::gr1::{Domain, Timing};
+    use linewright_solver::mealy::{Guard, Port, Test};
+    use proptest::prelude::*;
+
+    const HIGH: i64 = 5;
+    const INPUTS: usize = 3;
+
+    /// Disjoint guards: a random tree of cuts, whose regions get one of a few leaves each, or none.
+    fn transitions(choices: &[(u8, u8, u8)]) -> Vec<Transition> {
+        let mut regions = vec![[(0, HIGH); INPUTS]];
+        for &(region, input, bound) in choices {
+            let region = usize::from(region) % regions.len();
+            let input = usize::from(input) % INPUTS;
+            let (low, high) = regions[region][input];
+            if low < high {
+                let bound = low + i64::from(bound) % (high - low);
+                let mut upper = regions[region];
+                regions[region][input] = (low, bound);
+                upper[input] = (bound + 1, high);
+                regions.push(upper);
+            }
+        }
+        let cubes = regions.iter().map(|region| {
+            let tests = region.iter().enumerate();
+            let tests = tests.filter(|(_, r)| **r != (0, HIGH));
+            Cube(
+                tests
+                    .map(|(input, &(low, high))| Test { input, low, high })
+                    .collect(),
+            )
+        });
+        let mut transitions: Vec<Transition> = Vec::new();
+        for (i, cube) in cubes.enumerate() {
+            match i % 4 {
+                3 => {}
+                to => transitions.push(Transition {
+                    guard: Guard(vec![cube]),
+                    output: vec![to as i64],
+                    to: 0,
+                }),
+            }
+        }
+        transitions
+    }
+
+    fn walk(decisions: &Decisions, place: usize, inputs: &[i64]) -> Leaf {
+        let mut way = decisions.places[place];
+        loop {
+            match way {
+                Way::Leaf(leaf) => return decisions.leaves[leaf],
+                Way::Split(number) => {
+                    let split = &decisions.splits[number];
+                    way = if inputs[split.input] <= split.bound {
+                        split.at_most
+                    } else {
+                        split.above
+                    };
+                }
+            }
+        }
+    }
+
+    fn machine(initial: Vec<Transition>, state: Vec<Transition>) -> Machine {
+        let port = |name: &str| Port {
+            name: name.to_owned(),
+            domain: Domain::Range { low: 0, high: HIGH },
+            unit: String::new(),
+            internal: false,
+        };
+        Machine {
+            name: "M".to_owned(),
+            timing: Timing::Mealy,
+            inputs: (0..INPUTS).map(|i| port(&format!("i{i}"))).collect(),
+            outputs: vec![port("o")],
+            initial,
+            states: vec![state],
+        }
+    }
+
+    /// Every input that a guard holds for is answered as the machine answers it.
+    fn assert_agrees(machine: &Machine, decisions: &Decisions) {
+        for letter in 0..(HIGH + 1).pow(INPUTS as u32) {
+            let inputs = [letter % 6, letter / 6 % 6, letter / 36];
+            for (place, state) in [(0, None), (1, Some(0))] {
+                if let Some(transition) = machine.step(state, &inputs) {
+                    let (answer, to) = walk(decisions, place, &inputs).expect("a transition");
+                    assert_eq!(decisions.answers[answer], transition.output);
+                    assert_eq!(to, transition.to + 1);
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn decisions_find_the_guard_that_holds(
+            initial in prop::collection::vec(any::<(u8, u8, u8)>(), 0..40),
+            state in prop::collection::vec(any::<(u8, u8, u8)>(), 0..40),
+        ) {
+            let machine = machine(transitions(&initial), transitions(&state));
+            let decisions = Decisions::of(&machine);
+            assert_agrees(&machine, &decisions);
+            let tests: usize = machine.states.iter().chain([&machine.initial]).flatten().flat_map(|t| &t.guard.0).map(|c| c.0.len()).sum();
+            prop_assert!(decisions.splits.len() <= 4 * tests + 4 * MORE);
+        }
+
+        #[test]
+        fn one_after_the_other_finds_it_as_well(choices in prop::collection::vec(any::<(u8, u8, u8)>(), 0..40)) {
+            let machine = machine(transitions(&choices), transitions(&choices));
+            let mut work = Work::default();
+            let mut rows = Vec::new();
+            for t in &machine.initial {
+                let answer = work.answer(t);
+                let leaf = work.leaf(Some((answer, t.to + 1)));
+                rows.extend(t.guard.0.iter().map(|cube| (cube, leaf)));
+            }
+            let way = work.one_by_one(&rows, &[(0, HIGH); INPUTS]);
+            let decisions = Decisions {
+                splits: work.splits,
+                leaves: work.leaves,
+                answers: work.answers,
+                places: vec![way, way],
+                first_answers: Vec::new(),
+            };
+            assert_agrees(&machine, &decisions);
+        }
+    }
+}

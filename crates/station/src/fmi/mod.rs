@@ -1,0 +1,265 @@
+//! FMI: a machine as a co-simulation unit that other simulators load, in versions 2.0 and 3.0 of the standard.
+//!
+//! A unit is an archive: the description of its variables (`description`), a page for people (`documentation`), the C sources,
+//! and a binary for each platform there is a compiler for. The C is a machine's own, with `ffi/fmi2.c` or `ffi/fmi3.c` in the place of
+//! the adapter for Plant Simulation; `ffi/fmi.c` says what a communication step does. Nothing in an archive depends on
+//! the time or the place of the build: same contract and compiler, same bytes.
+//!
+//! Two archives rather than one with both versions: a unit of FMI 3 may hold one of FMI 2, but many importers of today know
+//! only the one or the other, and choose by what the archive says first.
+
+mod archive;
+mod description;
+mod documentation;
+mod tables;
+mod units;
+pub mod variables;
+
+use super::interpret::Interpreter;
+use super::package::file_stem;
+use super::profile::Profile;
+use super::toolchain::{Platform, WorkFolder};
+use super::{Controller as _, Error, Package, Toolchain, emit};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::machine::{Machine, PlantSource};
+use linewright_solver::mealy;
+use rayon::prelude::*;
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use variables::Interface;
+
+/// A version of the standard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Version {
+    /// FMI 2.0.
+    Two,
+    /// FMI 3.0.
+    Three,
+}
+
+impl Version {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Two, Self::Three];
+
+    /// The adapter that is included at the end of the C file.
+    fn adapter(self) -> &'static str {
+        match self {
+            Self::Two => "fmi2.c",
+            Self::Three => "fmi3.c",
+        }
+    }
+
+    /// The files of `ffi/` that the C file includes.
+    fn support(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Self::Two => &SUPPORT_TWO,
+            Self::Three => &SUPPORT_THREE,
+        }
+    }
+
+    /// The folder of a platform's binary within the archive.
+    fn binaries(self, platform: Platform) -> &'static str {
+        let (system, processor) = match platform {
+            Platform::Windows | Platform::Msvc => ("windows", "x86_64"),
+            Platform::Host => (std::env::consts::OS, std::env::consts::ARCH),
+        };
+        match (self, system, processor) {
+            (Self::Two, "windows", _) => "win64",
+            (Self::Two, "macos", _) => "darwin64",
+            (Self::Two, _, _) => "linux64",
+            (Self::Three, "windows", _) => "x86_64-windows",
+            (Self::Three, "macos", "aarch64") => "aarch64-darwin",
+            (Self::Three, "macos", _) => "x86_64-darwin",
+            (Self::Three, _, "aarch64") => "aarch64-linux",
+            (Self::Three, _, _) => "x86_64-linux",
+        }
+    }
+}
+
+const SUPPORT_TWO: [(&str, &str); 7] = [
+    ("station.h", include_str!("../../../../ffi/station.h")),
+    ("machine.h", include_str!("../../../../ffi/machine.h")),
+    ("step.c", include_str!("../../../../ffi/step.c")),
+    ("runtime.c", include_str!("../../../../ffi/runtime.c")),
+    ("fmi.h", include_str!("../../../../ffi/fmi.h")),
+    ("fmi.c", include_str!("../../../../ffi/fmi.c")),
+    ("fmi2.c", include_str!("../../../../ffi/fmi2.c")),
+];
+
+const SUPPORT_THREE: [(&str, &str); 7] = {
+    let mut support = SUPPORT_TWO;
+    support[6] = ("fmi3.c", include_str!("../../../../ffi/fmi3.c"));
+    support
+};
+
+/// A unit before it is compiled.
+#[derive(Debug, Clone)]
+pub struct Unit {
+    /// Which version of the standard it follows.
+    pub version: Version,
+    /// Its variables.
+    pub interface: Interface,
+    /// What binds the description to the binary: the `guid` of FMI 2, the `instantiationToken` of FMI 3.
+    pub token: String,
+    /// Its C.
+    pub package: Package,
+    name: String,
+    doc: String,
+    step_seconds: f64,
+}
+
+impl Unit {
+    /// Emits a machine with the controller of each of its components, in order.
+    ///
+    /// # Panics
+    /// When they do not belong together.
+    pub fn emit(machine: &Machine, controllers: &[mealy::Controller], version: Version) -> Self {
+        let emitted = emit::emit(machine, controllers, &Profile::assumed());
+        let first = first_operation(machine, controllers);
+        let tables = tables::tables(machine, first);
+        let mut hash = Sha256::new();
+        for text in [&emitted.unit, &tables, version.adapter()] {
+            hash.update(text);
+        }
+        let token = token(&emit::hex(&hash.finalize()));
+        let support = version.support().iter();
+        let support = support.map(|(name, text)| (*name, (*text).to_owned()));
+        let source = tables::source(machine, &emitted.unit, &tables, &token, version);
+        let stem = file_stem(&machine.name);
+        let mut package = Package::of_files(&machine.name, &stem, source, support.collect());
+        package.contract_hash = emitted.contract_hash;
+        Self {
+            version,
+            interface: Interface::of(machine, first),
+            package,
+            token,
+            name: machine.name.clone(),
+            doc: machine.doc.clone(),
+            step_seconds: machine.step_seconds,
+        }
+    }
+
+    /// The name of its archive: `assembly_cell_fmi2.fmu`.
+    pub fn file_name(&self) -> String {
+        let version = match self.version {
+            Version::Two => 2,
+            Version::Three => 3,
+        };
+        format!("{}_fmi{version}.fmu", self.package.stem)
+    }
+
+    /// Its archive, with these binaries.
+    pub fn archive(&self, binaries: &[(Platform, Vec<u8>)]) -> Vec<u8> {
+        archive::archive(self, binaries)
+    }
+}
+
+/// The operation that a unit begins with where its host says nothing: the first that can be done again and again with the start
+/// values of all other inputs, so that a unit simulates as it was imported. What grips a part cannot; then it is the first one.
+fn first_operation(machine: &Machine, controllers: &[mealy::Controller]) -> usize {
+    const TIMES: usize = 3;
+    let mut still = machine.clone();
+    for input in &mut still.plant {
+        if let PlantSource::Signal { script } = &mut input.source {
+            script.truncate(1);
+        }
+    }
+    let fresh = Interpreter::new(Arc::new(still), Arc::new(controllers.to_vec()));
+    let values: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
+    let repeats = |operation: &usize| {
+        let mut trial = fresh.clone();
+        (0..TIMES).all(|_| trial.simulate(*operation, &mut values.clone()).is_ok())
+    };
+    (0..machine.operations.len()).find(repeats).unwrap_or(0)
+}
+
+/// A hash in the customary form of a token.
+fn token(hash: &str) -> String {
+    let parts = [(0, 8), (8, 12), (12, 16), (16, 20), (20, 32)];
+    let parts = parts.map(|(from, to)| &hash[from..to]);
+    format!("{{{}}}", parts.join("-"))
+}
+
+/// The compilers for the binaries that a unit should have, and a finding for each that is not there. Whether the one for this
+/// computer is there is seen when it is started.
+pub fn toolchains() -> (Vec<Toolchain>, Vec<Diagnostic>) {
+    let mut toolchains = vec![Toolchain::shipping()];
+    let mut findings = Vec::new();
+    if !cfg!(windows) {
+        match Toolchain::windows() {
+            Ok(toolchain) => toolchains.push(toolchain),
+            Err(error) => findings.push(missing("Windows", &error)),
+        }
+    }
+    (toolchains, findings)
+}
+
+/// What is said where a platform's binary is missing.
+fn missing(platform: &str, error: &Error) -> Diagnostic {
+    let finding = error.to_diagnostic();
+    let message = format!(
+        "the FMI units have no binary for {platform}: {}",
+        finding.message
+    );
+    let help = finding.help.unwrap_or_default();
+    Diagnostic::warning(codes::UNIT_WITHOUT_BINARY, None, message).with_help(format!(
+        "{help}; a host that compiles the sources in the unit can use it as it is"
+    ))
+}
+
+/// Writes a machine's units, one for each version, into a folder, and gives their paths. A compiler that cannot be started is a
+/// finding; the units then have its binary missing.
+pub fn build(
+    machine: &Machine,
+    controllers: &[mealy::Controller],
+    toolchains: &[Toolchain],
+    folder: &Path,
+) -> Result<(Vec<PathBuf>, Vec<Diagnostic>), Error> {
+    super::package::create_folder(folder)?;
+    let unwritable = |cause| Error::Unwritable {
+        path: folder.to_owned(),
+        cause,
+    };
+    let work = WorkFolder::new(folder)?;
+    let units = Version::ALL.map(|version| Unit::emit(machine, controllers, version));
+    let tasks: Vec<(&Unit, &Toolchain)> = units
+        .iter()
+        .flat_map(|unit| toolchains.iter().map(move |t| (unit, t)))
+        .collect();
+    let compiled: Vec<Result<Vec<u8>, Error>> = tasks
+        .par_iter()
+        .map(|(unit, toolchain)| {
+            let built = toolchain.build(&unit.package, work.path(), true)?;
+            std::fs::read(&built.path).map_err(unwritable)
+        })
+        .collect();
+    let mut findings: Vec<Diagnostic> = Vec::new();
+    let mut binaries: Vec<Vec<(Platform, Vec<u8>)>> = units.iter().map(|_| Vec::new()).collect();
+    for ((unit, toolchain), result) in tasks.iter().zip(compiled) {
+        match result {
+            Ok(bytes) => {
+                let of_unit = units.iter().position(|u| u.version == unit.version);
+                binaries[of_unit.unwrap_or(0)].push((toolchain.platform(), bytes));
+            }
+            Err(error @ Error::CompilerMissing { .. }) => {
+                let platform = match toolchain.platform() {
+                    Platform::Host => "this computer",
+                    Platform::Windows | Platform::Msvc => "Windows",
+                };
+                let finding = missing(platform, &error);
+                if findings.iter().all(|f| f.message != finding.message) {
+                    findings.push(finding);
+                }
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    let mut files = Vec::new();
+    for (unit, binaries) in units.iter().zip(&binaries) {
+        let path = folder.join(unit.file_name());
+        super::package::write(&path, &unit.archive(binaries))?;
+        files.push(path);
+    }
+    Ok((files, findings))
+}

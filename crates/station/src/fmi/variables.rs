@@ -1,0 +1,534 @@
+//! The variables of a unit: which there are, what they are called, and what their values are.
+//!
+//! The names of what every unit has are fixed; those of the machine follow the standard's structured convention: `turn_a.angle`,
+//! `part.heights[0]`. What of a name is no letter or digit becomes `_`, and a name that is taken gets a number, so that every
+//! importer can make an identifier of it. Groups, places in them and types are those of `ffi/fmi.h`.
+
+use linewright_core::gr1::{Domain, described};
+use linewright_language::contract::machine::{Machine, PlantSource, Property, PropertyKind};
+use std::collections::BTreeSet;
+
+/// What a variable is to the host.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Causality {
+    /// Time.
+    Independent,
+    /// Set by the host at every step.
+    Input,
+    /// Set by the host when it wants to.
+    Parameter,
+    /// Read by the host.
+    Output,
+    /// Read by the host where it looks inside.
+    Local,
+}
+
+/// The type of a variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// A real number.
+    Real,
+    /// A whole number of 32 bits.
+    Integer,
+    /// A whole number of 64 bits; FMI 2 has none, and takes a real number.
+    Long,
+    /// A truth value.
+    Boolean,
+    /// One of the labels of [`Interface::enumerations`], by its index there.
+    Enumeration(usize),
+}
+
+/// A value that a variable begins with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Start {
+    /// Of a real number.
+    Real(f64),
+    /// Of any other, in the machine's own numbers: labels count from 0.
+    Whole(i64),
+}
+
+/// A variable of a unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Its name.
+    pub name: String,
+    /// Its value reference.
+    pub reference: u32,
+    /// What it is to the host.
+    pub causality: Causality,
+    /// Its type.
+    pub kind: Kind,
+    /// The unit of a real number; empty for a bare one.
+    pub unit: String,
+    /// The smallest and largest value, where they are known.
+    pub limits: Option<(i64, i64)>,
+    /// What it begins with; for inputs and parameters.
+    pub start: Option<Start>,
+    /// What it is, for people.
+    pub description: String,
+}
+
+/// The labels of an enumeration; the first one is 1 to the host.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Enumeration {
+    /// The name of the type.
+    pub name: String,
+    /// The labels.
+    pub labels: Vec<String>,
+    /// What it would be called if that name was free.
+    wish: String,
+}
+
+/// All variables of a unit, in the order of its description, and their types.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Interface {
+    /// The variables.
+    pub variables: Vec<Variable>,
+    /// The enumerations.
+    pub enumerations: Vec<Enumeration>,
+    names: Names,
+}
+
+/// A place within a group of value references.
+pub fn reference(group: u32, index: usize) -> u32 {
+    group * 0x10_0000 + index as u32
+}
+
+/// The groups.
+pub mod group {
+    /// What every unit has.
+    pub const UNIT: u32 = 0;
+    /// The plant's signals, by wire.
+    pub const SIGNALS: u32 = 1;
+    /// Properties and parameters as the host gives them.
+    pub const GIVEN: u32 = 2;
+    /// Properties as the last operation left them.
+    pub const RESULTS: u32 = 3;
+    /// Wires after the last step.
+    pub const WIRES: u32 = 4;
+}
+
+/// A domain's type, as `ffi/fmi.h` calls it; an enumeration is one of index 0.
+pub(super) fn kind(domain: &Domain) -> Kind {
+    match domain {
+        Domain::Bool => Kind::Boolean,
+        Domain::Enum { .. } => Kind::Enumeration(0),
+        Domain::Range { low, high } => {
+            let fits = |v: &i64| i32::try_from(*v).is_ok();
+            if fits(low) && fits(high) {
+                Kind::Integer
+            } else {
+                Kind::Long
+            }
+        }
+    }
+}
+
+impl Interface {
+    /// The variables of a machine's unit, which begins with this operation.
+    pub fn of(machine: &Machine, first_operation: usize) -> Self {
+        let mut all = Self::default();
+        all.general(machine, first_operation);
+        all.inputs(machine);
+        all.outputs(machine);
+        // Types and variables share their names, and a variable's is the one that people meet.
+        for enumeration in &mut all.enumerations {
+            enumeration.name = all.names.unique(&enumeration.wish);
+        }
+        all
+    }
+
+    /// The variable of a name.
+    pub fn find(&self, name: &str) -> Option<&Variable> {
+        self.variables.iter().find(|v| v.name == name)
+    }
+
+    fn add(&mut self, wish: &str, reference: u32, causality: Causality, kind: Kind, about: String) {
+        let name = self.names.unique(wish);
+        self.variables.push(Variable {
+            name,
+            reference,
+            causality,
+            kind,
+            unit: String::new(),
+            limits: None,
+            start: None,
+            description: about,
+        });
+    }
+
+    fn last(&mut self) -> &mut Variable {
+        self.variables
+            .last_mut()
+            .expect("a variable was just added")
+    }
+
+    /// What every unit has; the order of the numbers is that of `ffi/fmi.h`.
+    fn general(&mut self, machine: &Machine, first_operation: usize) {
+        use Causality::{Independent, Input, Output};
+        // `time` comes first, so that nothing else gets that name.
+        type Row = (
+            &'static str,
+            usize,
+            Causality,
+            Kind,
+            &'static str,
+            &'static str,
+        );
+        let always: [Row; 6] = [
+            ("time", 0, Independent, Kind::Real, "s", "simulated time"),
+            (
+                "enabled",
+                1,
+                Input,
+                Kind::Boolean,
+                "",
+                "the machine works; otherwise it stands still, with idle power",
+            ),
+            (
+                "total.seconds",
+                2,
+                Output,
+                Kind::Real,
+                "s",
+                "what all steps took by the machine's own times, idle ones included",
+            ),
+            (
+                "total.joules",
+                3,
+                Output,
+                Kind::Real,
+                "J",
+                "the energy of all steps, idle ones included",
+            ),
+            (
+                "total.steps",
+                4,
+                Output,
+                Kind::Long,
+                "",
+                "how many steps the controllers made",
+            ),
+            (
+                "verdict",
+                5,
+                Output,
+                Kind::Integer,
+                "",
+                "0, or the code of the last step that was refused: -3 a value outside its domain, -5 a broken assumption, -6 a broken guarantee, -7 the step limit, -9 a fault of the generator, -10 a skill called against an order",
+            ),
+        ];
+        let with_operations: [Row; 6] = [
+            (
+                "operation",
+                6,
+                Input,
+                Kind::Enumeration(0),
+                "",
+                "the operation that begins next; one that is under way goes on",
+            ),
+            (
+                "done",
+                7,
+                Output,
+                Kind::Boolean,
+                "",
+                "the last step ended an operation",
+            ),
+            (
+                "completed",
+                8,
+                Output,
+                Kind::Long,
+                "",
+                "how many operations have ended",
+            ),
+            (
+                "last.seconds",
+                9,
+                Output,
+                Kind::Real,
+                "s",
+                "what the last operation that ended took by the machine's own times",
+            ),
+            (
+                "last.joules",
+                10,
+                Output,
+                Kind::Real,
+                "J",
+                "the energy of the last operation that ended",
+            ),
+            (
+                "last.steps",
+                11,
+                Output,
+                Kind::Long,
+                "",
+                "the steps of the last operation that ended",
+            ),
+        ];
+        let rows = if machine.operations.is_empty() {
+            &with_operations[..0]
+        } else {
+            &with_operations[..]
+        };
+        for (name, index, causality, kind, unit, about) in always.iter().chain(rows) {
+            self.add(
+                name,
+                reference(group::UNIT, *index),
+                *causality,
+                *kind,
+                (*about).to_owned(),
+            );
+            (*unit).clone_into(&mut self.last().unit);
+            if *causality == Input {
+                self.last().start = Some(Start::Whole(1));
+            }
+            if *name == "operation" {
+                self.last().start = Some(Start::Whole(first_operation as i64));
+                let labels: Vec<String> =
+                    machine.operations.iter().map(|o| o.name.clone()).collect();
+                self.last().kind = Kind::Enumeration(self.enumeration("Operation", &labels));
+            }
+        }
+    }
+
+    fn inputs(&mut self, machine: &Machine) {
+        for (wire, input) in machine.plant.iter().enumerate() {
+            if let PlantSource::Signal { script } = &input.source {
+                let about = format!("signal of the plant: {}", input.describe());
+                let reference = reference(group::SIGNALS, wire);
+                self.domain(
+                    &input.name,
+                    reference,
+                    Causality::Input,
+                    &input.domain,
+                    about,
+                );
+                self.last().start = Some(Start::Whole(script[0]));
+            }
+        }
+        for (index, property) in machine.properties.iter().enumerate() {
+            let (name, causality, what) = match property.kind {
+                PropertyKind::Part => (
+                    format!("part.{}", property.name),
+                    Causality::Input,
+                    "property of the part, read when an operation begins",
+                ),
+                PropertyKind::Parameter => (
+                    property.name.clone(),
+                    Causality::Parameter,
+                    "parameter of the operation, read when it begins",
+                ),
+            };
+            self.property(
+                property,
+                &name,
+                reference(group::GIVEN, index),
+                causality,
+                what,
+            );
+            self.last().start = Some(Start::Real(property.default));
+            let limits = property.domain.as_ref();
+            self.last().limits = limits.map(|d| (d.low(), d.high()));
+        }
+    }
+
+    fn outputs(&mut self, machine: &Machine) {
+        let mut wire = machine.plant.len();
+        for component in &machine.components {
+            for id in component.specification.outputs() {
+                let variable = component.specification.variable(id);
+                let name = format!("{}.{}", component.name, variable.name);
+                let causality = if variable.internal {
+                    Causality::Local
+                } else {
+                    Causality::Output
+                };
+                let about = format!(
+                    "output of `{}`, a {}: {}",
+                    component.name,
+                    component.contract,
+                    variable.describe()
+                );
+                let reference = reference(group::WIRES, wire);
+                self.domain(&name, reference, causality, &variable.domain, about);
+                wire += 1;
+            }
+        }
+        if !machine.operations.is_empty() {
+            for (index, property) in machine.properties.iter().enumerate() {
+                if property.kind == PropertyKind::Part {
+                    let name = format!("result.{}", property.name);
+                    let what = "property of the part, as the last operation that ended has left it";
+                    let reference = reference(group::RESULTS, index);
+                    self.property(property, &name, reference, Causality::Output, what);
+                }
+            }
+        }
+        for (wire, input) in machine.plant.iter().enumerate() {
+            if matches!(input.source, PlantSource::Property(_)) {
+                let about = format!("what the controllers see of the part: {}", input.describe());
+                let reference = reference(group::WIRES, wire);
+                self.domain(
+                    &input.name,
+                    reference,
+                    Causality::Local,
+                    &input.domain,
+                    about,
+                );
+            }
+        }
+    }
+
+    /// A real number for a property.
+    fn property(
+        &mut self,
+        property: &Property,
+        wish: &str,
+        reference: u32,
+        causality: Causality,
+        what: &str,
+    ) {
+        let domain = property.domain.as_ref();
+        let about = match domain {
+            Some(Domain::Enum { labels, .. }) => {
+                let labels = labels.iter().enumerate().map(|(i, l)| format!("{i} {l}"));
+                format!("{what}: {}", labels.collect::<Vec<_>>().join(", "))
+            }
+            Some(domain) => format!("{what}: {}", described(domain, &property.unit)),
+            None => what.to_owned(),
+        };
+        self.add(wish, reference, causality, Kind::Real, about);
+        self.last().unit.clone_from(&property.unit);
+    }
+
+    /// A variable with a finite domain.
+    fn domain(
+        &mut self,
+        wish: &str,
+        reference: u32,
+        causality: Causality,
+        domain: &Domain,
+        about: String,
+    ) {
+        self.add(wish, reference, causality, kind(domain), about);
+        match domain {
+            Domain::Enum { name, labels } => {
+                let own = format!("{}_labels", wish.replace(['.', '[', ']'], "_"));
+                let wish = name.as_deref().unwrap_or(&own);
+                self.last().kind = Kind::Enumeration(self.enumeration(wish, labels));
+            }
+            Domain::Range { low, high } => self.last().limits = Some((*low, *high)),
+            Domain::Bool => {}
+        }
+    }
+
+    /// The enumeration with these labels: one that is there, or a new one.
+    fn enumeration(&mut self, wish: &str, labels: &[String]) -> usize {
+        // Labels are names as well.
+        let mut names = Names::default();
+        let labels: Vec<String> = labels.iter().map(|l| names.unique(l)).collect();
+        let known = |e: &Enumeration| e.labels == labels && e.wish == wish;
+        if let Some(index) = self.enumerations.iter().position(known) {
+            return index;
+        }
+        self.enumerations.push(Enumeration {
+            name: String::new(),
+            labels,
+            wish: wish.to_owned(),
+        });
+        self.enumerations.len() - 1
+    }
+}
+
+/// Hands out names, each once.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Names(BTreeSet<String>);
+
+impl Names {
+    fn unique(&mut self, wish: &str) -> String {
+        let (stem, indices) = structured(wish);
+        let mut name = format!("{stem}{indices}");
+        let mut number = 2;
+        while !self.0.insert(name.clone()) {
+            name = format!("{stem}_{number}{indices}");
+            number += 1;
+        }
+        name
+    }
+}
+
+/// A name of the structured convention, without its last indices, and these: `a.b[0].c[1][2]` is `a.b[0].c` and `[1,2]`.
+fn structured(name: &str) -> (String, String) {
+    let segments: Vec<(String, String)> = name.split('.').map(segment).collect();
+    let mut stem = String::new();
+    for (i, (base, indices)) in segments.iter().enumerate() {
+        if i > 0 {
+            stem.push('.');
+        }
+        stem.push_str(base);
+        if i + 1 < segments.len() {
+            stem.push_str(indices);
+        }
+    }
+    (
+        stem,
+        segments.last().map(|s| s.1.clone()).unwrap_or_default(),
+    )
+}
+
+/// One part of a name and its indices.
+fn segment(text: &str) -> (String, String) {
+    let is_index = |s: &str| !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit());
+    if let Some((base, rest)) = text.split_once('[')
+        && let Some(rest) = rest.strip_suffix(']')
+        && rest.split("][").all(is_index)
+    {
+        return (plain(base), format!("[{}]", rest.replace("][", ",")));
+    }
+    (plain(text), String::new())
+}
+
+/// What of a name is an identifier everywhere.
+fn plain(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        if out.is_empty() && !c.is_ascii_alphabetic() && c != '_' {
+            out.push('_');
+        }
+        out.push(if c.is_ascii_alphanumeric() { c } else { '_' });
+    }
+    if out.is_empty() {
+        out.push('_');
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Names;
+
+    #[test]
+    fn names_are_structured_and_unique() {
+        let mut names = Names::default();
+        let cases = [
+            ("turn_a.angle", "turn_a.angle"),
+            ("part.heights[0]", "part.heights[0]"),
+            ("grid[1][2]", "grid[1,2]"),
+            ("grid[1][2]", "grid_2[1,2]"),
+            ("a[0].b", "a[0].b"),
+            ("a[x]", "a_x_"),
+            ("a<b>&\"c\"", "a_b___c_"),
+            ("Fräse 1", "Fr_se_1"),
+            ("1st", "_1st"),
+            ("", "_"),
+            ("", "__2"),
+            ("..", "_._._"),
+        ];
+        for (wish, name) in cases {
+            assert_eq!(names.unique(wish), name);
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Station libraries: the C that is emitted, the toolchain that compiles it, and the loader that calls it.
+//!
+//! Two things implement [`Controller`]: `load::Instance`, a compiled library called through its exports, and
+//! `interpret::Interpreter`, the same machine in this process, against which the library is tested.
+//!
+//! ```text
+//! contract::machine::Machine, mealy::Controller... ─Package::emit→ Package ─Toolchain::build→ Built ─Library::open→ Library
+//!      ─Library::instance→ Instance
+//! ```
+
+pub mod composition;
+pub mod disk;
+pub mod emit;
+pub mod fmi;
+pub mod interpret;
+pub mod load;
+pub mod messages;
+pub mod monitor;
+pub mod package;
+pub mod probe;
+pub mod profile;
+pub mod simtalk;
+pub mod structured_text;
+pub mod toolchain;
+
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::machine::Machine;
+use linewright_solver::mealy;
+pub use package::{Package, file_stem, is_device};
+use std::path::PathBuf;
+pub use toolchain::Toolchain;
+
+/// The codes that a station library answers with; the same numbers as in `ffi/station.h`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[repr(i32)]
+pub enum ErrorCode {
+    /// A handle that was never given, or is no longer valid.
+    Handle = -1,
+    /// A null pointer, a wrong tag, or a wrong count.
+    Argument = -2,
+    /// A value outside its domain.
+    Domain = -3,
+    /// An operation that the machine does not have.
+    Operation = -4,
+    /// The plant broke an assumption.
+    Assumption = -5,
+    /// The machine broke a guarantee: a fault of this program or of the compiler.
+    Guarantee = -6,
+    /// The operation did not end within the step limit.
+    Limit = -7,
+    /// No memory, or no free slot for an instance.
+    Memory = -8,
+    /// A fault of this program.
+    Internal = -9,
+    /// A skill was called against an order, by the machine or by whoever calls it.
+    Order = -10,
+}
+
+/// An error that a controller answered with. The controller is as it was before the call, except after `Limit`, where it
+/// has been reset.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct CallError {
+    /// The code.
+    pub code: ErrorCode,
+    /// The rule's name, component first, for `Assumption`, `Guarantee` and `Order`: `turn: gripped`.
+    pub rule: Option<String>,
+    /// The whole text of `last_error`.
+    pub message: String,
+}
+
+/// What an operation took.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Service {
+    /// Duration in seconds.
+    pub seconds: f64,
+    /// Energy in joules.
+    pub joules: f64,
+    /// How many steps the controller made.
+    pub steps: u64,
+}
+
+/// One running instance of a machine.
+pub trait Controller {
+    /// Runs an operation (an index into the machine's operations) to its end, at one instant. `values` are those of the
+    /// machine's properties, in order; the new ones are written back.
+    fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Result<Service, CallError>;
+
+    /// Makes one step. `plant` are the plant's wires; `outputs` gets all components' wires.
+    fn step(&mut self, plant: &[i64], outputs: &mut [i64]) -> Result<(), CallError>;
+
+    /// Back to before step 0.
+    fn reset(&mut self);
+}
+
+impl ErrorCode {
+    /// The code of a number that a library answered with.
+    pub fn from_number(number: i32) -> Option<Self> {
+        [
+            Self::Handle,
+            Self::Argument,
+            Self::Domain,
+            Self::Operation,
+            Self::Assumption,
+            Self::Guarantee,
+            Self::Limit,
+            Self::Memory,
+            Self::Internal,
+            Self::Order,
+        ]
+        .into_iter()
+        .find(|code| *code as i32 == number)
+    }
+}
+
+/// What can go wrong around station libraries.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// There is no C compiler of that name, or it compiles nothing.
+    #[error("the C compiler `{command}` cannot be used: {cause}")]
+    CompilerMissing {
+        /// What was to be started.
+        command: String,
+        /// Why it was not.
+        cause: String,
+    },
+    /// There is no C compiler for 64-bit Windows.
+    #[error("no C compiler for 64-bit Windows was found on this computer")]
+    CrossCompilerMissing,
+    /// There is no Microsoft compiler.
+    #[error("Microsoft's C compiler was not found on this computer")]
+    MsvcMissing,
+    /// The C compiler gave an error.
+    #[error("the C compiler `{command}` failed on the library of `{machine}`:\n{stderr}")]
+    CompilerFailed {
+        /// What was started.
+        command: String,
+        /// The machine.
+        machine: String,
+        /// What it printed.
+        stderr: String,
+    },
+    /// The compiler was ended, or not started any more.
+    #[error("the library of `{machine}` was not built: the time limit was reached")]
+    TimeOver {
+        /// The machine.
+        machine: String,
+    },
+    /// A library is not what was built.
+    #[error("the station library {} is damaged: {reason}", path.display())]
+    LibraryDamaged {
+        /// The library.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A library speaks another layout of `UF_Value` than the runner.
+    #[error("the station library {} is built with {profile}, whose layout of UF_Value is not the one that the bundled runner passes", path.display())]
+    ProfileForeign {
+        /// The library.
+        path: PathBuf,
+        /// Its profile.
+        profile: String,
+    },
+    /// Something could not be written.
+    #[error("{} cannot be written: {cause}", path.display())]
+    Unwritable {
+        /// What.
+        path: PathBuf,
+        /// Why.
+        cause: std::io::Error,
+    },
+    /// A call was answered with an error.
+    #[error(transparent)]
+    Call(#[from] CallError),
+}
+
+impl Error {
+    /// The finding of this error, with the next step.
+    pub fn to_diagnostic(&self) -> Diagnostic {
+        let (code, help) = match self {
+            Self::CompilerMissing { .. } => (
+                codes::COMPILER_MISSING,
+                "install a C compiler (Debian and Ubuntu: `apt install gcc`; macOS: `xcode-select --install`), or name one in the environment variable CC; `linewright doctor` tries it",
+            ),
+            Self::CrossCompilerMissing => (
+                codes::CROSS_COMPILER_MISSING,
+                "install MinGW (Debian and Ubuntu: `apt install gcc-mingw-w64-x86-64`) or Zig (`pip install ziglang`, or zig on the PATH); `linewright doctor` shows what is found",
+            ),
+            Self::MsvcMissing => (
+                codes::MSVC_MISSING,
+                "build on a Windows computer with the Visual Studio Build Tools, or use `--target windows`, whose libraries Windows programs load as well",
+            ),
+            Self::CompilerFailed { .. } => (
+                codes::COMPILER_FAILED,
+                "the emitted C is plain C99: look at what CC and CFLAGS hold; if they are in order, please report this",
+            ),
+            Self::TimeOver { .. } => (
+                codes::GAVE_UP,
+                "give it more time with --timeout SECONDS; what was built is kept",
+            ),
+            Self::LibraryDamaged { .. } => {
+                (codes::LIBRARY_DAMAGED, "delete it, or run with --rebuild")
+            }
+            Self::ProfileForeign { .. } => (
+                codes::PROFILE_FOREIGN,
+                "it is for Plant Simulation alone; `run` builds libraries of its own, and `build` without --profile makes one with the assumed layout",
+            ),
+            Self::Unwritable { .. } => (
+                codes::OUTPUT_UNWRITABLE,
+                "choose another folder with --out, or make this one writable",
+            ),
+            Self::Call(_) => (
+                codes::LIBRARY_CALL,
+                "the message names what was expected; `linewright explain LW505` lists the codes",
+            ),
+        };
+        Diagnostic::error(code, None, self.to_string()).with_help(help)
+    }
+}
+
+/// Panics when the controllers are not those of the machine's components: a fault of this program.
+fn assert_fit(machine: &Machine, controllers: &[mealy::Controller]) {
+    let fit = |c: &linewright_language::contract::machine::Component, k: &mealy::Controller| {
+        let specification = &c.specification;
+        specification.inputs().count() == k.inputs().len()
+            && c.bindings.len() == k.inputs().len()
+            && specification.outputs().count() == k.outputs().len()
+            && specification.timing == k.timing()
+            && k.machine().is_none_or(is_closed)
+    };
+    assert_eq!(
+        machine.components.len(),
+        controllers.len(),
+        "machine `{}` needs one controller a component; please report this",
+        machine.name
+    );
+    for (component, controller) in machine.components.iter().zip(controllers) {
+        assert!(
+            fit(component, controller),
+            "the controller of `{}.{}` does not fit its contract; please report this",
+            machine.name,
+            component.name
+        );
+    }
+}
+
+/// Whether everything that a machine's transitions refer to exists. That of functions is checked with their certificate.
+fn is_closed(m: &mealy::Machine) -> bool {
+    let mut transitions = m.initial.iter().chain(m.states.iter().flatten());
+    transitions.all(|t| {
+        let mut tests = t.guard.0.iter().flat_map(|c| &c.0);
+        t.output.len() == m.outputs.len()
+            && t.to < m.states.len()
+            && tests.all(|t| t.input < m.inputs.len())
+    })
+}

@@ -1,0 +1,356 @@
+//! What a controller says when something is wrong: one wording for the emitted C and for the interpreter.
+//!
+//! Texts about formulas are fixed when the machine is emitted; those that hold a value are put together by `ffi/step.c`
+//! from the same pieces.
+
+use super::{CallError, ErrorCode};
+use linewright_core::gr1::Formula;
+use linewright_language::contract::machine::{
+    Component, Machine, PlantInput, PlantSource, RealExpr, Role,
+};
+use linewright_language::contract::{LONGEST_SECONDS, is_energy};
+use linewright_language::order::lower::{AT_FIRST, rule_of};
+
+/// A formula's text is cut to so many characters in a message.
+const LONGEST_TEXT: usize = 200;
+
+/// Who has to keep a formula.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Party {
+    /// The plant: an assumption.
+    Plant,
+    /// The machine: a guarantee.
+    Machine,
+    /// Whoever calls skills, within the machine or from outside: an order.
+    Caller,
+}
+
+impl Party {
+    /// Who has to keep what a component assumes.
+    pub fn of_assumptions(component: &Component) -> Self {
+        match component.role {
+            Role::Watch => Self::Caller,
+            Role::Coordinator | Role::Action => Self::Plant,
+        }
+    }
+}
+
+/// A rule's name, component first: `turn: gripped`. An order is called the same in every step.
+pub fn rule(component: &Component, formula: &Formula) -> String {
+    let name = match component.role {
+        Role::Watch => of_all_steps(&formula.name),
+        Role::Coordinator | Role::Action => &formula.name,
+    };
+    format!("{}: {name}", component.name)
+}
+
+fn of_all_steps(name: &str) -> &str {
+    name.strip_suffix(AT_FIRST).unwrap_or(name)
+}
+
+/// ``turn: the plant broke the assumption `gripped`: command = turn -> grip``, or of an order
+/// ``PickAndPlace: the order `trays` is broken: after Down until Up: never Left, Right``
+pub fn broken(component: &Component, formula: &Formula, party: Party) -> String {
+    let what = match party {
+        Party::Plant => "the plant broke the assumption",
+        Party::Machine => "the machine broke the guarantee",
+        Party::Caller => {
+            return format!(
+                "{}: {} is broken: {}",
+                component.name,
+                order(formula),
+                cut(&formula.text)
+            );
+        }
+    };
+    format!("{}: {what} {}", component.name, cite(formula))
+}
+
+/// ``the assumption `free` of `turn` has not held: always eventually free``, as the step limit names a justice assumption.
+pub fn silent(component: &Component, formula: &Formula) -> String {
+    format!(
+        "{} has not held: {}",
+        assumed(component, formula),
+        cut(&formula.text)
+    )
+}
+
+/// What a component assumes, as it is spoken of: ``the assumption `gripped` of `turn` `` or ``the order `trays` ``.
+pub fn assumed(component: &Component, formula: &Formula) -> String {
+    match Party::of_assumptions(component) {
+        Party::Caller => order(formula),
+        Party::Plant | Party::Machine => {
+            format!("the assumption {} of `{}`", name(formula), component.name)
+        }
+    }
+}
+
+/// ``the order `trays` (R-7)``; what is no declared order has a name that speaks for itself.
+fn order(formula: &Formula) -> String {
+    let requirement = formula.requirement.as_deref();
+    match rule_of(&formula.name) {
+        Some(declared) => format!("the order {}", named(declared, requirement)),
+        None => named(of_all_steps(&formula.name), requirement),
+    }
+}
+
+fn cite(formula: &Formula) -> String {
+    format!("{}: {}", name(formula), cut(&formula.text))
+}
+
+/// `` `gripped` (R-12)``
+fn name(formula: &Formula) -> String {
+    named(&formula.name, formula.requirement.as_deref())
+}
+
+fn named(name: &str, requirement: Option<&str>) -> String {
+    match requirement {
+        Some(requirement) => format!("`{name}` ({requirement})"),
+        None => format!("`{name}`"),
+    }
+}
+
+fn cut(text: &str) -> String {
+    match text.char_indices().nth(LONGEST_TEXT) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// How a failed property abstraction begins: ``property `angle`: plant input `cell` ``.
+pub fn about_abstraction(machine: &Machine, input: &PlantInput) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    if let PlantSource::Property(expr) = &input.source {
+        for_each_property(expr, &mut |i| {
+            let name = machine.properties[i].name.as_str();
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        });
+    }
+    let quoted: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
+    let about = match quoted.len() {
+        0 => String::new(),
+        1 => format!("property {}: ", quoted[0]),
+        _ => format!("properties {}: ", quoted.join(", ")),
+    };
+    format!("{about}plant input `{}`", input.name)
+}
+
+fn for_each_property(expr: &RealExpr, visit: &mut impl FnMut(usize)) {
+    match expr {
+        RealExpr::Number(_) | RealExpr::Wire(_) => {}
+        RealExpr::Property(i) => visit(*i),
+        RealExpr::Unary(_, a) => for_each_property(a, visit),
+        RealExpr::Binary(_, a, b) => {
+            for_each_property(a, visit);
+            for_each_property(b, visit);
+        }
+        RealExpr::If(c, a, b) => {
+            for_each_property(c, visit);
+            for_each_property(a, visit);
+            for_each_property(b, visit);
+        }
+    }
+}
+
+/// A number with up to six decimals, without zeros at the end; the same text as `lw_say_real` in the C runtime.
+fn real(value: f64) -> String {
+    // Written this way round so that it refuses what is not a number.
+    if value.is_nan() || value.abs() >= 1e12 {
+        return "out of range".to_owned();
+    }
+    let millionths = (value.abs() * 1e6).round() as i64;
+    let (whole, part) = (millionths / 1_000_000, millionths % 1_000_000);
+    let sign = if value < 0.0 && millionths != 0 {
+        "-"
+    } else {
+        ""
+    };
+    let decimals = format!(".{part:06}");
+    format!("{sign}{whole}{}", decimals.trim_end_matches(['0', '.']))
+}
+
+impl CallError {
+    fn plain(code: ErrorCode, message: String) -> Self {
+        Self {
+            code,
+            rule: None,
+            message,
+        }
+    }
+
+    pub(super) fn operation(index: usize) -> Self {
+        Self::plain(
+            ErrorCode::Operation,
+            format!("there is no operation {index}"),
+        )
+    }
+
+    pub(super) fn value_count() -> Self {
+        Self::plain(
+            ErrorCode::Argument,
+            "the values are missing, or are not as many as the machine's properties".to_owned(),
+        )
+    }
+
+    pub(super) fn plant_count() -> Self {
+        Self::plain(
+            ErrorCode::Argument,
+            "the plant's values are missing, or are not as many as the machine's plant inputs"
+                .to_owned(),
+        )
+    }
+
+    pub(super) fn output_count() -> Self {
+        Self::plain(
+            ErrorCode::Argument,
+            "the room for outputs is not as large as the machine's outputs".to_owned(),
+        )
+    }
+
+    pub(super) fn plant_domain(name: &str, value: i64, domain: &str) -> Self {
+        Self::plain(
+            ErrorCode::Domain,
+            format!("plant input `{name}` is {value}, outside its domain {domain}"),
+        )
+    }
+
+    pub(super) fn input_domain(component: &str, name: &str, value: i64, domain: &str) -> Self {
+        Self::plain(
+            ErrorCode::Domain,
+            format!("{component}: input `{name}` is {value}, outside its domain {domain}"),
+        )
+    }
+
+    pub(super) fn formula(component: &Component, formula: &Formula, party: Party) -> Self {
+        Self {
+            code: match party {
+                Party::Plant => ErrorCode::Assumption,
+                Party::Machine => ErrorCode::Guarantee,
+                Party::Caller => ErrorCode::Order,
+            },
+            rule: Some(rule(component, formula)),
+            message: broken(component, formula, party),
+        }
+    }
+
+    pub(super) fn no_transition(component: &str) -> Self {
+        Self::plain(
+            ErrorCode::Internal,
+            format!(
+                "{component}: there is no transition for inputs that keep the assumptions; please report this"
+            ),
+        )
+    }
+
+    /// A component that answers first has no outputs where it is: a verified table has a row for all inputs that keep the assumptions,
+    /// so none do.
+    pub(super) fn no_legal_inputs(component: &str) -> Self {
+        Self::plain(
+            ErrorCode::Assumption,
+            format!("{component}: its assumptions contradict each other here: no inputs keep them"),
+        )
+    }
+
+    pub(super) fn property_not_finite(name: &str) -> Self {
+        Self::plain(
+            ErrorCode::Domain,
+            format!("property `{name}` is not a finite number"),
+        )
+    }
+
+    pub(super) fn abstraction(machine: &Machine, input: &PlantInput, value: f64) -> Self {
+        Self::plain(
+            ErrorCode::Domain,
+            format!(
+                "{} would be {}, not an integer of {}",
+                about_abstraction(machine, input),
+                real(value),
+                input.describe()
+            ),
+        )
+    }
+
+    pub(super) fn power(component: &str) -> Self {
+        Self::plain(
+            ErrorCode::Domain,
+            format!("{component}: its power is not a finite number"),
+        )
+    }
+
+    pub(super) fn time(component: &str) -> Self {
+        Self::plain(
+            ErrorCode::Domain,
+            format!("{component}: its time is not a finite number of at least 0"),
+        )
+    }
+
+    /// What an operation of a line took, if a run cannot measure that.
+    pub fn unmeasured(seconds: f64, joules: f64) -> Option<Self> {
+        let sound = (0.0..=LONGEST_SECONDS).contains(&seconds) && is_energy(joules);
+        (!sound).then(|| {
+            Self::plain(
+                ErrorCode::Internal,
+                format!("the operation took {seconds} s and {joules} J: at most {LONGEST_SECONDS:e} s and no energy below 0 can be measured"),
+            )
+        })
+    }
+
+    pub(super) fn write(property: &str) -> Self {
+        Self::plain(
+            ErrorCode::Domain,
+            format!("property `{property}` would get a value that is not a finite number"),
+        )
+    }
+
+    pub(super) fn write_range(property: &str) -> Self {
+        Self::plain(
+            ErrorCode::Domain,
+            format!("property `{property}` would get a value outside its range"),
+        )
+    }
+
+    /// `longest` is the justice assumption that has not held for longest, and for how many steps.
+    pub(super) fn limit(
+        operation: &str,
+        steps: u64,
+        longest: Option<(&Component, &Formula, u64)>,
+    ) -> Self {
+        let begin = format!("`{operation}` did not end within {steps} steps");
+        match longest {
+            None => Self::plain(ErrorCode::Limit, begin),
+            Some((component, formula, silence)) => Self {
+                code: ErrorCode::Limit,
+                rule: Some(rule(component, formula)),
+                message: format!(
+                    "{begin}; for {silence} steps {}",
+                    silent(component, formula)
+                ),
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::real;
+
+    #[test]
+    fn numbers_have_no_needless_digits() {
+        let cases = [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.5, "1.5"),
+            (-2.25, "-2.25"),
+            (100.0, "100"),
+            (1e-9, "0"),
+            (0.000_001, "0.000001"),
+            (1e15, "out of range"),
+            (f64::NAN, "out of range"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(real(value), text);
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! A monitor of skill orders as a function block of IEC 61131-3: an input a skill, whose rising edge is the call.
+//!
+//! What is called at once is found by walking a table, skill by skill: from a set of skills and one more to the set with it. So no
+//! mask is needed, and nothing that depends on how a system stores bits. Sets that are never called at once are one place.
+
+use crate::structured_text::names::{Names, comment, identifier, stem, string};
+use crate::structured_text::tables::{element, named_table};
+use crate::structured_text::{Block, Section, Type, Variable, Width};
+use linewright_language::order::layout::Layout;
+use linewright_language::order::monitor::Why;
+use linewright_language::order::table::Table;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// How long the text of a rule may be: what systems take where no length is given.
+const LONGEST: usize = 80;
+
+/// The monitor of a table as a function block `FB_PickAndPlaceUnitOrder`.
+pub fn block(table: &Table) -> Block {
+    let words = Words::new(table);
+    let sets = Sets::new(table);
+    let layout = Layout::new(table);
+    let set_with = named_table(
+        &words.set_with,
+        sets.with(table.skills.len()),
+        0,
+        &format!(
+            "from a set of skills and one more to both: {} * set + skill",
+            table.skills.len()
+        ),
+    );
+    let next = named_table(
+        &words.next,
+        sets.next(table, &layout),
+        0,
+        &format!(
+            "the state after a set: {} * state + set; below 0, why it is refused",
+            sets.count()
+        ),
+    );
+    let index = [&set_with, &next].map(length).into_iter().max();
+    let index = Width::of(0, index.unwrap_or(0));
+    let body = body(table, &layout, &words, &sets, &set_with, &next, index);
+    let control = |name: &str, about: &str| Variable::new(name, Type::Bool, about);
+    let called = words.skills.iter().zip(&table.skills).map(|(name, skill)| {
+        let about = if name == skill {
+            String::new()
+        } else {
+            comment(skill)
+        };
+        control(name, &about)
+    });
+    let mut inputs = vec![control(
+        &words.reset,
+        "back to before the first call; nothing is called while it is TRUE",
+    )];
+    inputs.extend(called);
+    let mut outputs = vec![
+        control(&words.allowed, "all that is called may be done"),
+        control(&words.violated, "a call was refused since the last reset"),
+        Variable::new(
+            &words.rule,
+            Type::Text(LONGEST),
+            "why the last one was refused",
+        ),
+    ];
+    for (granted, skill) in words.granted.iter().zip(&table.skills) {
+        let about = format!("{} is called, and may be done", comment(skill));
+        outputs.push(control(granted, &about));
+    }
+    let number = |name: &str, about: &str| Variable::new(name, Type::Integer(index), about);
+    let start = i64::from(table.start);
+    let mut state = number(&words.state, "");
+    if start != 0 {
+        state = state.beginning(&start.to_string());
+    }
+    Block {
+        contract: table.name.clone(),
+        name: words.block.clone(),
+        description: description(table, &words),
+        types: Vec::new(),
+        sections: vec![
+            (Section::Input, inputs),
+            (Section::Output, outputs),
+            (Section::Local, vec![state]),
+            (Section::Constant, vec![set_with, next]),
+            (
+                Section::Temporary,
+                vec![
+                    number(&words.set, "what is called now"),
+                    number(&words.to, "what it leads to"),
+                ],
+            ),
+        ],
+        body,
+    }
+}
+
+/// The names of the block.
+struct Words {
+    block: String,
+    /// The inputs.
+    skills: Vec<String>,
+    /// An output a skill.
+    granted: Vec<String>,
+    reset: String,
+    allowed: String,
+    violated: String,
+    rule: String,
+    state: String,
+    set_with: String,
+    next: String,
+    set: String,
+    to: String,
+}
+
+impl Words {
+    fn new(table: &Table) -> Self {
+        let mut names = Names::default();
+        let block = names.unique(&format!("FB_{}Order", stem(&table.name)));
+        // The skills keep their names; ours give way.
+        let skills = table.skills.iter();
+        let skills: Vec<String> = skills.map(|s| names.unique(&identifier(s))).collect();
+        let granted = table.skills.iter();
+        let granted = granted.map(|s| names.unique(&identifier(&format!("granted_{s}"))));
+        let granted = granted.collect();
+        let mut own = |wish: &str| names.unique(&identifier(wish));
+        Self {
+            block,
+            skills,
+            granted,
+            reset: own("reset"),
+            allowed: own("allowed"),
+            violated: own("violated"),
+            rule: own("rule"),
+            state: own("state"),
+            set_with: own("set_with"),
+            next: own("next"),
+            set: own("set"),
+            to: own("next_state"),
+        }
+    }
+}
+
+/// The sets of skills that are told apart, numbered: 0 is none of them, the last number is any other.
+struct Sets(BTreeMap<(u32, u64), usize>);
+
+impl Sets {
+    fn new(table: &Table) -> Self {
+        let mut sets = BTreeMap::new();
+        for mask in &table.calls {
+            // With what is met on the way to it, skill by skill.
+            let mut rest = *mask;
+            while rest != 0 {
+                sets.insert((rest.count_ones(), rest), 0);
+                rest &= !(1 << rest.ilog2());
+            }
+        }
+        for (number, set) in sets.values_mut().enumerate() {
+            *set = number + 1;
+        }
+        Self(sets)
+    }
+
+    fn count(&self) -> usize {
+        self.0.len() + 2
+    }
+
+    /// From every set and skill to the set with both; skills come in their order.
+    fn with(&self, skills: usize) -> Vec<i64> {
+        let other = self.count() - 1;
+        let masks = std::iter::once(0).chain(self.0.keys().map(|(_, mask)| *mask));
+        let mut with = Vec::new();
+        for mask in masks {
+            with.extend((0..skills).map(|skill| {
+                let both = mask | 1 << skill;
+                let is_last = both >> skill == 1;
+                let known = self.0.get(&(both.count_ones(), both));
+                let set = known.filter(|_| is_last && both != mask);
+                *set.unwrap_or(&other) as i64
+            }));
+        }
+        with.extend(std::iter::repeat_n(other as i64, skills));
+        with
+    }
+
+    /// From every state and set to the state after it.
+    fn next(&self, table: &Table, layout: &Layout) -> Vec<i64> {
+        let mut next = Vec::new();
+        for state in 0..table.states {
+            let entry = |mask: u64| {
+                let several = || {
+                    let set = layout.sets.binary_search(&mask).ok()?;
+                    Some(layout.at_once[state * layout.sets.len() + set])
+                };
+                let known = if mask.is_power_of_two() {
+                    Some(layout.single[state * layout.stride + mask.trailing_zeros() as usize])
+                } else {
+                    several()
+                };
+                match known {
+                    Some(entry) if entry < layout.refused => {
+                        i64::from(entry / layout.stride as u32)
+                    }
+                    Some(entry) => refusal(layout, layout.why(entry)),
+                    None => refusal(layout, Why::Together),
+                }
+            };
+            next.push(state as i64);
+            next.extend(self.0.keys().map(|(_, mask)| entry(*mask)));
+            next.push(refusal(layout, Why::Together));
+        }
+        next
+    }
+}
+
+/// The number in the place of a state that says why there is none.
+fn refusal(layout: &Layout, why: Why) -> i64 {
+    -1 - i64::from(layout.code(why) - layout.refused)
+}
+
+/// How many elements a table has.
+fn length(table: &Variable) -> i64 {
+    match table.kind {
+        Type::Array(_, last, _) => last + 1,
+        _ => 1,
+    }
+}
+
+fn description(table: &Table, words: &Words) -> Vec<String> {
+    let Words {
+        reset,
+        allowed,
+        violated,
+        rule,
+        ..
+    } = words;
+    let mut lines = vec![
+        format!(
+            "The skill orders of {} {}, as a monitor made by linewright.",
+            comment(&table.name),
+            table.kept
+        ),
+        String::new(),
+        format!(
+            "Call an instance once in every cycle, from one task. A skill is called when its input becomes TRUE; inputs that become TRUE in \
+             the same cycle are called at once. It is an interlock: what is refused changes nothing, and is asked for again in every cycle \
+             until it is allowed or its input is FALSE. Do what the granted_ outputs say, in the same cycle: each is TRUE while its skill \
+             is called and was allowed. {allowed} is FALSE while something that is called is refused. {violated} stays TRUE after a \
+             refusal, with the reason in {rule}, until {reset}."
+        ),
+    ];
+    if !table.rules.is_empty() {
+        lines.extend([String::new(), "What it watches:".to_owned()]);
+        let rules = table.rules.iter();
+        lines.extend(rules.map(|r| format!("  order {}", comment(&r.to_string()))));
+    }
+    lines
+}
+
+fn body(
+    table: &Table,
+    layout: &Layout,
+    words: &Words,
+    sets: &Sets,
+    set_with: &Variable,
+    next: &Variable,
+    index: Width,
+) -> String {
+    let Words {
+        reset,
+        allowed,
+        violated,
+        rule,
+        state,
+        set,
+        to,
+        ..
+    } = words;
+    let each = |line: &dyn Fn(&str, &str) -> String| {
+        let ports = words.skills.iter().zip(&words.granted);
+        ports.fold(String::new(), |mut out, (skill, granted)| {
+            out += &line(skill, granted);
+            out
+        })
+    };
+    let mut out = format!(
+        "{allowed} := FALSE;\nIF {reset} THEN\n    {state} := {};\n    {violated} := FALSE;\n    {rule} := '';\n{}ELSE\n    {set} := 0;\n",
+        table.start,
+        each(&|_, granted| format!("    {granted} := FALSE;\n")),
+    );
+    let count = table.skills.len();
+    for (number, (skill, granted)) in words.skills.iter().zip(&words.granted).enumerate() {
+        let place = format!("{}[{count} * {set} + {number}]", set_with.name);
+        let _ = write!(
+            out,
+            "    IF {skill} AND NOT {granted} THEN\n        {set} := {};\n    END_IF;\n",
+            element(set_with).convert(index, &place)
+        );
+    }
+    let place = format!("{}[{} * {state} + {set}]", next.name, sets.count());
+    let _ = write!(
+        out,
+        "    {to} := {};\n    {allowed} := ({to} >= 0);\n    IF {allowed} THEN\n        {state} := {to};\n{}    ELSE\n        (* What is granted stays so. *)\n{}        {violated} := TRUE;\n        CASE {to} OF\n",
+        element(next).convert(index, &place),
+        each(&|skill, granted| format!("        {granted} := {skill};\n")),
+        each(&|skill, granted| format!("        {granted} := {granted} AND {skill};\n")),
+    );
+    let reasons = (0..table.rules.len()).map(Why::Rule);
+    for why in reasons.chain([Why::Recall, Why::Together]) {
+        let text = match why {
+            Why::Rule(rule) => table.rules[rule].name.clone(),
+            other => other.text(&table.rules),
+        };
+        let _ = writeln!(
+            out,
+            "            {}: {rule} := {};",
+            refusal(layout, why),
+            string(&text, LONGEST)
+        );
+    }
+    out + "        END_CASE;\n    END_IF;\nEND_IF;\n"
+}

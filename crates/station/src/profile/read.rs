@@ -1,0 +1,505 @@
+//! A profile read from its file, strictly: unknown keys, missing ones, values that cannot be and fields that overlap are
+//! findings, all of them at once, each at its place.
+//!
+//! The `toml` crate gives the tree with the place of every key and value; it is walked by hand, since a derived reader stops at
+//! the first mistake.
+
+use super::{Encoding, LARGEST_SIZE, Layout, Profile, SCHEMA, Tag, VALUE_BYTES};
+use linewright_core::diagnostics::{Diagnostic, codes, nearest};
+use linewright_core::source::{FileId, Span};
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// The longest name, and the longest line about where a profile comes from.
+const LONGEST: [usize; 2] = [60, 200];
+
+/// Reads a profile; without one, the findings say why.
+pub fn parse(file: FileId, text: &str) -> Result<Profile, Vec<Diagnostic>> {
+    let mut reader = Reader {
+        file,
+        findings: Vec::new(),
+    };
+    let profile = reader.profile(text);
+    match profile {
+        Some(profile) if reader.findings.is_empty() => Ok(profile),
+        _ => Err(reader.findings),
+    }
+}
+
+struct Reader {
+    file: FileId,
+    findings: Vec<Diagnostic>,
+}
+
+/// A table whose keys are taken one by one; what is left is unknown.
+struct Fields<'t, 'i> {
+    table: &'t DeTable<'i>,
+    place: Range<usize>,
+    within: &'static str,
+    known: Vec<&'static str>,
+}
+
+/// A value and where it stands.
+type Placed<T> = Spanned<T>;
+
+impl Reader {
+    fn report(&mut self, place: Range<usize>, message: String, help: impl Into<String>) {
+        let span = Span::new(self.file, place.start, place.end);
+        self.findings
+            .push(Diagnostic::error(codes::PROFILE, span, message).with_help(help));
+    }
+
+    fn profile(&mut self, text: &str) -> Option<Profile> {
+        let (document, errors) = DeTable::parse_recoverable(text);
+        for error in errors {
+            let place = error.span().unwrap_or(0..0);
+            let end = place.end.min(text.len());
+            self.report(
+                place.start.min(end)..end,
+                format!("this is not TOML: {}", error.message().replace('\n', " ")),
+                "`linewright explain LW540` shows a whole profile",
+            );
+        }
+        if !self.findings.is_empty() {
+            return None;
+        }
+        let mut top = Fields::of(document.get_ref(), 0..0, "");
+        let schema = self.text(&mut top, "schema");
+        if let Some(schema) = schema.filter(|s| s.get_ref() != SCHEMA) {
+            self.report(
+                schema.span(),
+                format!("the schema is \"{}\", not \"{SCHEMA}\"", schema.get_ref()),
+                "this program reads profiles of that schema only; `doctor --probe` writes them",
+            );
+        }
+        let name = self.line(&mut top, "name", LONGEST[0]);
+        let found = self.line(&mut top, "found", LONGEST[1]);
+        let verified = self.required(&mut top, "verified", "true or false", |v| match v {
+            DeValue::Boolean(b) => Some(*b),
+            _ => None,
+        });
+        let confirmed = if top.has("confirmed") {
+            self.text(&mut top, "confirmed")
+        } else {
+            top.known.push("confirmed");
+            None
+        };
+        let layout = self.fields(&mut top, "layout").map(|mut f| {
+            let layout = self.layout(&mut f);
+            self.unknown(&f);
+            layout
+        });
+        let tag = self.fields(&mut top, "tag").map(|mut f| {
+            let tag = self.tag(&mut f);
+            self.unknown(&f);
+            tag
+        });
+        self.unknown(&top);
+        let (layout, tag) = (layout??, tag??);
+        let layout = self.together(&layout, &tag);
+        let fingerprint = layout.fingerprint();
+        let claimed = confirmed.is_some();
+        let confirmed = confirmed.filter(|c| {
+            if *c.get_ref() != fingerprint {
+                self.report(
+                    c.span(),
+                    "the layout is not the one that was confirmed".to_owned(),
+                    "undo the change; or delete this line, set `verified = false`, and confirm the layout with the probe",
+                );
+            }
+            *c.get_ref() == fingerprint
+        });
+        match verified {
+            Some(v) if *v.get_ref() && !claimed => self.report(
+                v.span(),
+                "nothing confirms this layout".to_owned(),
+                "set it to false: only `doctor --probe` on the dump of a confirmation writes a verified profile",
+            ),
+            Some(v) if !*v.get_ref() && claimed => self.report(
+                v.span(),
+                "an unverified profile has a confirmation".to_owned(),
+                "delete the line `confirmed`, or set this to true",
+            ),
+            _ => {}
+        }
+        Some(Profile {
+            name: name?,
+            found: found?,
+            confirmed: confirmed.map(Spanned::into_inner),
+            layout,
+        })
+    }
+
+    /// The table `[layout]`; the tag is still that of the assumption.
+    fn layout(&mut self, fields: &mut Fields<'_, '_>) -> Option<PlacedLayout> {
+        let size = self.number(fields, "size", 9..=i64::from(LARGEST_SIZE));
+        let packing = self.one_of(fields, "packing", &[1, 2, 4, 8]);
+        let value = self.number(fields, "value", 0..=i64::from(LARGEST_SIZE - VALUE_BYTES));
+        let integer_bits = self.one_of(fields, "integer_bits", &[16, 32, 64]);
+        let strings = self.required(fields, "strings", "an encoding", |v| {
+            v.as_str().map(str::to_owned)
+        });
+        let strings = strings.and_then(|given| {
+            let known = Encoding::ALL
+                .into_iter()
+                .find(|e| e.word() == given.get_ref());
+            if known.is_none() {
+                let words = Encoding::ALL.map(Encoding::word);
+                let help = match nearest(given.get_ref(), words.into_iter()) {
+                    Some(word) => format!("did you mean \"{word}\"?"),
+                    None => format!("there are {}", words.join(", ")),
+                };
+                self.report(
+                    given.span(),
+                    format!("\"{}\" is no encoding of strings", given.get_ref()),
+                    help,
+                );
+            }
+            known
+        });
+        Some(PlacedLayout {
+            size: size?,
+            packing: packing?,
+            value: value?,
+            integer_bits: integer_bits?,
+            strings: strings?,
+        })
+    }
+
+    /// The table `[tag]`.
+    fn tag(&mut self, fields: &mut Fields<'_, '_>) -> Option<PlacedTag> {
+        let offset = self.number(fields, "offset", 0..=i64::from(LARGEST_SIZE - 1));
+        let bits = self.one_of(fields, "bits", &[8, 16, 32, 64]);
+        let any = 0..=i64::MAX;
+        let (mut tags, mut complete) = (Vec::new(), true);
+        for key in ["integer", "real", "string", "boolean"] {
+            if key == "boolean" && !fields.has(key) {
+                fields.known.push(key);
+                continue;
+            }
+            match self.number(fields, key, any.clone()) {
+                Some(number) => tags.push((key, number)),
+                None => complete = false,
+            }
+        }
+        if fields.has("more_real") {
+            for tag in self.numbers(fields, "more_real") {
+                tags.push(("more_real", tag));
+            }
+        } else {
+            fields.known.push("more_real");
+        }
+        self.distinct(bits.as_ref().map(|b| *b.get_ref()), &tags);
+        complete.then_some(PlacedTag {
+            offset: offset?,
+            bits: bits?,
+            tags,
+        })
+    }
+
+    /// Whether the tags fit their field, and differ.
+    fn distinct(&mut self, bits: Option<i64>, tags: &[(&'static str, Placed<i64>)]) {
+        for (i, (name, number)) in tags.iter().enumerate() {
+            if let Some(bits) = bits.filter(|b| *b < 64 && *number.get_ref() >> b != 0) {
+                self.report(
+                    number.span(),
+                    format!("{} does not fit the {bits} bits of a tag", number.get_ref()),
+                    "make `bits` larger, or correct the number",
+                );
+            }
+            let mut before = tags[..i].iter();
+            if let Some((other, _)) = before.find(|(_, n)| n.get_ref() == number.get_ref()) {
+                self.report(
+                    number.span(),
+                    format!(
+                        "`{other}` and `{name}` have the same tag {}",
+                        number.get_ref()
+                    ),
+                    "give each kind of value a tag of its own",
+                );
+            }
+        }
+    }
+
+    /// Whether layout and tag go together.
+    fn together(&mut self, layout: &PlacedLayout, tag: &PlacedTag) -> Layout {
+        let bytes = *tag.bits.get_ref() / 8;
+        let (size, value, offset) = (
+            *layout.size.get_ref(),
+            *layout.value.get_ref(),
+            *tag.offset.get_ref(),
+        );
+        let width = i64::from(VALUE_BYTES);
+        if value + width > size {
+            self.report(
+                layout.value.span(),
+                format!(
+                    "the value takes the bytes {value} to {}, but the whole only {size}",
+                    value + width - 1
+                ),
+                format!(
+                    "make `size` at least {}, or put the value further to the front",
+                    value + width
+                ),
+            );
+        }
+        if offset + bytes > size {
+            self.report(
+                tag.offset.span(),
+                format!(
+                    "the tag takes the bytes {offset} to {}, but the whole only {size}",
+                    offset + bytes - 1
+                ),
+                format!(
+                    "make `size` at least {}, or put the tag further to the front",
+                    offset + bytes
+                ),
+            );
+        }
+        if offset < value + width && value < offset + bytes {
+            self.report(
+                tag.offset.span(),
+                format!(
+                    "the tag takes the bytes {offset} to {}, the value {value} to {}: they overlap",
+                    offset + bytes - 1,
+                    value + width - 1
+                ),
+                "the value takes 8 bytes whatever is in it; put the tag before or behind it, or make it narrower",
+            );
+        }
+        let packing = *layout.packing.get_ref();
+        for (what, place, of, own) in [
+            ("the value stands at", layout.value.span(), value, width),
+            ("the tag stands at", tag.offset.span(), offset, bytes),
+            ("the whole takes", layout.size.span(), size, width),
+        ] {
+            let unit = packing.min(own);
+            if of % unit != 0 {
+                self.report(
+                    place,
+                    format!("{what} {of}, which is no multiple of {unit} as `packing = {packing}` wants it"),
+                    "make the packing smaller, or correct the number",
+                );
+            }
+        }
+        let all = |wanted: &str| -> Vec<u64> {
+            let named = tag.tags.iter().filter(|(name, _)| *name == wanted);
+            named.map(|(_, number)| *number.get_ref() as u64).collect()
+        };
+        let one = |wanted: &str| all(wanted).first().copied();
+        Layout {
+            size: size as u32,
+            packing: packing as u32,
+            value: value as u32,
+            integer_bits: *layout.integer_bits.get_ref() as u32,
+            strings: layout.strings,
+            tag: Tag {
+                offset: offset as u32,
+                bits: *tag.bits.get_ref() as u32,
+                integer: one("integer").unwrap_or_default(),
+                real: one("real").unwrap_or_default(),
+                string: one("string").unwrap_or_default(),
+                boolean: one("boolean"),
+                more_real: all("more_real"),
+            },
+        }
+    }
+
+    /// A value that must be there, in a form that `read` takes.
+    fn required<T>(
+        &mut self,
+        fields: &mut Fields<'_, '_>,
+        key: &'static str,
+        wanted: &str,
+        read: impl FnOnce(&DeValue<'_>) -> Option<T>,
+    ) -> Option<Placed<T>> {
+        let Some(value) = fields.take(key) else {
+            let within = fields.within;
+            let place = fields.place.clone();
+            self.report(
+                place,
+                format!("`{key}` is missing{within}"),
+                format!(
+                    "add `{key} = ...`, {wanted}; `linewright explain LW540` shows a whole profile"
+                ),
+            );
+            return None;
+        };
+        let read = read(value.get_ref());
+        if read.is_none() {
+            self.report(
+                value.span(),
+                format!("`{key}` is not {wanted}"),
+                format!("write {wanted}"),
+            );
+        }
+        read.map(|v| Spanned::new(value.span(), v))
+    }
+
+    fn text(&mut self, fields: &mut Fields<'_, '_>, key: &'static str) -> Option<Placed<String>> {
+        self.required(fields, key, "a text in quotes", |v| {
+            v.as_str().map(str::to_owned)
+        })
+    }
+
+    /// A text of one line that is neither empty nor long.
+    fn line(
+        &mut self,
+        fields: &mut Fields<'_, '_>,
+        key: &'static str,
+        longest: usize,
+    ) -> Option<String> {
+        let text = self.text(fields, key)?;
+        let value = text.get_ref();
+        if value.trim().is_empty()
+            || value.chars().count() > longest
+            || value.chars().any(char::is_control)
+        {
+            self.report(
+                text.span(),
+                format!("`{key}` is not one line of 1 to {longest} characters"),
+                "write a few words",
+            );
+            return None;
+        }
+        // Shown, it stands before "(unverified)".
+        if key == "name" && value.to_lowercase().contains("verified") {
+            self.report(
+                text.span(),
+                format!("the name \"{value}\" speaks of being verified"),
+                "that is what the key `verified` says; choose another name",
+            );
+        }
+        Some(text.into_inner())
+    }
+
+    fn number(
+        &mut self,
+        fields: &mut Fields<'_, '_>,
+        key: &'static str,
+        within: std::ops::RangeInclusive<i64>,
+    ) -> Option<Placed<i64>> {
+        let wanted = if *within.end() == i64::MAX {
+            format!("a whole number from {}", within.start())
+        } else {
+            format!("a whole number from {} to {}", within.start(), within.end())
+        };
+        self.required(fields, key, &wanted, |v| {
+            whole(v).filter(|n| within.contains(n))
+        })
+    }
+
+    fn one_of(
+        &mut self,
+        fields: &mut Fields<'_, '_>,
+        key: &'static str,
+        all: &[i64],
+    ) -> Option<Placed<i64>> {
+        let words: Vec<String> = all.iter().map(i64::to_string).collect();
+        let wanted = format!("one of {}", words.join(", "));
+        self.required(fields, key, &wanted, |v| {
+            whole(v).filter(|n| all.contains(n))
+        })
+    }
+
+    /// A list of tags.
+    fn numbers(&mut self, fields: &mut Fields<'_, '_>, key: &'static str) -> Vec<Placed<i64>> {
+        let wanted = "a list of whole numbers from 0";
+        let read = self.required(fields, key, wanted, |v| {
+            let all = v.as_array()?.iter().map(|item| {
+                let number = whole(item.get_ref()).filter(|n| *n >= 0)?;
+                Some(Spanned::new(item.span(), number))
+            });
+            all.collect::<Option<Vec<_>>>()
+        });
+        read.map(Spanned::into_inner).unwrap_or_default()
+    }
+
+    fn fields<'t, 'i>(
+        &mut self,
+        top: &mut Fields<'t, 'i>,
+        key: &'static str,
+    ) -> Option<Fields<'t, 'i>> {
+        let Some(value) = top.take(key) else {
+            self.report(
+                0..0,
+                format!("the table `[{key}]` is missing"),
+                "`linewright explain LW540` shows a whole profile",
+            );
+            return None;
+        };
+        let Some(table) = value.get_ref().as_table() else {
+            self.report(
+                value.span(),
+                format!("`{key}` is not a table"),
+                format!("write a line `[{key}]`, and its keys below"),
+            );
+            return None;
+        };
+        let within = if key == "tag" {
+            " in `[tag]`"
+        } else {
+            " in `[layout]`"
+        };
+        Some(Fields::of(table, value.span(), within))
+    }
+
+    fn unknown(&mut self, fields: &Fields<'_, '_>) {
+        for (key, _) in fields.table {
+            let name = key.get_ref().as_ref();
+            if fields.known.contains(&name) {
+                continue;
+            }
+            let help = match nearest(name, fields.known.iter().copied()) {
+                Some(word) => format!("did you mean `{word}`?"),
+                None => format!("there are `{}`", fields.known.join("`, `")),
+            };
+            self.report(
+                key.span(),
+                format!("there is no key `{name}`{}", fields.within),
+                help,
+            );
+        }
+    }
+}
+
+struct PlacedLayout {
+    size: Placed<i64>,
+    packing: Placed<i64>,
+    value: Placed<i64>,
+    integer_bits: Placed<i64>,
+    strings: Encoding,
+}
+
+struct PlacedTag {
+    offset: Placed<i64>,
+    bits: Placed<i64>,
+    tags: Vec<(&'static str, Placed<i64>)>,
+}
+
+impl<'t, 'i> Fields<'t, 'i> {
+    fn of(table: &'t DeTable<'i>, place: Range<usize>, within: &'static str) -> Self {
+        Self {
+            table,
+            place,
+            within,
+            known: Vec::new(),
+        }
+    }
+
+    fn has(&self, key: &str) -> bool {
+        self.table.get(key).is_some()
+    }
+
+    fn take(&mut self, key: &'static str) -> Option<&'t Spanned<DeValue<'i>>> {
+        self.known.push(key);
+        self.table.get(key)
+    }
+}
+
+/// A whole number that fits 64 bits.
+fn whole(value: &DeValue<'_>) -> Option<i64> {
+    let number = value.as_integer()?;
+    i64::from_str_radix(number.as_str(), number.radix()).ok()
+}

@@ -1,0 +1,151 @@
+//! What a machine relies on, asked before its transitions.
+//!
+//! A machine's guards were put together over inputs that the assumptions exclude, so it has transitions for some of those, too. So a
+//! step first evaluates the contract's assumptions one after the other, and the first that is broken refuses it, by its name. That
+//! takes the inputs of the step before, which are kept.
+//!
+//! The standard can say every assumption. One whose condition would be longer than [`LONGEST`](super::expression::LONGEST) is not
+//! asked: then only such inputs are refused for which the machine has no transition, without a name.
+
+use super::Variable;
+use super::expression::Translator;
+use super::interface::{Interface, Own, mentions};
+use super::text::{indented, wrap_condition};
+use linewright_core::gr1::{Expr, Formula, Specification, Time};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// The assumptions as statements.
+pub(super) struct Assumptions {
+    no_step: String,
+    state: String,
+    first: String,
+    later: String,
+    /// What is kept of the step before: the variable, the input it is a copy of, and its value before step 0.
+    kept: Vec<(Variable, String, String)>,
+}
+
+impl Assumptions {
+    /// The assumptions of a machine whose state is in this variable, below 0 before step 0.
+    pub fn new(interface: &mut Interface<'_>, specification: &Specification, state: &str) -> Self {
+        let side = &specification.assumptions;
+        let mut kept = BTreeMap::new();
+        for formula in &side.safety {
+            formula.expr.for_each_var(&mut |v, t| {
+                let place = specification.inputs().position(|i| i == v);
+                if let (Time::Now, Some(place)) = (t, place) {
+                    kept.insert(place, String::new());
+                }
+            });
+        }
+        for (place, name) in &mut kept {
+            *name = interface.fresh(&format!("last_{}", interface.inputs[*place].name));
+        }
+        let mut first = String::new();
+        let mut later = String::new();
+        let mut used = String::new();
+        let mut check =
+            |interface: &mut Interface<'_>, out: &mut String, formula: &Formula, safety: bool| {
+                let translator = Translator {
+                    specification,
+                    inputs: &interface.inputs,
+                    outputs: &interface.outputs,
+                    kept: safety.then_some(&kept),
+                };
+                if formula.expr.simplify() == Expr::TRUE {
+                    return;
+                }
+                let Some(condition) = translator.broken(&formula.expr) else {
+                    return;
+                };
+                used.push_str(&condition);
+                used.push('\n');
+                let label = interface.broken(&formula.name);
+                let word = if out.is_empty() { "IF" } else { "ELSIF" };
+                let line = wrap_condition(&format!("{word} {condition} THEN"), "        ");
+                let _ = writeln!(out, "{line}\n    {} := {label};", interface.own().refused);
+            };
+        for formula in &side.initial {
+            check(interface, &mut first, formula, false);
+        }
+        for formula in &side.invariants {
+            check(interface, &mut first, formula, false);
+            check(interface, &mut later, formula, false);
+        }
+        for formula in &side.safety {
+            check(interface, &mut later, formula, true);
+        }
+        for out in [&mut first, &mut later] {
+            if !out.is_empty() {
+                out.push_str("END_IF;\n");
+            }
+        }
+        let kept = kept.into_iter().filter(|(_, name)| mentions(&used, name));
+        let kept = kept.map(|(place, name)| {
+            let input = interface.inputs[place].variable();
+            let copy = Variable {
+                name,
+                description: format!("{} in the step before", input.name),
+                ..input.clone()
+            };
+            (copy, input.name, interface.inputs[place].usual())
+        });
+        Self {
+            kept: kept.collect(),
+            no_step: interface.no_step(),
+            state: state.to_owned(),
+            first,
+            later,
+        }
+    }
+
+    /// The error of a step for which the machine has no transition.
+    pub fn no_step(&self) -> &str {
+        &self.no_step
+    }
+
+    /// The step of a machine: what it relies on, then the transition, then what is kept.
+    pub fn around(&self, own: &Own, transition: &str) -> String {
+        let (refused, fine) = (&own.refused, &own.fine);
+        let mut out = String::new();
+        let state = &self.state;
+        let (first, later) = (indented(&self.first, 1), indented(&self.later, 1));
+        let asked = match (first.is_empty(), later.is_empty()) {
+            (true, true) => String::new(),
+            (false, true) => format!("IF {state} < 0 THEN\n{first}END_IF;\n"),
+            (true, false) => format!("IF {state} >= 0 THEN\n{later}END_IF;\n"),
+            (false, false) => format!("IF {state} < 0 THEN\n{first}ELSE\n{later}END_IF;\n"),
+        };
+        if asked.is_empty() {
+            out.push_str(transition);
+        } else {
+            let transition = indented(transition, 1);
+            let _ = write!(
+                out,
+                "(* What it relies on. *)\n{asked}IF {refused} = {fine} THEN\n{transition}END_IF;\n"
+            );
+        }
+        if !self.kept.is_empty() {
+            let _ = writeln!(out, "IF {refused} = {fine} THEN");
+            for (copy, input, _) in &self.kept {
+                let _ = writeln!(out, "    {} := {input};", copy.name);
+            }
+            out.push_str("END_IF;\n");
+        }
+        out
+    }
+
+    /// What forgets the step before.
+    pub fn reset(&self) -> String {
+        let kept = self.kept.iter();
+        kept.fold(String::new(), |mut out, (copy, _, usual)| {
+            let _ = writeln!(out, "{} := {usual};", copy.name);
+            out
+        })
+    }
+
+    /// What it keeps.
+    pub fn into_locals(self) -> impl Iterator<Item = Variable> {
+        self.kept.into_iter().map(|(copy, ..)| copy)
+    }
+}

@@ -1,0 +1,426 @@
+//! A controller as functions: a table of decisions with shared parts, which a loop walks.
+//!
+//! A block cannot call itself and should not need other blocks, so the walk is written out in each of the four places that
+//! ask for a function's value: assumptions, modes, outputs, goals.
+
+use super::interface::{Interface, Port};
+use super::tables::{element, table};
+use super::text::indented;
+use super::{Initial, Parts, Type, Variable, Width, codes, literal};
+use linewright_solver::mealy::functions::Functions;
+use linewright_solver::symbolic::{Bit, Edge};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// The tables of the decisions, and which of them give what.
+struct Tables {
+    promise: Variable,
+    promise_error: Variable,
+    node_signal: Variable,
+    node_high: Variable,
+    node_low: Variable,
+    output_signal: Variable,
+    output_edge: Variable,
+    mode_when: Variable,
+    mode_first: Variable,
+    goal_mode: Variable,
+    goal_reached: Variable,
+}
+
+impl Tables {
+    fn new(interface: &mut Interface<'_>, functions: &Functions) -> Self {
+        let controls = &functions.controls;
+        let numbers = |edges: &mut dyn Iterator<Item = u32>| edges.map(i64::from).collect();
+        let promised = controls.assumed_first.iter().chain(&controls.assumed);
+        let promises: Vec<i64> = numbers(&mut promised.map(|(_, e)| e.0));
+        let names = functions.names_first.iter().chain(&functions.names);
+        let mut errors: Vec<String> = names.map(|n| interface.broken(n)).collect();
+        if errors.is_empty() {
+            errors.push(interface.own().fine.clone());
+        }
+        let promise_error = Variable {
+            initial: Initial::Values(errors.clone()),
+            ..Variable::new(
+                &interface.fresh("promise_error"),
+                Type::Array(
+                    0,
+                    errors.len() as i64 - 1,
+                    Box::new(Type::Enumeration(interface.error_type())),
+                ),
+                "what is wrong where it does not hold",
+            )
+        };
+        let nodes = &controls.diagram.nodes;
+        let signals = numbers(&mut nodes.iter().map(|n| u32::from(n.bit.0)));
+        let highs = numbers(&mut nodes.iter().map(|n| n.high.0));
+        let lows = numbers(&mut nodes.iter().map(|n| n.low.0));
+
+        // The outputs of step 0 come first, then those of the modes; equal ones are there once.
+        let count = controls.first.len();
+        let mut rows: Vec<&[(Bit, Edge)]> = vec![&controls.first];
+        let mut known: BTreeMap<&[(Bit, Edge)], usize> = BTreeMap::new();
+        let (mut when, mut first) = (Vec::new(), Vec::new());
+        let (mut modes, mut reached) = (Vec::new(), Vec::new());
+        for goal in &controls.goals {
+            modes.push(when.len() as i64);
+            reached.push(i64::from(goal.reached.0));
+            for mode in &goal.modes {
+                let fresh = rows.len();
+                let place = *known.entry(&mode.outputs).or_insert(fresh);
+                if place == fresh {
+                    rows.push(&mode.outputs);
+                }
+                when.push(i64::from(mode.when.0));
+                first.push((place * count) as i64);
+            }
+        }
+        modes.push(when.len() as i64);
+        let outputs = || rows.iter().copied().flatten();
+        let output_signals = outputs().map(|(b, _)| i64::from(b.0)).collect();
+        let output_edges = outputs().map(|(_, e)| i64::from(e.0)).collect();
+
+        let mut make = |wish: &str, values: Vec<i64>, first: i64, about: &str| {
+            table(interface, wish, values, first, about)
+        };
+        Self {
+            promise: make(
+                "promise",
+                promises,
+                0,
+                "what is assumed: of step 0, then of later steps",
+            ),
+            promise_error,
+            node_signal: make(
+                "node_signal",
+                signals,
+                1,
+                "a decision asks for a signal; edge 2n leads to decision n, 2n + 1 to its negation, 0 is FALSE and 1 is TRUE",
+            ),
+            node_high: make("node_high", highs, 1, "the edge where the signal is TRUE"),
+            node_low: make("node_low", lows, 1, "the edge where it is FALSE"),
+            output_signal: make(
+                "output_signal",
+                output_signals,
+                0,
+                "the outputs' signals, of step 0 and of every mode",
+            ),
+            output_edge: make(
+                "output_edge",
+                output_edges,
+                0,
+                "their values, in the order in which they are computed",
+            ),
+            mode_when: make(
+                "mode_when",
+                when,
+                0,
+                "a way of pursuing a goal is taken when this holds",
+            ),
+            mode_first: make("mode_first", first, 0, "the first of its outputs"),
+            goal_mode: make(
+                "goal_mode",
+                modes,
+                0,
+                "the first mode of every goal, and one beyond the last",
+            ),
+            goal_reached: make("goal_reached", reached, 0, "when it is reached"),
+        }
+    }
+
+    fn into_list(self) -> Vec<Variable> {
+        vec![
+            self.promise,
+            self.promise_error,
+            self.node_signal,
+            self.node_high,
+            self.node_low,
+            self.output_signal,
+            self.output_edge,
+            self.mode_when,
+            self.mode_first,
+            self.goal_mode,
+            self.goal_reached,
+        ]
+    }
+}
+
+/// The scratch variables of a step.
+struct Scratch {
+    signals: Variable,
+    at: Variable,
+    last: Variable,
+    edge: Variable,
+    value: Variable,
+    code: Variable,
+}
+
+/// Tables, memory and step.
+pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Parts {
+    let pairs = functions.pairs().max(1) as i64;
+    let goal = interface.fresh("goal");
+    let goal = Variable::new(
+        &goal,
+        Type::Integer(Width::of(0, functions.controls.goals.len() as i64)),
+        "the goal that is pursued; -1 before step 0",
+    )
+    .beginning("-1");
+    let memory = Variable::new(
+        &interface.fresh("memory"),
+        Type::Array(0, pairs - 1, Box::new(Type::Bool)),
+        "the bits of the last step's values",
+    );
+    let tables = Tables::new(interface, functions);
+    let all = [
+        &tables.node_high,
+        &tables.node_low,
+        &tables.promise,
+        &tables.output_edge,
+        &tables.mode_when,
+        &tables.mode_first,
+        &tables.goal_reached,
+        &tables.goal_mode,
+        &tables.output_signal,
+    ];
+    // Indices and edges are of one type, also where they are one beyond a table.
+    let rows = all.iter().map(|t| match t.kind {
+        Type::Array(_, last, _) => Width::of(0, last + 1),
+        _ => Width::Lint,
+    });
+    let index = all.iter().map(|t| element(t)).chain(rows).max();
+    let index = index.unwrap_or(Width::Dint).max(Width::of(0, 2 * pairs));
+    let code = Type::Integer(code_width(interface));
+    let mut scratch =
+        |wish: &str, kind: Type, about: &str| Variable::new(&interface.fresh(wish), kind, about);
+    let scratch = Scratch {
+        signals: scratch(
+            "signals",
+            Type::Array(0, 2 * pairs - 1, Box::new(Type::Bool)),
+            "2k is a bit of the last step's values, 2k + 1 the same bit in this step",
+        ),
+        at: scratch("row", Type::Integer(index), ""),
+        last: scratch("last", Type::Integer(index), ""),
+        edge: scratch("edge", Type::Integer(index), ""),
+        value: scratch("value", Type::Bool, ""),
+        code: scratch("code", code, ""),
+    };
+    let step = step(
+        interface, functions, &tables, &scratch, &goal, &memory, index,
+    );
+    let reset = format!(
+        "{} := -1;\nFOR {at} := 0 TO {} DO\n    {}[{at}] := FALSE;\nEND_FOR;\n",
+        goal.name,
+        pairs - 1,
+        memory.name,
+        at = scratch.at.name
+    );
+    let Scratch {
+        signals,
+        at,
+        last,
+        edge,
+        value,
+        code,
+    } = scratch;
+    Parts {
+        locals: vec![goal, memory],
+        constants: tables.into_list(),
+        temporaries: vec![signals, at, last, edge, value, code],
+        reset,
+        step,
+    }
+}
+
+/// The width in which values are taken apart into bits.
+fn code_width(interface: &Interface<'_>) -> Width {
+    let ports = || interface.inputs.iter().chain(&interface.outputs);
+    let widths = ports().map(|p| {
+        let domain = &p.of.domain;
+        let size = domain.high().saturating_sub(domain.low());
+        Width::of(domain.low().min(0), domain.high().max(size))
+    });
+    let widths = widths.chain([
+        codes::width(&interface.inputs),
+        codes::width(&interface.outputs),
+    ]);
+    widths.max().unwrap_or(Width::Int)
+}
+
+fn step(
+    interface: &Interface<'_>,
+    functions: &Functions,
+    tables: &Tables,
+    scratch: &Scratch,
+    goal: &Variable,
+    memory: &Variable,
+    index: Width,
+) -> String {
+    let own = interface.own();
+    let (refused, fine) = (&own.refused, &own.fine);
+    let controls = &functions.controls;
+    let (at, last, edge, value) = (
+        &scratch.at.name,
+        &scratch.last.name,
+        &scratch.edge.name,
+        &scratch.value.name,
+    );
+    let (goal_name, memory_name, signals) = (&goal.name, &memory.name, &scratch.signals.name);
+    let pairs = functions.pairs();
+    let get = |table: &Variable, place: &str| {
+        element(table).convert(index, &format!("{}[{place}]", table.name))
+    };
+    // The value of the function that `place` of a table names.
+    let evaluate = |table: &Variable, place: &str| {
+        let node = format!("{edge} / 2");
+        let signal = format!("{signals}[{}[{node}]]", tables.node_signal.name);
+        format!(
+            "{edge} := {};\n\
+             {value} := ({edge} MOD 2 = 1);\n\
+             WHILE {edge} > 1 DO\n\
+             \x20   IF {signal} THEN\n\
+             \x20       {edge} := {};\n\
+             \x20   ELSE\n\
+             \x20       {edge} := {};\n\
+             \x20   END_IF;\n\
+             \x20   IF {edge} MOD 2 = 1 THEN\n\
+             \x20       {value} := NOT {value};\n\
+             \x20   END_IF;\n\
+             END_WHILE;\n",
+            get(table, place),
+            get(&tables.node_high, &node),
+            get(&tables.node_low, &node),
+        )
+    };
+
+    let mut out = String::from("(* The signals of this step. *)\n");
+    if pairs > 0 {
+        let _ = write!(
+            out,
+            "FOR {at} := 0 TO {} DO\n    {signals}[2 * {at}] := {memory_name}[{at}];\nEND_FOR;\n",
+            pairs - 1
+        );
+    }
+    for (port, bits) in interface.inputs.iter().zip(&functions.input_bits) {
+        out.push_str(&take_apart(port, bits, scratch));
+    }
+    let first = controls.assumed_first.len();
+    let later = controls.assumed.len();
+    if first + later > 0 {
+        let _ = write!(
+            out,
+            "(* What is assumed of it. *)\n\
+             IF {goal_name} < 0 THEN\n    {at} := 0;\n    {last} := {};\nELSE\n    {at} := {first};\n    {last} := {};\nEND_IF;\n\
+             WHILE ({refused} = {fine}) AND ({at} <= {last}) DO\n{}\
+             \x20   IF NOT {value} THEN\n        {refused} := {}[{at}];\n    END_IF;\n    {at} := {at} + 1;\nEND_WHILE;\n",
+            first as i64 - 1,
+            first as i64 + later as i64 - 1,
+            indented(&evaluate(&tables.promise, at), 1),
+            tables.promise_error.name,
+        );
+    }
+
+    let mut answer = String::new();
+    let count = controls.first.len();
+    let _ = write!(
+        answer,
+        "(* Where the outputs are found: those of step 0, or of the first mode of the goal that holds. *)\n\
+         {last} := 0;\n\
+         IF {goal_name} >= 0 THEN\n\
+         \x20   {row} := {} - 1;\n\
+         \x20   {last} := {} - 1;\n\
+         \x20   {value} := FALSE;\n\
+         \x20   WHILE (NOT {value}) AND ({row} < {last}) DO\n\
+         \x20       {row} := {row} + 1;\n{}\
+         \x20   END_WHILE;\n\
+         \x20   {last} := {};\n\
+         END_IF;\n",
+        get(&tables.goal_mode, goal_name),
+        get(&tables.goal_mode, &format!("{goal_name} + 1")),
+        indented(&evaluate(&tables.mode_when, at), 2),
+        get(&tables.mode_first, at),
+        row = at,
+    );
+    if count > 0 {
+        let _ = write!(
+            answer,
+            "FOR {at} := {last} TO {last} + {} DO\n{}    {signals}[{}[{at}]] := {value};\nEND_FOR;\n",
+            count - 1,
+            indented(&evaluate(&tables.output_edge, at), 1),
+            tables.output_signal.name,
+        );
+    }
+    let _ = write!(
+        answer,
+        "(* The goal that is pursued next. *)\n\
+         IF {goal_name} < 0 THEN\n    {goal_name} := 0;\nELSE\n{}    IF {value} THEN\n        {goal_name} := ({goal_name} + 1) MOD {};\n    END_IF;\nEND_IF;\n",
+        indented(&evaluate(&tables.goal_reached, goal_name), 1),
+        controls.goals.len(),
+    );
+    if pairs > 0 {
+        let _ = write!(
+            answer,
+            "FOR {at} := 0 TO {} DO\n    {memory_name}[{at}] := {signals}[2 * {at} + 1];\nEND_FOR;\n",
+            pairs - 1
+        );
+    }
+    for (port, bits) in interface.outputs.iter().zip(&functions.output_bits) {
+        answer.push_str(&put_together(port, bits, scratch));
+    }
+    let _ = write!(
+        out,
+        "IF {refused} = {fine} THEN\n{}END_IF;\n",
+        indented(&answer, 1)
+    );
+    out
+}
+
+/// Statements that write the bits of an input to its signals of this step, the least significant first.
+fn take_apart(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
+    let signal = |bit: &Bit| format!("{}[{}]", scratch.signals.name, bit.primed().0);
+    if let ([bit], Type::Bool) = (bits, &port.kind) {
+        return format!("{} := {};\n", signal(bit), port.name);
+    }
+    let Type::Integer(width) = scratch.code.kind else {
+        unreachable!("a code is a number")
+    };
+    let code = &scratch.code.name;
+    let mut out = String::new();
+    if bits.is_empty() {
+        return out;
+    }
+    out.push_str(&codes::read(port, code, width));
+    let low = port.of.domain.low();
+    if low != 0 {
+        let _ = writeln!(out, "{code} := {code} - ({});", literal(low));
+    }
+    for (place, bit) in bits.iter().rev().enumerate() {
+        if place > 0 {
+            let _ = writeln!(out, "{code} := {code} / 2;");
+        }
+        let _ = writeln!(out, "{} := ({code} MOD 2 = 1);", signal(bit));
+    }
+    out
+}
+
+/// Statements that set an output from its signals of this step.
+fn put_together(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
+    let signal = |bit: &Bit| format!("{}[{}]", scratch.signals.name, bit.primed().0);
+    if let ([bit], Type::Bool) = (bits, &port.kind) {
+        return format!("{} := {};\n", port.name, signal(bit));
+    }
+    let Type::Integer(width) = scratch.code.kind else {
+        unreachable!("a code is a number")
+    };
+    let code = &scratch.code.name;
+    let mut out = format!("{code} := 0;\n");
+    for (place, bit) in bits.iter().enumerate() {
+        if place > 0 {
+            let _ = writeln!(out, "{code} := 2 * {code};");
+        }
+        let _ = writeln!(out, "IF {} THEN {code} := {code} + 1; END_IF;", signal(bit));
+    }
+    let low = port.of.domain.low();
+    if low != 0 {
+        let _ = writeln!(out, "{code} := {code} + ({});", literal(low));
+    }
+    out + &codes::write(port, code, width)
+}

@@ -1,0 +1,457 @@
+//! What all blocks have in common: names and types of the ports, the control inputs and outputs, and how a call begins and ends.
+
+use super::names::{Names, comment, identifier, part, stem};
+use super::text::{indented, wrap_condition};
+use super::{Block, Enumeration, Initial, Parts, Section, Type, Variable, Width, literal};
+use linewright_core::gr1::{Domain, Formula, Specification, Timing, described};
+use linewright_solver::mealy;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// An input or output of the controller as a variable of the block.
+pub(super) struct Port<'a> {
+    /// The variable.
+    pub name: String,
+    /// Its type.
+    pub kind: Type,
+    /// The labels of an enumeration, as declared.
+    pub labels: Vec<String>,
+    /// What it stands for.
+    pub of: &'a mealy::Port,
+}
+
+/// The names of the block.
+pub(super) struct Interface<'a> {
+    contract: String,
+    prefix: String,
+    timing: Timing,
+    specification: &'a Specification,
+    names: Names,
+    block: String,
+    types: Vec<Enumeration>,
+    /// Which of `types` is which enumeration.
+    known: BTreeMap<(Option<String>, Vec<String>), usize>,
+    /// The inputs in the order of the specification.
+    pub inputs: Vec<Port<'a>>,
+    /// The outputs and internal variables.
+    pub outputs: Vec<Port<'a>>,
+    own: Own,
+    errors: Enumeration,
+    broken: BTreeMap<String, String>,
+    outside: Vec<Option<String>>,
+}
+
+/// The block's own variables that every form uses.
+pub(super) struct Own {
+    pub enable: String,
+    pub reset: String,
+    pub stepped: String,
+    pub error: String,
+    pub error_id: String,
+    /// The error of this call.
+    pub refused: String,
+    /// The label that says that there is none.
+    pub fine: String,
+}
+
+impl<'a> Interface<'a> {
+    /// The interface of a controller.
+    pub fn new(controller: &'a mealy::Controller, specification: &'a Specification) -> Self {
+        let contract = controller.name();
+        let prefix = stem(contract);
+        let mut interface = Self {
+            contract: contract.to_owned(),
+            prefix: prefix.clone(),
+            timing: controller.timing(),
+            specification,
+            names: Names::default(),
+            block: String::new(),
+            types: Vec::new(),
+            known: BTreeMap::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            own: Own {
+                enable: String::new(),
+                reset: String::new(),
+                stepped: String::new(),
+                error: String::new(),
+                error_id: String::new(),
+                refused: String::new(),
+                fine: String::new(),
+            },
+            errors: Enumeration {
+                name: String::new(),
+                description: format!("Why {} refused a step.", comment(contract)),
+                labels: Vec::new(),
+            },
+            broken: BTreeMap::new(),
+            outside: Vec::new(),
+        };
+        // Enumerations come first: they shall be called the same in all blocks that share them, so that outputs of one can be
+        // connected with inputs of another.
+        let ports = controller.inputs().iter().chain(controller.outputs());
+        for port in ports {
+            interface.declare(port);
+        }
+        interface.block = interface.names.unique(&format!("FB_{prefix}"));
+        interface.errors.name = interface.names.unique(&format!("E_{prefix}_Error"));
+        interface.own.fine = interface.error("no_error", "");
+        interface.inputs = interface.ports(controller.inputs());
+        interface.outputs = interface.ports(controller.outputs());
+        for place in 0..interface.inputs.len() {
+            let port = &interface.inputs[place];
+            let label = (port.kind != Type::Bool).then(|| {
+                let wish = format!("outside_{}", part(&port.of.name));
+                let meaning = format!("{} has a value outside its domain", port.of.name);
+                interface.error(&wish, &meaning)
+            });
+            interface.outside.push(label);
+        }
+        // The contract's words keep their names; ours give way.
+        interface.own = Own {
+            enable: interface.fresh("enable"),
+            reset: interface.fresh("reset"),
+            stepped: interface.fresh("stepped"),
+            error: interface.fresh("error"),
+            error_id: interface.fresh("error_id"),
+            refused: interface.fresh("refused"),
+            fine: interface.own.fine,
+        };
+        interface
+    }
+
+    /// The block's own variables.
+    pub fn own(&self) -> &Own {
+        &self.own
+    }
+
+    /// The type of the errors.
+    pub fn error_type(&self) -> String {
+        self.errors.name.clone()
+    }
+
+    /// A name for one more variable.
+    pub fn fresh(&mut self, wish: &str) -> String {
+        self.names.unique(&identifier(wish))
+    }
+
+    /// One more error, and its label.
+    fn error(&mut self, wish: &str, meaning: &str) -> String {
+        let label = format!("{}_{wish}", self.prefix);
+        let label = self.names.unique(&label);
+        self.errors.labels.push((label.clone(), comment(meaning)));
+        label
+    }
+
+    /// The error that an assumption of this name is broken.
+    pub fn broken(&mut self, name: &str) -> String {
+        if let Some(label) = self.broken.get(name) {
+            return label.clone();
+        }
+        let all = self.specification.assumptions.all();
+        let texts: Vec<String> = all.filter(|f| f.name == name).map(text).collect();
+        let label = self.error(&format!("broken_{}", part(name)), &texts.join("; "));
+        self.broken.insert(name.to_owned(), label.clone());
+        label
+    }
+
+    /// The error that there is no transition.
+    pub fn no_step(&mut self) -> String {
+        let meaning = "the controller has no step for these inputs; it has one wherever the assumptions are kept";
+        self.error("no_step", meaning)
+    }
+
+    /// Declares the type of an enumeration, unless it is known.
+    fn declare(&mut self, port: &mealy::Port) {
+        let Domain::Enum { name, labels } = &port.domain else {
+            return;
+        };
+        let key = (name.clone(), labels.clone());
+        if self.known.contains_key(&key) {
+            return;
+        }
+        let prefix = if let Some(name) = name {
+            stem(name)
+        } else {
+            // An array's elements have the type in common.
+            let whole = port.name.split('[').next().unwrap_or_default();
+            format!("{}_{}", self.prefix, part(whole))
+        };
+        let declared = Enumeration {
+            name: self.names.unique(&format!("E_{prefix}")),
+            description: String::new(),
+            labels: labels
+                .iter()
+                .map(|label| {
+                    let wish = format!("{prefix}_{}", part(label));
+                    let declared = self.names.unique(&wish);
+                    // What the name says already needs no words.
+                    let meaning = if declared == format!("{prefix}_{label}") {
+                        String::new()
+                    } else {
+                        comment(label)
+                    };
+                    (declared, meaning)
+                })
+                .collect(),
+        };
+        self.known.insert(key, self.types.len());
+        self.types.push(declared);
+    }
+
+    fn ports(&mut self, ports: &'a [mealy::Port]) -> Vec<Port<'a>> {
+        let named = ports.iter().map(|port| {
+            let name = self.names.unique(&identifier(&port.name));
+            let (kind, labels) = match &port.domain {
+                Domain::Bool => (Type::Bool, Vec::new()),
+                Domain::Range { low, high } => (Type::Integer(Width::of(*low, *high)), Vec::new()),
+                Domain::Enum { name, labels } => {
+                    let declared = &self.types[self.known[&(name.clone(), labels.clone())]];
+                    let kind = Type::Enumeration(declared.name.clone());
+                    (kind, declared.labels.iter().map(|l| l.0.clone()).collect())
+                }
+            };
+            Port {
+                name,
+                kind,
+                labels,
+                of: port,
+            }
+        });
+        named.collect()
+    }
+
+    /// The block, with what a form of controllers adds.
+    pub fn finish(self, parts: Parts) -> Block {
+        let body = self.body(&parts);
+        let description = self.description();
+        let Self { own, errors, .. } = self;
+        let control = |name: &str, text: &str| Variable::new(name, Type::Bool, text);
+        let mut inputs = vec![
+            control(
+                &own.enable,
+                "a call in which it is TRUE makes one step; it is no edge",
+            ),
+            control(
+                &own.reset,
+                "back to before step 0; no step is made while it is TRUE",
+            ),
+        ];
+        let mut outputs = vec![
+            control(&own.stepped, "this call made a step"),
+            control(
+                &own.error,
+                "the last step was refused and changed nothing; until the next step or reset",
+            ),
+            Variable::new(
+                &own.error_id,
+                Type::Enumeration(errors.name.clone()),
+                "why it was refused",
+            ),
+        ];
+        let mut locals = parts.locals;
+        inputs.extend(self.inputs.iter().map(Port::variable));
+        for port in &self.outputs {
+            if port.of.internal {
+                locals.push(port.variable());
+            } else {
+                outputs.push(port.variable());
+            }
+        }
+        let used = |v: &Variable| mentions(&body, &v.name);
+        let mut temporaries = parts.temporaries;
+        let mut constants = parts.constants;
+        temporaries.retain(used);
+        constants.retain(used);
+        let refused = Variable::new(
+            &own.refused,
+            Type::Enumeration(errors.name.clone()),
+            "why this step is refused",
+        );
+        temporaries.insert(0, refused);
+        let mut types = self.types;
+        types.push(errors);
+        let sections = [
+            (Section::Input, inputs),
+            (Section::Output, outputs),
+            (Section::Local, locals),
+            (Section::Constant, constants),
+            (Section::Temporary, temporaries),
+        ];
+        Block {
+            contract: self.contract,
+            name: self.block,
+            description,
+            types,
+            sections: sections
+                .into_iter()
+                .filter(|(_, list)| !list.is_empty())
+                .collect(),
+            body,
+        }
+    }
+
+    fn description(&self) -> Vec<String> {
+        let own = &self.own;
+        let timing = match self.timing {
+            Timing::Mealy => "the outputs of a step may depend on the inputs of the same step",
+            Timing::Moore => "the outputs of a step do not depend on the inputs of the same step",
+        };
+        let mut lines = vec![
+            format!(
+                "The controller of the contract {}, synthesized and verified by linewright: {timing}.",
+                comment(&self.contract)
+            ),
+            String::new(),
+            format!(
+                "Call an instance once in every cycle, from one task. A call in which {} is TRUE makes one step of the contract: it \
+                 reads the inputs and writes the outputs. Leave it TRUE for a step a cycle; for a step an event, connect the event \
+                 through R_TRIG. Between steps the outputs keep their values. A step whose inputs leave their domains or break an assumption is refused: \
+                 outputs and state are as before, {} is TRUE, and {} says why. With {} the block is as before its first call.",
+                own.enable, own.error, own.error_id, own.reset
+            ),
+        ];
+        let mut list = |title: &str, word: &str, side: &linewright_core::gr1::Side| {
+            let mut seen = Vec::new();
+            for formula in side.all() {
+                let line = format!("  {word} {}", text(formula));
+                if !seen.contains(&line) {
+                    seen.push(line);
+                }
+            }
+            if !seen.is_empty() {
+                lines.extend([String::new(), title.to_owned()]);
+                lines.extend(seen);
+            }
+        };
+        let specification = self.specification;
+        list("What it relies on:", "assume", &specification.assumptions);
+        list(
+            "What it guarantees:",
+            "guarantee",
+            &specification.guarantees,
+        );
+        lines
+    }
+
+    fn body(&self, parts: &Parts) -> String {
+        let own = &self.own;
+        let Own {
+            enable,
+            reset,
+            stepped,
+            error,
+            error_id,
+            refused,
+            fine,
+        } = own;
+        let mut before = parts.reset.clone();
+        for port in &self.outputs {
+            let _ = writeln!(before, "{} := {};", port.name, port.usual());
+        }
+        let mut out = format!(
+            "{stepped} := FALSE;\nIF {reset} THEN\n{}    {error} := FALSE;\n    {error_id} := {fine};\nELSIF {enable} THEN\n    {refused} := {fine};\n",
+            indented(&before, 1)
+        );
+        let checks = self.domain_checks();
+        if checks.is_empty() {
+            out.push_str(&indented(&parts.step, 1));
+        } else {
+            out.push_str(&indented(&checks, 1));
+            let _ = write!(
+                out,
+                "    IF {refused} = {fine} THEN\n{}    END_IF;\n",
+                indented(&parts.step, 2)
+            );
+        }
+        let _ = write!(
+            out,
+            "    {stepped} := ({refused} = {fine});\n    {error} := NOT {stepped};\n    {error_id} := {refused};\nEND_IF;\n"
+        );
+        out
+    }
+
+    /// Refuses inputs outside their domains. Systems differ in whether an enumeration can have other values than its labels.
+    fn domain_checks(&self) -> String {
+        let mut out = String::new();
+        for (port, label) in self.inputs.iter().zip(&self.outside) {
+            let Some(label) = label else {
+                continue;
+            };
+            let condition = if port.labels.is_empty() {
+                let domain = &port.of.domain;
+                let (low, high) = (literal(domain.low()), literal(domain.high()));
+                format!("({0} < {low}) OR ({0} > {high})", port.name)
+            } else {
+                let labels = port.labels.iter();
+                let tests: Vec<String> =
+                    labels.map(|l| format!("({} <> {l})", port.name)).collect();
+                tests.join(" AND ")
+            };
+            let word = if out.is_empty() { "IF" } else { "ELSIF" };
+            let condition = wrap_condition(&format!("{word} {condition} THEN"), "        ");
+            let _ = writeln!(out, "{condition}\n    {} := {label};", self.own.refused);
+        }
+        if !out.is_empty() {
+            out.push_str("END_IF;\n");
+        }
+        out
+    }
+}
+
+/// Whether a name occurs in a text.
+pub(super) fn mentions(text: &str, name: &str) -> bool {
+    let mut words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    words.any(|w| w == name)
+}
+
+/// A formula with its name.
+fn text(formula: &Formula) -> String {
+    let requirement = match &formula.requirement {
+        Some(requirement) => format!(" ({requirement})"),
+        None => String::new(),
+    };
+    comment(&format!("{}{requirement}: {}", formula.name, formula.text))
+}
+
+impl Port<'_> {
+    /// A value of the port.
+    pub fn value(&self, value: i64) -> String {
+        match self.kind {
+            Type::Bool => if value == 0 { "FALSE" } else { "TRUE" }.to_owned(),
+            Type::Enumeration(_) => self.labels[value as usize].clone(),
+            _ => literal(value),
+        }
+    }
+
+    /// Its value before the first call: 0 where that is one, or the lowest.
+    pub fn usual(&self) -> String {
+        self.value(self.zero())
+    }
+
+    fn zero(&self) -> i64 {
+        let domain = &self.of.domain;
+        if domain.contains(0) { 0 } else { domain.low() }
+    }
+
+    pub fn variable(&self) -> Variable {
+        let port = self.of;
+        let mut description = match &self.kind {
+            Type::Integer(_) => described(&port.domain, &port.unit),
+            _ => String::new(),
+        };
+        if port.name != self.name {
+            let separator = if description.is_empty() { "" } else { ": " };
+            description = format!("{}{separator}{description}", port.name);
+        }
+        Variable {
+            name: self.name.clone(),
+            kind: self.kind.clone(),
+            initial: match self.zero() {
+                0 => Initial::Usual,
+                value => Initial::Value(literal(value)),
+            },
+            description: comment(&description),
+        }
+    }
+}

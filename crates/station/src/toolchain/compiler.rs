@@ -1,0 +1,302 @@
+//! Which C compilers there are: for this computer, and for 64-bit Windows.
+//!
+//! For this computer it is the one that the `cc` crate finds; the environment variables `CC` and `CFLAGS` are honoured. A
+//! Windows library is made by the first of these that is there, with the flags that `CFLAGS_x86_64_pc_windows_gnu` holds:
+//!
+//! 1. what `CC_x86_64_pc_windows_gnu` names;
+//! 2. `x86_64-w64-mingw32-gcc` on the PATH (Debian's `gcc-mingw-w64-x86-64`);
+//! 3. `zig` on the PATH, as `zig cc`;
+//! 4. `python3 -m ziglang`, or `python -m ziglang` (PyPI's `ziglang`).
+//!
+//! Microsoft's compiler is looked for on Windows only. The `cc` crate would name some other compiler in its place, so it is not
+//! asked for that.
+
+use super::trial::{self, Answer};
+use crate::Error;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// What a library is compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Platform {
+    /// The computer that this program runs on.
+    Host,
+    /// 64-bit Windows, with the options of gcc.
+    Windows,
+    /// 64-bit Windows, with Microsoft's compiler.
+    Msvc,
+}
+
+/// A compiler for 64-bit Windows that was looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CrossCompiler {
+    /// The one that the environment names.
+    Named,
+    /// MinGW's gcc.
+    MinGw,
+    /// Zig, on the PATH.
+    Zig,
+    /// Zig, installed as a Python package.
+    PythonZig,
+}
+
+/// A compiler as it is started.
+#[derive(Debug, Clone)]
+pub struct Compiler {
+    program: PathBuf,
+    /// What stands before all other arguments.
+    first: Vec<OsString>,
+    /// How many of them belong to its name: `cc` of `zig cc`.
+    named: usize,
+    environment: Vec<(OsString, OsString)>,
+}
+
+/// The environment variable that names the compiler for Windows.
+const NAMED: &str = "CC_x86_64_pc_windows_gnu";
+
+/// The environment variable with flags for it.
+const NAMED_FLAGS: &str = "CFLAGS_x86_64_pc_windows_gnu";
+
+impl Platform {
+    /// In the words of the `cc` crate.
+    pub(super) fn triple(self) -> String {
+        match self {
+            Self::Host => host(),
+            Self::Windows => "x86_64-pc-windows-gnu".to_owned(),
+            Self::Msvc => "x86_64-pc-windows-msvc".to_owned(),
+        }
+    }
+
+    /// What the names of its libraries end in, with the dot.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::Host => std::env::consts::DLL_SUFFIX,
+            Self::Windows | Self::Msvc => ".dll",
+        }
+    }
+
+    /// The environment variables that decide which compiler is run, and how, as far as they are set.
+    pub(super) fn environment(self) -> Vec<(String, OsString)> {
+        let triple = self.triple();
+        let with_target = |name: &&str| {
+            let plain = format!("{name}_{triple}");
+            [plain.replace('-', "_"), plain]
+        };
+        let names: Vec<String> = match self {
+            Self::Host => {
+                let plain = ["CC", "HOST_CC", "CFLAGS", "HOST_CFLAGS"];
+                let targeted = ["CC", "CFLAGS"].iter().flat_map(with_target);
+                plain
+                    .map(str::to_owned)
+                    .into_iter()
+                    .chain(targeted)
+                    .collect()
+            }
+            Self::Windows => vec![NAMED.to_owned(), NAMED_FLAGS.to_owned()],
+            Self::Msvc => vec!["CL".to_owned(), "_CL_".to_owned()],
+        };
+        names
+            .into_iter()
+            .filter_map(|name| {
+                let value = std::env::var_os(&name)?;
+                Some((name, value))
+            })
+            .collect()
+    }
+}
+
+impl Compiler {
+    fn plain(program: PathBuf, first: &[&str]) -> Self {
+        Self {
+            program,
+            first: first.iter().map(OsString::from).collect(),
+            named: first.len(),
+            environment: Vec::new(),
+        }
+    }
+
+    /// The compiler for this computer, or one by its path or name that takes the same options. `work` is a folder for the files
+    /// with which its kind is found out.
+    pub(super) fn host(wanted: Option<&Path>, work: &Path) -> Result<Self, Error> {
+        let missing = |command: String, cause: String| Error::CompilerMissing { command, cause };
+        let named = || match (wanted, std::env::var("CC")) {
+            (Some(command), _) => command.display().to_string(),
+            (None, Ok(command)) => command,
+            (None, Err(_)) => "cc".to_owned(),
+        };
+        let tool = tool(wanted, work).map_err(|e| missing(named(), e))?;
+        if tool.is_like_msvc() {
+            let cause = "it takes the options of cl, not those of cc".to_owned();
+            return Err(missing(tool.path().display().to_string(), cause));
+        }
+        Ok(Self::of(&tool))
+    }
+
+    /// The first compiler for 64-bit Windows that there is.
+    pub fn windows() -> Result<(CrossCompiler, Self), Error> {
+        let found = CrossCompiler::ALL
+            .into_iter()
+            .find_map(|kind| Some((kind, kind.find()?)));
+        let (kind, mut compiler) = found.ok_or(Error::CrossCompilerMissing)?;
+        let flags = std::env::var(NAMED_FLAGS).unwrap_or_default();
+        compiler
+            .first
+            .extend(flags.split_whitespace().map(OsString::from));
+        Ok((kind, compiler))
+    }
+
+    /// Microsoft's compiler for 64-bit Windows.
+    pub fn msvc() -> Result<Self, Error> {
+        let tool = cc::windows_registry::find_tool("x86_64-pc-windows-msvc", "cl.exe");
+        Ok(Self::of(&tool.ok_or(Error::MsvcMissing)?))
+    }
+
+    fn of(tool: &cc::Tool) -> Self {
+        Self {
+            program: tool.path().to_owned(),
+            first: tool.args().to_vec(),
+            named: 0,
+            environment: tool
+                .get_envs()
+                .map(|(k, v)| (k.to_owned(), v.to_owned()))
+                .collect(),
+        }
+    }
+
+    /// As it is started, with the arguments that always stand first.
+    pub fn command(&self) -> Command {
+        let mut command = Command::new(&self.program);
+        command.args(&self.first);
+        command.envs(self.environment.iter().map(|(k, v)| (k, v)));
+        command.stdin(Stdio::null());
+        command
+    }
+
+    /// The program's path, as far as it is found on the PATH.
+    pub fn program(&self) -> PathBuf {
+        on_path(self.program.as_os_str()).unwrap_or_else(|| self.program.clone())
+    }
+
+    /// What is started, as a person would write it.
+    pub fn show(&self) -> String {
+        let first = self.first[..self.named].iter().map(|a| a.to_string_lossy());
+        let program = self.program.display().to_string();
+        let words: Vec<_> = std::iter::once(program.into()).chain(first).collect();
+        words.join(" ")
+    }
+
+    /// The first line of what it says of itself; an error says why it does not.
+    pub fn version(&self) -> Result<String, String> {
+        let answer = trial::answer(self.command().arg("--version"))?;
+        if !answer.status.success() {
+            return Err(format!("it does not say its version ({})", answer.status));
+        }
+        Answer::first_line(&answer.stdout).ok_or("it does not say its version".to_owned())
+    }
+}
+
+impl CrossCompiler {
+    /// All, in the order in which they are taken.
+    pub const ALL: [Self; 4] = [Self::Named, Self::MinGw, Self::Zig, Self::PythonZig];
+
+    /// Its name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Named => "the compiler that CC_x86_64_pc_windows_gnu names",
+            Self::MinGw => "x86_64-w64-mingw32-gcc",
+            Self::Zig => "zig cc",
+            Self::PythonZig => "python3 -m ziglang cc",
+        }
+    }
+
+    /// Whether it is looked for without being named.
+    pub fn is_usual(self) -> bool {
+        self != Self::Named
+    }
+
+    /// Whether it is there; nothing is compiled.
+    pub fn find(self) -> Option<Compiler> {
+        let zig = ["cc", "-target", "x86_64-windows-gnu"];
+        match self {
+            Self::Named => {
+                let named = std::env::var(NAMED).ok()?;
+                let mut words = named.split_whitespace();
+                let program = on_path(OsStr::new(words.next()?))?;
+                Some(Compiler::plain(program, &words.collect::<Vec<_>>()))
+            }
+            Self::MinGw => {
+                let program = on_path(OsStr::new("x86_64-w64-mingw32-gcc"))?;
+                Some(Compiler::plain(program, &[]))
+            }
+            Self::Zig => Some(Compiler::plain(on_path(OsStr::new("zig"))?, &zig)),
+            Self::PythonZig => ["python3", "python"].into_iter().find_map(|python| {
+                let python = on_path(OsStr::new(python))?;
+                let mut zig_version = Command::new(&python);
+                zig_version.args(["-m", "ziglang", "version"]);
+                let answer = trial::answer(&mut zig_version).ok()?;
+                let words: Vec<&str> = ["-m", "ziglang"].into_iter().chain(zig).collect();
+                answer
+                    .status
+                    .success()
+                    .then(|| Compiler::plain(python, &words))
+            }),
+        }
+    }
+}
+
+/// The compiler that the `cc` crate finds.
+fn tool(wanted: Option<&Path>, work: &Path) -> Result<cc::Tool, String> {
+    let host = host();
+    let mut build = cc::Build::new();
+    build
+        .target(&host)
+        .host(&host)
+        .opt_level(0)
+        .out_dir(work)
+        .no_default_flags(true)
+        .warnings(false)
+        .extra_warnings(false)
+        .inherit_rustflags(false)
+        .cargo_metadata(false)
+        .cargo_warnings(false)
+        .cargo_output(false);
+    if let Some(command) = wanted {
+        build.compiler(command);
+    }
+    build.try_get_compiler().map_err(|e| e.to_string())
+}
+
+/// This computer in the words of the `cc` crate.
+fn host() -> String {
+    let system = if cfg!(target_os = "macos") {
+        "apple-darwin"
+    } else if cfg!(all(windows, target_env = "msvc")) {
+        "pc-windows-msvc"
+    } else if cfg!(windows) {
+        "pc-windows-gnu"
+    } else if cfg!(target_env = "musl") {
+        "unknown-linux-musl"
+    } else if cfg!(target_os = "freebsd") {
+        "unknown-freebsd"
+    } else {
+        "unknown-linux-gnu"
+    };
+    format!("{}-{system}", std::env::consts::ARCH)
+}
+
+/// The program of a name in one of the folders of the PATH, or at a path.
+pub fn on_path(program: &OsStr) -> Option<PathBuf> {
+    let is_program = |path: &PathBuf| path.is_file();
+    if Path::new(program).components().count() > 1 {
+        return Some(PathBuf::from(program)).filter(is_program);
+    }
+    let mut name = program.to_owned();
+    if cfg!(windows) && Path::new(program).extension().is_none() {
+        name.push(".exe");
+    }
+    let folders = std::env::var_os("PATH")?;
+    std::env::split_paths(&folders)
+        .map(|folder| folder.join(&name))
+        .find(is_program)
+}

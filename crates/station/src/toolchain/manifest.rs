@@ -1,0 +1,67 @@
+//! What is written down beside a library: whose it is, and what its bytes are.
+
+use crate::{Error, Package, disk, emit};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+const SCHEMA: &str = "linewright/library/1";
+
+/// The manifest of a library.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Manifest {
+    schema: String,
+    machine: String,
+    contract_hash: String,
+    length: u64,
+    sha256: String,
+}
+
+impl Manifest {
+    /// That of a package's library with these bytes.
+    pub(super) fn new(package: &Package, bytes: &[u8]) -> Self {
+        Self {
+            schema: SCHEMA.to_owned(),
+            machine: package.name.clone(),
+            contract_hash: package.contract_hash.clone(),
+            length: bytes.len() as u64,
+            sha256: emit::hex(&Sha256::digest(bytes)),
+        }
+    }
+
+    /// Where a library's manifest is.
+    pub(super) fn path(library: &Path) -> PathBuf {
+        library.with_extension("json")
+    }
+
+    /// Compares a library with its manifest.
+    pub(crate) fn verify(library: &Path) -> Result<(), Error> {
+        let damaged = |reason: String| Error::LibraryDamaged {
+            path: library.to_owned(),
+            reason,
+        };
+        let path = Self::path(library);
+        let text = disk::read(&path).map_err(|e| {
+            damaged(format!(
+                "its manifest {} cannot be read: {e}",
+                path.display()
+            ))
+        })?;
+        let manifest: Self = serde_json::from_slice(&text)
+            .map_err(|e| damaged(format!("its manifest {} is damaged: {e}", path.display())))?;
+        let bytes = disk::read(library).map_err(|e| damaged(format!("it cannot be read: {e}")))?;
+        if bytes.len() as u64 != manifest.length {
+            return Err(damaged(format!(
+                "it has {} bytes instead of {}",
+                bytes.len(),
+                manifest.length
+            )));
+        }
+        if emit::hex(&Sha256::digest(&bytes)) != manifest.sha256 {
+            return Err(damaged(
+                "its bytes are not those that were built".to_owned(),
+            ));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,151 @@
+//! What there is on this computer: compilers, each of which is tried with a line of C, and what tests use beside them, which is asked for
+//! its version.
+
+use super::compiler::on_path;
+use super::trial::{self, Answer};
+use super::{Compiler, CrossCompiler};
+use crate::Error;
+use serde::Serialize;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Where Wine is installed without being on the PATH.
+const WINE_PLACES: [&str; 8] = [
+    "/usr/lib/wine/wine64",
+    "/usr/lib/wine/wine",
+    "/usr/lib/x86_64-linux-gnu/wine/wine64",
+    "/usr/lib64/wine/wine64",
+    "/opt/wine-stable/bin/wine64",
+    "/opt/wine-stable/bin/wine",
+    "/opt/wine-devel/bin/wine",
+    "/Applications/Wine Stable.app/Contents/Resources/wine/bin/wine64",
+];
+
+/// Python packages that tests use.
+const PACKAGES: [&str; 3] = ["fmpy", "blark", "ziglang"];
+
+/// A program that was found.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Found {
+    /// As it is started.
+    pub command: String,
+    /// The first line of what it says of its version.
+    pub version: Option<String>,
+    /// Why a compiler compiles nothing, although it is there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
+}
+
+/// What was looked for, and found or not.
+#[derive(Debug)]
+pub struct Survey {
+    /// The C compiler for this computer.
+    pub host: Result<Found, Error>,
+    /// Those for 64-bit Windows, in the order in which they are taken.
+    pub cross: Vec<(CrossCompiler, Option<Found>)>,
+    /// Wine.
+    pub wine: Option<Found>,
+    /// Python 3.
+    pub python: Option<Found>,
+    /// Which of the packages that tests use it has.
+    pub packages: Vec<&'static str>,
+}
+
+impl Survey {
+    /// The compiler that `--target windows` takes: the first that is there. It may have a fault.
+    pub fn windows(&self) -> Option<(CrossCompiler, &Found)> {
+        let mut cross = self.cross.iter();
+        cross.find_map(|(kind, found)| Some((*kind, found.as_ref()?)))
+    }
+}
+
+/// Looks for everything.
+pub fn survey() -> Survey {
+    let python = ["python3", "python"]
+        .into_iter()
+        .find_map(|p| on_path(OsStr::new(p)));
+    let packages = python.as_deref().map(packages).unwrap_or_default();
+    let work = tempfile::tempdir();
+    let cross = CrossCompiler::ALL.into_iter().map(|kind| {
+        let found = kind.find().map(|compiler| {
+            let version = compiler.version();
+            let tried = match (&version, &work) {
+                (Ok(_), Ok(work)) => trial::compiles(&compiler, work.path()),
+                (Err(why), _) => Err(why.clone()),
+                (_, Err(e)) => Err(e.to_string()),
+            };
+            Found {
+                command: compiler.show(),
+                version: version.ok(),
+                fault: tried.err(),
+            }
+        });
+        (kind, found)
+    });
+    Survey {
+        host: host(),
+        cross: cross.collect(),
+        wine: wine().as_deref().map(asked),
+        python: python.as_deref().map(asked),
+        packages,
+    }
+}
+
+/// Wine's program for 64 bits, on the PATH or in one of its usual places.
+pub fn wine() -> Option<PathBuf> {
+    let named = ["wine64", "wine"]
+        .into_iter()
+        .find_map(|p| on_path(OsStr::new(p)));
+    let place = || {
+        let mut places = WINE_PLACES.iter().map(PathBuf::from);
+        places.find(|p| p.is_file())
+    };
+    named.or_else(place)
+}
+
+fn host() -> Result<Found, Error> {
+    let work = tempfile::tempdir().map_err(|cause| Error::Unwritable {
+        path: std::env::temp_dir(),
+        cause,
+    })?;
+    let useless = |command: String, cause: String| Error::CompilerMissing { command, cause };
+    // Its kind is found out by a library that would wait for one that hangs.
+    let named = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
+    let program = named.split_whitespace().next().unwrap_or("cc");
+    if let Some(program) = on_path(OsStr::new(program)) {
+        let answer = trial::answer(Command::new(program).arg("--version"));
+        answer.map_err(|why| useless(named.clone(), why))?;
+    }
+    let compiler = Compiler::host(None, work.path())?;
+    let version = compiler.version();
+    let version = version.and_then(|v| trial::compiles(&compiler, work.path()).map(|()| v));
+    let version = version.map_err(|why| useless(compiler.show(), why))?;
+    Ok(Found {
+        command: compiler.program().display().to_string(),
+        version: Some(version),
+        fault: None,
+    })
+}
+
+/// A program and what it says of its version.
+fn asked(program: &Path) -> Found {
+    let mut command = Command::new(program);
+    let answer = trial::answer(command.arg("--version").env("WINEDEBUG", "-all"));
+    Found {
+        command: program.display().to_string(),
+        version: answer.ok().and_then(|a| Answer::first_line(&a.stdout)),
+        fault: None,
+    }
+}
+
+fn packages(python: &Path) -> Vec<&'static str> {
+    let script = format!(
+        "import importlib.util as u\nprint(' '.join(p for p in '{}'.split() if u.find_spec(p)))",
+        PACKAGES.join(" ")
+    );
+    let answer = trial::answer(Command::new(python).args(["-c", &script]));
+    let said = answer.map(|a| a.stdout).unwrap_or_default();
+    let has = |p: &&str| said.split_whitespace().any(|word| word == *p);
+    PACKAGES.into_iter().filter(has).collect()
+}
