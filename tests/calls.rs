@@ -809,3 +809,43 @@ fn a_walk_that_ends_early_says_nothing_of_routes_that_it_did_not_reach() {
     let calls = examine(&library.lines[0], |_| None, &bounds, &Limits::default());
     assert!(calls.undecided.is_empty(), "{:?}", calls.undecided);
 }
+
+/// The resolver does not know the values of parts, so it doubts a last route with a condition. Where following the parts shows that it
+/// always holds, none of the commands says so.
+#[test]
+fn all_commands_agree_on_routes_with_conditions() {
+    let line = |condition: &str| {
+        format!(
+            "line L {{
+    part P {{ property x: 0..9 = 0 }}
+    source s: P on order
+    sink k
+    station m: Adder {{ perform add on P }}
+    route P: s -> m
+    route P: m -> k when {condition}
+    limit 5 products
+}}
+"
+        )
+    };
+    for (condition, exit) in [("x = 1", 0), ("x = 2", 1)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = format!("{MACHINES}{}", line(condition));
+        std::fs::write(folder.path().join("line.lw"), text).expect("a file");
+        for command in ["check", "build", "run"] {
+            let output = linewright(folder.path(), &[command, "line.lw", "--deny", "warnings"]);
+            let said = [output.stdout, output.stderr].concat();
+            let said = String::from_utf8_lossy(&said);
+            assert_eq!(
+                output.status.code(),
+                Some(exit),
+                "{command}, {condition}: {said}"
+            );
+            assert_eq!(
+                said.contains("LW402"),
+                exit == 1,
+                "{command}, {condition}: {said}"
+            );
+        }
+    }
+}

@@ -6,12 +6,17 @@ use super::libraries::{self, Target, Written};
 use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use super::{picked, profiles};
+use crate::contract::line::Line;
+use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, has_errors, json};
+use crate::engine::controlled::Controlled;
 use crate::engine::controller::Wish;
 use crate::engine::internal;
 use crate::engine::judgement;
+use crate::engine::lines;
 use crate::engine::machines::{self, Planned};
 use crate::engine::pipeline::Jobs;
+use crate::game::Limits;
 use crate::source::SourceMap;
 use crate::station::profile::Profile;
 use crate::station::{Toolchain, fmi};
@@ -151,10 +156,40 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             );
         }
     }
+    let controlled = |machine: &Machine| {
+        let mut known = planned.iter();
+        let known = known.find(|p| machines::is_alike(p.machine, machine))?;
+        known.controlled(&checked)
+    };
+    for line in &library.lines {
+        clear_doubts(line, controlled, &settings.limits, &mut findings);
+    }
     debug_assert!(
         has_errors(&findings) || planned.iter().all(|p| p.controlled(&checked).is_some())
     );
     print(libraries, &library.sources, &findings, options)
+}
+
+/// Where the resolver was not sure of a line's routes, following its parts says more, as it does for `check` and `run`.
+fn clear_doubts<'a>(
+    line: &Line,
+    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    limits: &Limits,
+    findings: &mut Vec<Diagnostic>,
+) {
+    if !findings.iter().any(|f| lines::is_doubt(f, line)) {
+        return;
+    }
+    let doing = || format!("following the parts of the line `{}`", line.name);
+    // What is wrong with a line's calls keeps no library from being built.
+    match internal::caught(doing, || lines::follow(line, controlled, limits)) {
+        Ok(followed) if followed.routes_decided && followed.findings.is_empty() => {
+            findings.retain(|f| !lines::is_doubt(f, line));
+            findings.extend(followed.remarks);
+        }
+        Ok(_) => {}
+        Err(fault) => findings.push(fault.finding(Some(line.span))),
+    }
 }
 
 /// The compilers of all targets that have one.

@@ -128,10 +128,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         })
     };
     let doing = || format!("following the parts of the line `{}`", line.name);
-    let of_calls = internal::caught(doing, || {
-        lines::findings_of_calls(line, of_machine, &settings.limits)
+    let followed = internal::caught(doing, || lines::follow(line, of_machine, &settings.limits));
+    let followed = followed.unwrap_or_else(|fault| lines::Followed {
+        findings: vec![fault.finding(Some(line.span))],
+        ..lines::Followed::default()
     });
-    findings.extend(of_calls.unwrap_or_else(|fault| vec![fault.finding(Some(line.span))]));
+    findings.retain(|f| !(followed.routes_decided && lines::is_doubt(f, line)));
+    findings.extend(followed.findings);
+    findings.extend(followed.remarks);
 
     let default = default_folder(&arguments.selection.path);
     let run_options = RunOptions {

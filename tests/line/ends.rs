@@ -119,7 +119,7 @@ fn replications_use_different_seeds() {
     assert_eq!(figures.seeds, (1..=20).collect::<Vec<_>>());
     assert_eq!(traces.len(), 20);
     assert_ne!(traces[0].seconds.to_bits(), traces[1].seconds.to_bits());
-    let throughput = figures.throughput_per_hour;
+    let throughput = figures.throughput_per_hour.expect("it is measured");
     let half = throughput.half_width.unwrap();
     assert!((throughput.mean - 720.0).abs() < 2.0 * half && half > 0.0);
     // The same again: a run leaves nothing behind.

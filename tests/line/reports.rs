@@ -272,6 +272,85 @@ impl Controller for Slower {
     }
 }
 
+/// A station that gets faster from run to run: 200 s, 20 s, 10 s.
+struct Faster(usize);
+
+impl Controller for Faster {
+    fn simulate(&mut self, _: usize, _: &mut [f64]) -> Result<Service, CallError> {
+        took([200.0, 20.0, 10.0][self.0 - 1])
+    }
+
+    fn step(&mut self, _: &[i64], _: &mut [i64]) -> Result<(), CallError> {
+        Ok(())
+    }
+
+    fn reset(&mut self) {
+        self.0 += 1;
+    }
+}
+
+/// A run without a product has no lead time and no makespan: it is left out of their means, and is the worst one.
+#[test]
+fn runs_without_a_product_measure_nothing() {
+    let mut builder = Builder::new(&["Part"]);
+    let requirement = |name: &str, metric| Requirement {
+        name: name.to_owned(),
+        metric,
+        comparison: Comparison::Le,
+        bound: 100.0,
+        span: span(),
+    };
+    builder
+        .source("source", "Part", Supply::OnOrder)
+        .station("cell", &["Part"], Faster(0))
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"])
+        .require(requirement("done", Metric::MakespanSeconds))
+        .require(requirement("soon", Metric::LeadTimeMeanSeconds));
+    let mut plant = builder.plant(Options {
+        parts: Some(1),
+        until: Some(100.0),
+        seed: 3,
+        ..Options::default()
+    });
+    let (traces, figures) = plant.replicate(3);
+    assert_eq!(
+        traces.iter().map(|t| t.products).collect::<Vec<_>>(),
+        [0, 1, 1]
+    );
+    assert_eq!(figures.makespan.expect("two were measured").mean, 15.0);
+    let messages: Vec<&str> = figures
+        .findings
+        .iter()
+        .map(|f| f.message.as_str())
+        .collect();
+    assert_eq!(
+        messages,
+        [
+            "the requirement done does not hold in 1 of 3 runs: the makespan in seconds should be at most 100, and with seed 3 it was \
+             not measured, since no product was finished",
+            "the requirement soon does not hold in 1 of 3 runs: the mean lead time in seconds should be at most 100, and with seed 3 it \
+             was not measured, since no product was finished",
+        ]
+    );
+    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    for requirement in document["requirements"].as_array().expect("they are there") {
+        assert_eq!(requirement["value"], 15.0);
+        assert_eq!(requirement["held_in"], 2);
+        assert_eq!(requirement["worst"]["seed"], 3);
+        assert!(requirement["worst"]["value"].is_null());
+    }
+    let table = report::table(plant.line(), &traces[0], Some(&figures));
+    let row = table.lines().find(|l| l.contains("soon")).expect("a row");
+    assert!(row.contains("15.000") && row.ends_with('-'), "{table}");
+
+    let figures = linewright::line::Replications::of(plant.line(), &traces[..1]);
+    assert_eq!(figures.makespan, None);
+    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    assert!(document["replications"]["makespan_seconds"].is_null());
+    assert!(document["requirements"][0]["value"].is_null());
+}
+
 /// Requirements are judged over all runs, by findings, table and document alike.
 #[test]
 fn requirements_over_all_runs() {

@@ -101,17 +101,39 @@ fn has_controllers<'a>(
     }
 }
 
-/// What is wrong with the calls of a line: what `check` and `run` both say of it.
-pub fn findings_of_calls<'a>(
+/// What following the parts of a line has shown.
+#[derive(Debug, Default)]
+pub struct Followed {
+    /// What is wrong with its calls.
+    pub findings: Vec<Diagnostic>,
+    /// Routes that no part takes.
+    pub remarks: Vec<Diagnostic>,
+    /// Whether it was decided of every part that it has a way onward.
+    pub routes_decided: bool,
+}
+
+/// Follows the parts of a line: what `check`, `build` and `run` all say of it.
+pub fn follow<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
     limits: &Limits,
-) -> Vec<Diagnostic> {
+) -> Followed {
     let mut calls = calls_of(line, controlled, limits);
-    let mut found = std::mem::take(&mut calls.findings);
-    found.extend(timeless(line, &calls));
-    found.append(&mut calls.remarks);
-    found
+    let mut findings = std::mem::take(&mut calls.findings);
+    findings.extend(timeless(line, &calls));
+    Followed {
+        findings,
+        remarks: calls.remarks,
+        routes_decided: calls.undecided.is_empty(),
+    }
+}
+
+/// Whether this is a doubt about a route of the line that following its parts clears up: the resolver does not know their values.
+pub fn is_doubt(finding: &Diagnostic, line: &Line) -> bool {
+    let of_line = |span| line.routes.iter().any(|route| route.span == span);
+    finding.code == codes::LINE_ROUTE
+        && finding.severity == Severity::Warning
+        && finding.span.is_some_and(of_line)
 }
 
 /// Tries the calls of a line.

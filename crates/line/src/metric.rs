@@ -7,8 +7,16 @@ use linewright_language::contract::line::{Comparison, Line, Metric};
 
 const JOULES_PER_KWH: f64 = 3.6e6;
 
-/// A metric of a run, in its unit.
-pub fn measure(metric: &Metric, trace: &Trace) -> f64 {
+/// A metric of a run, in its unit; `None` where there was nothing to measure: without a product there is no lead time.
+pub fn measure(metric: &Metric, trace: &Trace) -> Option<f64> {
+    let of_products = matches!(
+        metric,
+        Metric::MakespanSeconds | Metric::LeadTimeMeanSeconds
+    );
+    (!of_products || trace.products > 0).then(|| value(metric, trace))
+}
+
+fn value(metric: &Metric, trace: &Trace) -> f64 {
     match metric {
         Metric::ThroughputPerHour => trace.throughput_per_hour,
         Metric::MakespanSeconds => trace.makespan,
@@ -25,24 +33,32 @@ pub fn measure(metric: &Metric, trace: &Trace) -> f64 {
     }
 }
 
-/// Whether there was anything to measure: no product has no lead time.
-fn is_measured(metric: &Metric, trace: &Trace) -> bool {
-    let of_products = matches!(
-        metric,
-        Metric::MakespanSeconds | Metric::LeadTimeMeanSeconds
-    );
-    !of_products || trace.products > 0
-}
-
-/// Whether a comparison holds, and the words for it.
-fn compare(value: f64, comparison: Comparison, bound: f64) -> (bool, &'static str) {
+fn holds(value: f64, comparison: Comparison, bound: f64) -> bool {
     #[expect(clippy::float_cmp, reason = "the language's own equality")]
     match comparison {
-        Comparison::Lt => (value < bound, "less than"),
-        Comparison::Le => (value <= bound, "at most"),
-        Comparison::Eq => (value == bound, "exactly"),
-        Comparison::Ge => (value >= bound, "at least"),
-        Comparison::Gt => (value > bound, "more than"),
+        Comparison::Lt => value < bound,
+        Comparison::Le => value <= bound,
+        Comparison::Eq => value == bound,
+        Comparison::Ge => value >= bound,
+        Comparison::Gt => value > bound,
+    }
+}
+
+fn words(comparison: Comparison) -> &'static str {
+    match comparison {
+        Comparison::Lt => "less than",
+        Comparison::Le => "at most",
+        Comparison::Eq => "exactly",
+        Comparison::Ge => "at least",
+        Comparison::Gt => "more than",
+    }
+}
+
+/// What was measured, as the predicate of a sentence.
+fn is(value: Option<f64>) -> String {
+    match value {
+        Some(value) => format!("is {}", thousandths(value)),
+        None => "was not measured, since no product was finished".to_owned(),
     }
 }
 
@@ -53,19 +69,15 @@ pub(super) fn check(line: &Line, trace: &mut Trace) {
     }
     for requirement in &line.requirements {
         let value = measure(&requirement.metric, trace);
-        let (holds, words) = compare(value, requirement.comparison, requirement.bound);
-        let measured = is_measured(&requirement.metric, trace);
-        let holds = holds && measured;
+        let (comparison, bound) = (requirement.comparison, requirement.bound);
+        let holds = value.is_some_and(|value| holds(value, comparison, bound));
         if !holds {
-            let what = describe(&requirement.metric, line);
-            let is = if measured {
-                format!("is {}", thousandths(value))
-            } else {
-                "was not measured, since no product was finished".to_owned()
-            };
             let message = format!(
-                "the requirement {} does not hold: {what} {is}, and should be {words} {}",
-                requirement.name, requirement.bound
+                "the requirement {} does not hold: {} {}, and should be {} {bound}",
+                requirement.name,
+                describe(&requirement.metric, line),
+                is(value),
+                words(comparison),
             );
             trace.findings.push(
                 Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
@@ -89,12 +101,12 @@ pub struct ReplicatedRequirement {
     pub held_in: usize,
     /// How many runs there were.
     pub runs: usize,
-    /// What was measured, in the metric's unit.
-    pub value: Estimate,
-    /// The run that is furthest on the wrong side of the bound, or nearest to it.
+    /// What was measured, in the metric's unit, over the runs in which it could be; `None` where it could be in none.
+    pub value: Option<Estimate>,
+    /// The first run in which it could not be measured, or else the one that is furthest on the wrong side of the bound, or nearest to it.
     pub worst: usize,
     /// What was measured in that run.
-    pub worst_value: f64,
+    pub worst_value: Option<f64>,
 }
 
 impl ReplicatedRequirement {
@@ -114,11 +126,12 @@ pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> 
                     .iter()
                     .filter_map(|trace| trace.requirements.get(index))
             };
-            let values: Vec<f64> = results().map(|result| result.value).collect();
-            let miss = |value: f64| match requirement.comparison {
-                Comparison::Lt | Comparison::Le => value - requirement.bound,
-                Comparison::Eq => (value - requirement.bound).abs(),
-                Comparison::Ge | Comparison::Gt => requirement.bound - value,
+            let values: Vec<Option<f64>> = results().map(|result| result.value).collect();
+            let miss = |value: Option<f64>| match (requirement.comparison, value) {
+                (_, None) => f64::INFINITY,
+                (Comparison::Lt | Comparison::Le, Some(value)) => value - requirement.bound,
+                (Comparison::Eq, Some(value)) => (value - requirement.bound).abs(),
+                (Comparison::Ge | Comparison::Gt, Some(value)) => requirement.bound - value,
             };
             let mut worst = 0;
             for (run, &value) in values.iter().enumerate() {
@@ -126,13 +139,14 @@ pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> 
                     worst = run;
                 }
             }
+            let measured: Vec<f64> = values.iter().copied().flatten().collect();
             ReplicatedRequirement {
                 name: requirement.name.clone(),
                 held_in: results().filter(|result| result.holds).count(),
                 runs: values.len(),
                 worst,
-                worst_value: values.get(worst).copied().unwrap_or(0.0),
-                value: Estimate::of(&values),
+                worst_value: values.get(worst).copied().flatten(),
+                value: Estimate::of(&measured),
             }
         })
         // A run that was cut off says nothing of them.
@@ -151,16 +165,19 @@ pub(super) fn unmet(
         let Some(worst) = traces.get(result.worst).filter(|_| !result.holds()) else {
             continue;
         };
-        let (_, words) = compare(0.0, requirement.comparison, requirement.bound);
+        // With a reason behind it, the seed comes first.
+        let with_seed = match result.worst_value {
+            Some(_) => format!("{} with seed {}", is(result.worst_value), worst.seed),
+            None => format!("with seed {} it {}", worst.seed, is(None)),
+        };
         let message = format!(
-            "the requirement {} does not hold in {} of {} runs: {} should be {words} {}, and is {} with seed {}",
+            "the requirement {} does not hold in {} of {} runs: {} should be {} {}, and {with_seed}",
             requirement.name,
             result.runs - result.held_in,
             result.runs,
             describe(&requirement.metric, line),
+            words(requirement.comparison),
             requirement.bound,
-            thousandths(result.worst_value),
-            worst.seed,
         );
         findings.push(
             Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)

@@ -5,7 +5,7 @@ use super::plant::Plant;
 use super::statistics::student_t;
 use super::trace::{End, Trace};
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::line::Line;
+use linewright_language::contract::line::{Line, Metric};
 
 /// The figures of several runs.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,11 +13,11 @@ pub struct Replications {
     /// The seeds, one a run.
     pub seeds: Vec<u64>,
     /// Products an hour.
-    pub throughput_per_hour: Estimate,
-    /// Seconds to the last product.
-    pub makespan: Estimate,
-    /// Joules in all.
-    pub joules: Estimate,
+    pub throughput_per_hour: Option<Estimate>,
+    /// Seconds to the last product, over the runs that made one.
+    pub makespan: Option<Estimate>,
+    /// Energy in all.
+    pub energy_kwh: Option<Estimate>,
     /// The line's requirements over all runs, in its order.
     pub requirements: Vec<ReplicatedRequirement>,
     /// What went wrong in any of the runs, each finding once; one for each requirement that some run does not keep.
@@ -34,22 +34,19 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The estimate from independent values; 0 for none.
-    pub fn of(values: &[f64]) -> Self {
-        let count = values.len() as f64;
+    /// The estimate from independent values; `None` for none.
+    pub fn of(values: &[f64]) -> Option<Self> {
         if values.is_empty() {
-            return Self {
-                mean: 0.0,
-                half_width: None,
-            };
+            return None;
         }
+        let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let half_width = (values.len() > 1).then(|| {
             let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
             let deviation = (squares / (count - 1.0)).sqrt();
             student_t(values.len() as u64 - 1) * deviation / count.sqrt()
         });
-        Self { mean, half_width }
+        Some(Self { mean, half_width })
     }
 }
 
@@ -89,8 +86,12 @@ impl Plant {
 impl Replications {
     /// The figures of these runs of a line.
     pub fn of(line: &Line, traces: &[Trace]) -> Self {
-        let estimate =
-            |value: fn(&Trace) -> f64| Estimate::of(&traces.iter().map(value).collect::<Vec<_>>());
+        let estimate = |metric: &Metric| {
+            let measured = traces
+                .iter()
+                .filter_map(|trace| metric::measure(metric, trace));
+            Estimate::of(&measured.collect::<Vec<_>>())
+        };
         let requirements = metric::over(line, traces);
         let mut findings: Vec<Diagnostic> = Vec::new();
         for finding in traces.iter().flat_map(|trace| &trace.findings) {
@@ -104,9 +105,9 @@ impl Replications {
         }
         Self {
             seeds: traces.iter().map(|trace| trace.seed).collect(),
-            throughput_per_hour: estimate(|trace| trace.throughput_per_hour),
-            makespan: estimate(|trace| trace.makespan),
-            joules: estimate(|trace| trace.joules),
+            throughput_per_hour: estimate(&Metric::ThroughputPerHour),
+            makespan: estimate(&Metric::MakespanSeconds),
+            energy_kwh: estimate(&Metric::EnergyKwh),
             requirements,
             findings,
         }
@@ -120,9 +121,10 @@ mod tests {
     #[test]
     fn a_known_interval() {
         // Mean 3, standard deviation sqrt(2.5), five values: 2.776445 * sqrt(2.5) / sqrt(5).
-        let estimate = Estimate::of(&[1.0, 2.0, 3.0, 4.0, 5.0]);
+        let estimate = Estimate::of(&[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
         assert!((estimate.mean - 3.0).abs() < 1e-12);
         assert!((estimate.half_width.unwrap() - 1.963_243).abs() < 1e-5);
-        assert_eq!(Estimate::of(&[4.0]).half_width, None);
+        assert_eq!(Estimate::of(&[4.0]).unwrap().half_width, None);
+        assert_eq!(Estimate::of(&[]), None);
     }
 }

@@ -202,8 +202,8 @@ pub struct RequirementResult {
     pub name: String,
     /// Whether it holds.
     pub holds: bool,
-    /// What was measured, in the metric's unit.
-    pub value: f64,
+    /// What was measured, in the metric's unit; `None` where there was nothing to measure.
+    pub value: Option<f64>,
 }
 
 /// One movement.

@@ -96,14 +96,14 @@ pub fn json(
                 json!({
                     "name": r.name,
                     "holds": r.holds(),
-                    "value": round(r.value.mean, 9),
-                    "low": bound(r.value, -1.0, 9),
-                    "high": bound(r.value, 1.0, 9),
+                    "value": r.value.map(|value| round(value.mean, 9)),
+                    "low": r.value.and_then(|value| bound(value, -1.0, 9)),
+                    "high": r.value.and_then(|value| bound(value, 1.0, 9)),
                     "held_in": r.held_in,
                     "replications": r.runs,
                     "worst": {
                         "seed": replications.seeds.get(r.worst),
-                        "value": round(r.worst_value, 9),
+                        "value": r.worst_value.map(|value| round(value, 9)),
                     },
                 })
             })
@@ -111,7 +111,10 @@ pub fn json(
         None => trace
             .requirements
             .iter()
-            .map(|r| json!({"name": r.name, "holds": r.holds, "value": round(r.value, 9)}))
+            .map(|r| {
+                let value = r.value.map(|value| round(value, 9));
+                json!({"name": r.name, "holds": r.holds, "value": value})
+            })
             .collect(),
     };
     let mut document = json!({
@@ -161,26 +164,24 @@ pub fn json(
 }
 
 fn replicated(replications: &Replications) -> Value {
-    let energy = Estimate {
-        mean: replications.joules.mean / JOULES_PER_KWH,
-        half_width: replications.joules.half_width.map(|w| w / JOULES_PER_KWH),
-    };
     json!({
         "count": replications.seeds.len(),
         "seeds": replications.seeds,
         "confidence": 0.95,
         "throughput_per_hour": estimate(replications.throughput_per_hour, 6),
         "makespan_seconds": estimate(replications.makespan, 6),
-        "energy_kwh": estimate(energy, 9),
+        "energy_kwh": estimate(replications.energy_kwh, 9),
     })
 }
 
-fn estimate(estimate: Estimate, places: i32) -> Value {
-    json!({
+/// An estimate with its interval; `null` where nothing could be measured.
+fn estimate(estimate: Option<Estimate>, places: i32) -> Option<Value> {
+    let estimate = estimate?;
+    Some(json!({
         "mean": round(estimate.mean, places),
         "low": bound(estimate, -1.0, places),
         "high": bound(estimate, 1.0, places),
-    })
+    }))
 }
 
 /// The end of an interval, on this side of the mean.

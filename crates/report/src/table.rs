@@ -3,7 +3,7 @@
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::{Comparison, Line, Metric};
 use linewright_line::trace::{End, clock};
-use linewright_line::{Replications, Trace};
+use linewright_line::{Estimate, Replications, Trace};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
@@ -201,7 +201,7 @@ fn requirements(out: &mut String, line: &Line, trace: &Trace) {
                 result.name.clone(),
                 if result.holds { "holds" } else { "fails" }.to_owned(),
                 asked_for(line, index),
-                format!("{:.3}", result.value),
+                measured(result.value, 3),
             ]
         });
     columns(
@@ -227,15 +227,15 @@ fn requirements_of_all(out: &mut String, line: &Line, replications: &Replication
                     result.runs
                 )
             };
-            let half = result.value.half_width.unwrap_or(0.0);
+            let [mean, low, high] = interval(result.value, 3);
             vec![
                 result.name.clone(),
                 verdict,
                 asked_for(line, index),
-                format!("{:.3}", result.value.mean),
-                format!("{:.3}", result.value.mean - half),
-                format!("{:.3}", result.value.mean + half),
-                format!("{:.3}", result.worst_value),
+                mean,
+                low,
+                high,
+                measured(result.worst_value, 3),
             ]
         });
     columns(
@@ -266,35 +266,30 @@ fn asked_for(line: &Line, index: usize) -> String {
 }
 
 fn replicated(out: &mut String, replications: &Replications) {
-    let row = |label: &str, estimate: &linewright_line::Estimate, scale: f64, places: usize| {
-        let mean = estimate.mean * scale;
-        let (low, high) = match estimate.half_width {
-            Some(half) => (
-                format!("{:.places$}", mean - half * scale),
-                format!("{:.places$}", mean + half * scale),
-            ),
-            None => ("-".to_owned(), "-".to_owned()),
-        };
-        vec![label.to_owned(), format!("{mean:.places$}"), low, high]
+    let row = |label: &str, estimate: Option<Estimate>, places: usize| {
+        let [mean, low, high] = interval(estimate, places);
+        vec![label.to_owned(), mean, low, high]
     };
     let rows = vec![
-        row(
-            "throughput an hour",
-            &replications.throughput_per_hour,
-            1.0,
-            3,
-        ),
-        row("makespan in seconds", &replications.makespan, 1.0, 1),
-        row(
-            "energy in kWh",
-            &replications.joules,
-            1.0 / JOULES_PER_KWH,
-            4,
-        ),
+        row("throughput an hour", replications.throughput_per_hour, 3),
+        row("makespan in seconds", replications.makespan, 1),
+        row("energy in kWh", replications.energy_kwh, 4),
     ];
     let count = replications.seeds.len();
     let title = format!("{count} seeds, 95 %");
     columns(out, &[&title, "mean", "from", "to"], &rows);
+}
+
+/// A mean and the ends of its interval, each `-` where there is none.
+fn interval(estimate: Option<Estimate>, places: usize) -> [String; 3] {
+    let half = estimate.and_then(|e| e.half_width);
+    let bound = |sign: f64| Some(estimate?.mean + sign * half?);
+    [estimate.map(|e| e.mean), bound(-1.0), bound(1.0)].map(|value| measured(value, places))
+}
+
+/// A number, or `-` where nothing could be measured.
+fn measured(value: Option<f64>, places: usize) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.places$}"))
 }
 
 fn kwh(joules: f64) -> String {

@@ -323,7 +323,7 @@ impl Assembly<'_> {
         });
         let failed = failed || is_failed(&proof.findings);
         if proof.routes_decided {
-            findings.retain(|f| f.code != codes::LINE_ROUTE || f.severity == Severity::Error);
+            findings.retain(|f| !line.is_some_and(|line| lines::is_doubt(f, line)));
         }
         findings.extend(proof.findings);
         LineEntry {
