@@ -1,13 +1,33 @@
 //! Linewright: from assume-guarantee contracts to a running virtual production line.
 //!
-//! The way of the data, one module an arrow, each type owned by the module on its left:
+//! A program begins with a [`Project`](engine::project::Project): files in; verdicts, station libraries and runs out. This runs a line for an hour of
+//! its time, from station libraries that a C compiler has just made:
+//!
+//! ```
+//! use linewright::engine::{project::Project, simulation::Simulated};
+//! use linewright::{line::Options, report};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let project = Project::open("examples/loader/line.lw")?;
+//! let line = project.line("Loading").ok_or("no such line")?;
+//! let options = Options { until: Some(3600.0), ..Options::default() };
+//! let folder = tempfile::tempdir()?;
+//! let run = project.run(line, folder.path(), &Simulated { options, replications: 1, rebuild: false })?;
+//! println!("{}", report::table(line, &run.traces[0], None));
+//! assert_eq!(run.traces[0].violation_count, 0);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Below it, the way of the data is one module an arrow, each type owned by the module on its left:
 //!
 //! ```text
-//! text ─parse→ Ast ─resolve→ Library ─lower→ gr1::Specification ─encode→ symbolic::Arena ─solve→ game::Outcome
+//! text ─parse→ Ast ─resolve→ Library ─lower→ gr1::Specification ─encode→ symbolic ─solve→ game::Outcome
 //!      ─extract→ mealy::Machine (verified) ─emit→ station::Package ─load→ line::Plant ─run→ line::Trace ─→ report
 //! ```
 //!
-//! Three narrow waists hold the rest together: [`gr1::Specification`], [`mealy::Machine`] and [`line::Trace`].
+//! Three narrow waists hold the rest together: [`gr1::Specification`], [`mealy::Machine`] and [`line::Trace`]. To solve a specification of
+//! one's own, begin with [`game::solve`]; to read another tool's, with [`interchange::read`].
 
 pub mod cli;
 

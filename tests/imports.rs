@@ -319,7 +319,7 @@ const CLOCKS: [(&str, &str); 18] = [
         "hands `--timeout` on; seconds for the summary",
     ),
     ("crates/engine/src/controller.rs", "seconds for `--stats`"),
-    ("src/cli/run.rs", "`--timeout`; seconds for the summary"),
+    ("crates/engine/src/simulation.rs", "seconds for the summary"),
     ("src/cli/build.rs", "`--timeout`, for compilers"),
     (
         "crates/station/src/toolchain/mod.rs",

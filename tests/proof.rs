@@ -10,7 +10,8 @@ mod game;
 mod random;
 
 use checker::{Clause, Extent, accepts, valuations};
-use linewright::cli::{files, proof};
+use linewright::cli::proof;
+use linewright::engine::files;
 use linewright::game::{KernelChoice, Limits, Options, Outcome, solve_with};
 use linewright::gr1::{Owner, Specification};
 use random::Random;

@@ -7,6 +7,8 @@ use std::path::Path;
 const SOURCES: [&str; 3] = ["..", "../../ffi", "../../Cargo.lock"];
 
 fn main() {
+    // `include_dir!` itself only sees changes of files that were there before.
+    println!("cargo::rerun-if-changed=../../contracts");
     let mut hasher = DefaultHasher::new();
     for path in SOURCES {
         println!("cargo::rerun-if-changed={path}");

@@ -2,7 +2,6 @@
 
 use super::console::schema;
 use super::exit::ExitCode;
-use super::libraries::{self, Target, Written};
 use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use super::{picked, profiles};
@@ -10,12 +9,10 @@ use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, has_errors, json};
 use crate::engine::controlled::Controlled;
-use crate::engine::controller::Wish;
 use crate::engine::internal;
-use crate::engine::judgement;
+use crate::engine::libraries::{self, Written};
 use crate::engine::lines;
-use crate::engine::machines::{self, Planned};
-use crate::engine::pipeline::Jobs;
+use crate::engine::synthesis::Synthesis;
 use crate::game::Limits;
 use crate::source::SourceMap;
 use crate::station::profile::Profile;
@@ -25,6 +22,50 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// What `build` makes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Target {
+    /// A shared library for this computer
+    Linux,
+    /// A 64-bit DLL, with MinGW or Zig
+    Windows,
+    /// A 64-bit DLL, with Microsoft's compiler; on Windows only
+    Msvc,
+    /// Co-simulation units of FMI 2.0 and 3.0, with the binaries that there are compilers for
+    Fmu,
+    /// The C sources, with all headers they need
+    Source,
+}
+
+impl Target {
+    /// As it is written on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linux => "linux",
+            Self::Windows => "windows",
+            Self::Msvc => "msvc",
+            Self::Fmu => "fmu",
+            Self::Source => "source",
+        }
+    }
+
+    /// Whether Plant Simulation can load what is built.
+    pub fn is_windows(self) -> bool {
+        matches!(self, Self::Windows | Self::Msvc)
+    }
+
+    /// The compiler for it; none for the sources. Units have several, and take what there is: see [`fmi::toolchains`].
+    pub fn toolchain(self) -> Result<Option<Toolchain>, Box<Diagnostic>> {
+        let found = match self {
+            Self::Linux => Ok(Some(Toolchain::shipping())),
+            Self::Windows => Toolchain::windows().map(Some),
+            Self::Msvc => Toolchain::msvc().map(Some),
+            Self::Fmu | Self::Source => Ok(None),
+        };
+        found.map_err(|e| Box::new(e.to_diagnostic()))
+    }
+}
 
 /// The arguments of `build`.
 #[derive(Debug, Args)]
@@ -93,15 +134,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let library = &loaded.library;
     let chosen = picked::picked(selection, &loaded)?;
     let picked = picked::told_apart(&chosen.machines);
-    let mut jobs = Jobs::default().wishing(Wish {
-        functions: true,
-        ..Wish::default()
+    let machines = picked.iter().map(|m| &**m);
+    let synthesis = Synthesis::new(machines, &settings, |count| {
+        console.progress(count, "synthesizing")
     });
-    let planned: Vec<Planned<'_>> = picked.iter().map(|m| Planned::new(m, &mut jobs)).collect();
-    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"));
     let mut findings = loaded.findings.clone();
     findings.extend(chosen.notes);
-    findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
+    findings.extend(synthesis.findings());
 
     // A missing compiler is said once, not once a machine.
     let until = settings.limits.deadline;
@@ -120,10 +159,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let default = default_folder(&selection.path);
     let folder = arguments.out.as_deref().unwrap_or(&default);
     let mut libraries = Vec::new();
-    for plan in planned.iter().filter_map(|p| p.controlled(&checked)) {
+    for plan in synthesis.controlled() {
         let (name, span) = (&plan.machine.name, plan.machine.span);
         let doing = || format!("building the machine `{name}`");
-        let misfits = judgement::findings(&plan, &settings.limits, settings.cache.as_ref());
+        let misfits = synthesis.judge(&plan, &settings);
         let fits = !has_errors(&misfits);
         findings.extend(misfits);
         if !fits {
@@ -156,17 +195,11 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             );
         }
     }
-    let controlled = |machine: &Machine| {
-        let mut known = planned.iter();
-        let known = known.find(|p| machines::is_alike(p.machine, machine))?;
-        known.controlled(&checked)
-    };
+    let controlled = |machine: &Machine| synthesis.of(machine);
     for line in &library.lines {
         clear_doubts(line, controlled, &settings.limits, &mut findings);
     }
-    debug_assert!(
-        has_errors(&findings) || planned.iter().all(|p| p.controlled(&checked).is_some())
-    );
+    debug_assert!(has_errors(&findings) || synthesis.is_complete());
     print(libraries, &library.sources, &findings, options)
 }
 

@@ -2,10 +2,10 @@
 
 use super::console::schema;
 use super::exit::ExitCode;
-use super::files::{self, StandardLibrary};
 use super::options::{Format, GlobalOptions};
 use crate::contract::Library;
 use crate::diagnostics::has_errors;
+use crate::engine::files::{self, StandardLibrary};
 use crate::taxonomy::{self, Entry, Standard, Taxonomy, taxonomy};
 use clap::{Args, Subcommand};
 use serde::Serialize;

@@ -1,6 +1,7 @@
 //! What the exit codes mean, and which findings lead to which.
 
 use crate::diagnostics::{Diagnostic, Severity, codes};
+use crate::engine::files::Loaded;
 
 /// The exit code of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -19,6 +20,15 @@ pub enum ExitCode {
 }
 
 impl ExitCode {
+    /// A file of another tool that does not parse keeps a command from running.
+    pub fn of_loading(loaded: &Loaded) -> Self {
+        if loaded.lacks_foreign() {
+            Self::CannotRun
+        } else {
+            Self::Success
+        }
+    }
+
     /// The code for two things together: the first of 4, 2, 3, 1, 0 that occurs.
     #[must_use]
     pub fn and(self, other: Self) -> Self {

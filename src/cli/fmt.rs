@@ -3,12 +3,13 @@
 //! A file is written only where that changes it, and only after [`format::checked`] has read the new text and found that it says the
 //! same: a mistake of the formatter is reported, and leaves the file as it is.
 
+use super::console;
 use super::console::Console;
 use super::exit::ExitCode;
-use super::files;
 use super::options::{Format, GlobalOptions};
-use super::{console, output};
 use crate::diagnostics::{Diagnostic, json};
+use crate::engine::files;
+use crate::engine::output;
 use crate::source::SourceMap;
 use crate::syntax::{format, parse};
 use anyhow::Context as _;

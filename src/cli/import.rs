@@ -2,9 +2,9 @@
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
-use super::output;
 use super::select::Selection;
 use crate::diagnostics::has_errors;
+use crate::engine::output;
 use crate::interchange::contract;
 use clap::Args;
 use std::path::PathBuf;

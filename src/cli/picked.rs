@@ -1,10 +1,10 @@
 //! The machines that `build` and `synth` are asked for.
 
-use super::files::Loaded;
 use super::select::Selection;
 use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::files::Loaded;
 use crate::engine::findings;
 use crate::engine::machines::{is_same, of_line};
 use crate::station::file_stem;

@@ -1,7 +1,7 @@
 //! Profiles of `UF_Value` as files: read for `build` and `doctor`, and what is said of one that is unverified.
 
-use super::files;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::engine::files;
 use crate::source::SourceMap;
 use crate::station::profile::{Profile, read};
 use std::io::Read;

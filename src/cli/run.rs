@@ -2,31 +2,18 @@
 
 use super::build::default_folder;
 use super::exit::ExitCode;
-use super::libraries;
 use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use super::time;
-use crate::contract::line::{Line, NodeKind};
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
-use crate::engine::controlled::Controlled;
-use crate::engine::controller::Wish;
-use crate::engine::internal;
-use crate::engine::judgement;
-use crate::engine::lines;
-use crate::engine::machines::{self, Planned};
-use crate::engine::pipeline::Jobs;
-use crate::line::{Options, Plant};
+use crate::engine::simulation::{self, Simulated};
+use crate::engine::synthesis::Synthesis;
+use crate::engine::{internal, lines, machines};
+use crate::line::Options;
 use crate::report;
-use crate::station::load::Library;
-use crate::station::profile::Profile;
-use crate::station::{Controller, Package, Toolchain};
 use clap::Args;
-use rayon::prelude::*;
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::Instant;
+use std::path::PathBuf;
 
 /// The arguments of `run`.
 #[derive(Debug, Args)]
@@ -94,39 +81,25 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         return Ok(ExitCode::CannotRun);
     }
 
-    let mut jobs = Jobs::default().wishing(Wish {
-        functions: true,
-        ..Wish::default()
+    let of_line = machines::of_line(line).into_iter().map(|m| &**m);
+    let synthesis = Synthesis::new(of_line, &settings, |count| {
+        console.progress(count, "synthesizing")
     });
-    let planned: Vec<Planned<'_>> = machines::of_line(line)
-        .into_iter()
-        .map(|m| Planned::new(m, &mut jobs))
-        .collect();
-    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"));
     let mut findings = loaded.findings.clone();
-    findings.extend(machines::findings_where_needed(&planned, &jobs, &checked));
-    let controlled: Option<Vec<_>> = planned.iter().map(|p| p.controlled(&checked)).collect();
-    for machine in controlled.iter().flatten() {
-        findings.extend(judgement::findings(
-            machine,
-            &settings.limits,
-            settings.cache.as_ref(),
-        ));
+    findings.extend(synthesis.findings());
+    let controlled: Vec<_> = synthesis.controlled().collect();
+    if synthesis.is_complete() {
+        for machine in &controlled {
+            findings.extend(synthesis.judge(machine, &settings));
+        }
     }
-    let Some(controlled) = controlled.filter(|_| !has_errors(&findings)) else {
+    if !synthesis.is_complete() || has_errors(&findings) {
         console.failed("run", sources, &findings)?;
         return Ok(options.exit_code(&findings));
-    };
+    }
 
     // A line that refuses parts can be run, and its run shows how often; that it does is an error all the same.
-    let of_machine = |machine: &Machine| {
-        let mut known = controlled.iter();
-        let known = known.find(|c| std::ptr::eq(c.machine, machine))?;
-        Some(Controlled {
-            machine: known.machine,
-            controllers: known.controllers.clone(),
-        })
-    };
+    let of_machine = |machine: &Machine| synthesis.of(machine);
     let doing = || format!("following the parts of the line `{}`", line.name);
     let followed = internal::caught(doing, || lines::follow(line, of_machine, &settings.limits));
     let followed = followed.unwrap_or_else(|fault| lines::Followed {
@@ -138,23 +111,30 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     findings.extend(followed.remarks);
 
     let default = default_folder(&arguments.selection.path);
-    let run_options = RunOptions {
-        parts: arguments.parts,
-        until: arguments.until,
-        seed: arguments.seed,
+    let run_options = Simulated {
+        options: Options {
+            seed: arguments.seed,
+            parts: arguments.parts,
+            until: arguments.until,
+            deadline: settings.limits.deadline,
+            ..Options::default()
+        },
         replications: arguments.replications,
-        deadline: settings.limits.deadline,
         rebuild: arguments.rebuild,
-        timing: !options.no_timing,
     };
     let folder = arguments.out.as_deref().unwrap_or(&default);
-    match simulate(line, &controlled, folder, &run_options) {
+    match simulation::simulate(line, &controlled, folder, &run_options) {
         Ok(run) => {
-            findings.extend(run.findings);
+            findings.extend(run.replications.findings.clone());
+            let trace = &run.traces[0];
+            let several = (arguments.replications > 1).then_some(&run.replications);
+            let seconds = (!options.no_timing).then_some(run.seconds);
             match options.format {
-                Format::Json => console.document(&run.document)?,
+                Format::Json => console.document(&report::json(line, trace, several, seconds))?,
                 Format::Sarif => console.failed("run", sources, &findings)?,
-                Format::Human | Format::Short => console.result(&run.table)?,
+                Format::Human | Format::Short => {
+                    console.result(&report::table(line, trace, several))?;
+                }
             }
             if options.format != Format::Sarif {
                 console.findings(sources, &findings)?;
@@ -166,124 +146,4 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
     }
     Ok(options.exit_code(&findings))
-}
-
-/// How a line is to be run.
-#[derive(Debug, Clone, Copy)]
-struct RunOptions {
-    /// End after so many end products.
-    parts: Option<u64>,
-    /// End after so many simulated seconds.
-    until: Option<f64>,
-    /// The first seed.
-    seed: u64,
-    /// How many runs, with seeds `seed`, `seed + 1`, ...
-    replications: u32,
-    /// Give up at this instant.
-    deadline: Option<Instant>,
-    /// Compile the libraries even where they are there already.
-    rebuild: bool,
-    /// Whether measured times belong into the result.
-    timing: bool,
-}
-
-/// What a run came to.
-#[derive(Debug)]
-struct Run {
-    /// The table for a person.
-    table: String,
-    /// The document of INTERFACE, `linewright/run/1`.
-    document: serde_json::Value,
-    /// Violations, requirements that do not hold, a line that is blocked.
-    findings: Vec<Diagnostic>,
-}
-
-/// Builds and loads the libraries of a line's machines and runs it.
-fn simulate(
-    line: &Line,
-    machines: &[Controlled<'_>],
-    folder: &Path,
-    options: &RunOptions,
-) -> Result<Run, Vec<Diagnostic>> {
-    let profile = Profile::assumed();
-    let packages: Vec<Package> = machines
-        .par_iter()
-        .map(|m| libraries::package(m, &profile))
-        .collect();
-    let mut findings = Vec::new();
-    let mut libraries = Vec::new();
-    for built in
-        Toolchain::host()
-            .until(options.deadline)
-            .build_all(&packages, folder, options.rebuild)
-    {
-        match built.and_then(|b| Library::open(&b.path)) {
-            Ok(library) => libraries.push(library),
-            Err(error) => {
-                // A compiler that is missing is missing for every machine.
-                let finding = error.to_diagnostic();
-                if !findings.contains(&finding) {
-                    findings.push(finding);
-                }
-            }
-        }
-    }
-    if !findings.is_empty() {
-        return Err(findings);
-    }
-    let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
-    for (index, node) in line.nodes.iter().enumerate() {
-        let machine: &Machine = match &node.kind {
-            NodeKind::Station { machine, .. } => machine,
-            NodeKind::Conveyor {
-                belt: Some(belt), ..
-            } => &belt.machine,
-            _ => continue,
-        };
-        let library = machines
-            .iter()
-            .position(|c| std::ptr::eq(c.machine, machine))
-            .map(|i| &libraries[i]);
-        match library.map(Library::instance) {
-            Some(Ok(instance)) => {
-                controllers.insert(index, Box::new(instance));
-            }
-            Some(Err(error)) => findings.push(
-                Diagnostic::error(
-                    codes::LIBRARY_CALL,
-                    node.span,
-                    format!("`{}` cannot be instantiated: {error}", node.name),
-                )
-                .with_help(
-                    "build it anew with --rebuild; `linewright explain LW505` lists the codes",
-                ),
-            ),
-            None => {}
-        }
-    }
-    if !findings.is_empty() {
-        return Err(findings);
-    }
-    let line = Arc::new(line.clone());
-    let mut plant = Plant::new(
-        Arc::clone(&line),
-        controllers,
-        Options {
-            seed: options.seed,
-            parts: options.parts,
-            until: options.until,
-            deadline: options.deadline,
-            ..Options::default()
-        },
-    )?;
-    let start = Instant::now();
-    let (traces, replications) = plant.replicate(u64::from(options.replications));
-    let wall = options.timing.then(|| start.elapsed().as_secs_f64());
-    let findings = replications.findings.clone();
-    let replications = (options.replications > 1).then_some(replications);
-    Ok(Run {
-        table: report::table(&line, &traces[0], replications.as_ref()),
-        document: report::json(&line, &traces[0], replications.as_ref(), wall),
-        findings,
-    })
 }

@@ -1,10 +1,10 @@
 //! `FILE::NAME`: which declaration of which file is meant.
 
 use super::exit::ExitCode;
-use super::files::{self, Loaded};
 use super::options::GlobalOptions;
 use super::outline;
 use crate::diagnostics::{codes, has_errors};
+use crate::engine::files::{self, Loaded};
 use crate::source::Span;
 
 /// A path, and the name of a declaration in it.
@@ -86,7 +86,7 @@ impl Selection {
                 .failed(command, sources, &loaded.findings)?;
             return Ok(Err(options
                 .exit_code(&loaded.findings)
-                .and(loaded.exit_code())));
+                .and(ExitCode::of_loading(&loaded))));
         }
         Ok(Ok(loaded))
     }

@@ -2,13 +2,13 @@
 
 use super::console::Console;
 use super::exit::ExitCode;
-use super::files;
 use super::options::{Format, GlobalOptions};
-use super::output;
 use super::select::Selection;
 use crate::contract::Contract;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::controller::Wish;
+use crate::engine::files;
+use crate::engine::output;
 use crate::engine::pipeline::{CheckedContract, Goal, InternalError, Jobs, Verdict};
 use crate::game::{self, GuaranteeKind, GuaranteeRef, Limits};
 use crate::gr1::Specification;

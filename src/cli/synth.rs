@@ -2,10 +2,10 @@
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
-use super::output;
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::engine::controller::Wish;
+use crate::engine::output;
 use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Verdict};
 use crate::game::{Limit, Preference};
 use crate::gr1::Specification;

@@ -5,8 +5,8 @@ use super::tables::table;
 use linewright::algebra::machine::{of_machine, of_promise};
 use linewright::algebra::proof::{Claim, Proof, prove};
 use linewright::algebra::system::System;
-use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract::machine::Machine;
+use linewright::engine::files::{self, StandardLibrary};
 use linewright::game::Limits;
 use std::fmt::Write as _;
 

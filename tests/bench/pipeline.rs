@@ -8,8 +8,8 @@
 //! the other on one core.
 
 use criterion::{Criterion, criterion_group};
-use linewright::cli::files::{self, Loaded, StandardLibrary};
 use linewright::contract::machine::Machine;
+use linewright::engine::files::{self, Loaded, StandardLibrary};
 use linewright::engine::machines::of_line;
 use linewright::game::{Limits, Outcome, Won, solve};
 use linewright::gr1::Specification;

@@ -9,9 +9,9 @@
 
 use crate::differential::Random;
 use crate::laboratory::{Controlled, machines};
-use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract::machine::Machine;
 use linewright::diagnostics::has_errors;
+use linewright::engine::files::{self, StandardLibrary};
 use linewright::game::{Limits, Outcome, examine_environment, solve};
 use linewright::gr1::{Domain, Expr, Formula, Owner, Side, Specification, VarId, eval};
 use linewright::station::Controller;

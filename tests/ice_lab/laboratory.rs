@@ -1,8 +1,8 @@
 //! The machines of `examples/ice-lab` with their controllers, made once for all tests: load → solve → extract → verify.
 
-use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract::machine::Machine;
 use linewright::diagnostics::has_errors;
+use linewright::engine::files::{self, StandardLibrary};
 use linewright::engine::machines::of_line;
 use linewright::game::{Limits, Outcome, solve};
 use linewright::gr1::Specification;

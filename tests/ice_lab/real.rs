@@ -2,10 +2,10 @@
 
 use crate::differential::differential;
 use crate::support::{PROGRAM, root};
-use linewright::cli::files::{self, StandardLibrary};
 use linewright::engine::cache::Cache;
 use linewright::engine::controlled::compose;
 use linewright::engine::controller::Wish;
+use linewright::engine::files::{self, StandardLibrary};
 use linewright::engine::machines::{Planned, of_line};
 use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};

@@ -4,10 +4,10 @@ use crate::mutants::nothing_can_be_left_out;
 use crate::replay::accepts;
 use crate::support::{Builder, constant};
 use linewright::algebra::proof::prove;
-use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract::line::{Line, NodeKind, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::diagnostics::has_errors;
+use linewright::engine::files::{self, StandardLibrary};
 use linewright::game::Limits;
 use linewright::line::abstraction::{
     Abstraction, NO_CIRCULAR_WAIT, PlaceKind, Unfit, decide, examine, findings,

@@ -2,9 +2,9 @@
 
 use crate::laboratory::{Controlled, of_lines};
 use linewright::algebra::closed::{Closed, replay};
-use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract::line::{Line, NodeKind};
 use linewright::diagnostics::codes;
+use linewright::engine::files::{self, StandardLibrary};
 use linewright::game::Limits;
 use linewright::gr1::Domain;
 use linewright::line::{Options, Plant};

@@ -1,8 +1,8 @@
 //! Machines of files, with the controllers that the program would make for them.
 
-use linewright::cli::files::{self, StandardLibrary};
 use linewright::contract::machine::Machine;
 use linewright::engine::controller::Wish;
+use linewright::engine::files::{self, StandardLibrary};
 use linewright::engine::machines::Planned;
 use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};

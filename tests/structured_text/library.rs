@@ -1,8 +1,8 @@
 //! The controllers that are played: every contract of the bundled library and of the examples, and every component of the
 //! laboratory's machines with the sizes it has there, at real size too.
 
-use linewright::cli::files::{self, StandardLibrary};
 use linewright::engine::controller::Wish;
+use linewright::engine::files::{self, StandardLibrary};
 use linewright::engine::machines::of_line;
 use linewright::engine::pipeline::{CheckedContract, Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits, Outcome, solve};

@@ -5,24 +5,31 @@
 //!      ─lines::examine→ Proof
 //! ```
 //!
-//! Nothing here prints or knows an argument of the command line. It reads and writes one thing on the disk, the [`cache`].
+//! [`project`] is where to begin: files in, verdicts, station libraries and runs out. Nothing here prints or knows an argument of the command
+//! line. What it reads are sources ([`files`]) and the [`cache`]; what it writes are the cache and what it is asked to build.
 
 mod asked;
 pub mod cache;
 pub mod closed;
 pub mod controlled;
 pub mod controller;
+pub mod files;
 pub mod findings;
 pub mod found;
 pub mod internal;
 pub mod interrupt;
 pub mod judgement;
 mod layers;
+pub mod libraries;
 pub mod lines;
 pub mod machine;
 pub mod machines;
+pub mod output;
 pub mod pipeline;
 pub mod play;
+pub mod project;
+pub mod simulation;
 pub mod statistics;
+pub mod synthesis;
 pub mod words;
 pub mod worker;

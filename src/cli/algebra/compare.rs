@@ -8,10 +8,10 @@ use crate::algebra::join::{Member, Sharing, join};
 use crate::algebra::refine::refine;
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
-use crate::cli::files::{self, Loaded, StandardLibrary};
 use crate::cli::options::GlobalOptions;
 use crate::contract::Contract;
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors};
+use crate::engine::files::{self, Loaded, StandardLibrary};
 use crate::game::Limits;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -48,7 +48,9 @@ pub fn run(
         options
             .console()
             .failed("refine", sources, &loaded.findings)?;
-        return Ok(options.exit_code(&loaded.findings).and(loaded.exit_code()));
+        return Ok(options
+            .exit_code(&loaded.findings)
+            .and(ExitCode::of_loading(&loaded)));
     }
     let (before, after) = (within(&loaded, old), within(&loaded, new));
     let limits = options.limits();

@@ -8,12 +8,12 @@ mod refine;
 mod views;
 
 use super::exit::ExitCode;
-use super::files::{self, Loaded, StandardLibrary};
 use super::options::{Format, GlobalOptions};
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::join::{Sharing, join};
 use crate::algebra::system::System;
 use crate::diagnostics::{Diagnostic, has_errors, json, sarif};
+use crate::engine::files::{self, Loaded, StandardLibrary};
 use crate::source::Span;
 use clap::Args;
 use document::Document;
@@ -177,7 +177,9 @@ fn load(
         options
             .console()
             .failed(command, sources, &loaded.findings)?;
-        let code = options.exit_code(&loaded.findings).and(loaded.exit_code());
+        let code = options
+            .exit_code(&loaded.findings)
+            .and(ExitCode::of_loading(&loaded));
         return Ok(Err(code));
     }
     Ok(Ok(loaded))

@@ -6,9 +6,9 @@
 
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::join::Member;
-use crate::cli::files::Loaded;
 use crate::cli::select::Selection;
 use crate::contract::Contract;
+use crate::engine::files::Loaded;
 
 /// An operand as it was written.
 #[derive(Debug, Clone, PartialEq, Eq)]

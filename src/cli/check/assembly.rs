@@ -7,12 +7,12 @@ use super::document::{
 use super::explained;
 use super::view::FileView;
 use crate::cli::console::schema;
-use crate::cli::files::Loaded;
 use crate::cli::outline::{Declaration, Kind};
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json};
 use crate::engine::cache::Cache;
+use crate::engine::files::Loaded;
 use crate::engine::findings::lost;
 use crate::engine::internal;
 use crate::engine::judgement;

@@ -9,15 +9,15 @@ mod watch;
 
 use super::console::Console;
 use super::exit::ExitCode;
-use super::files::{self, Loaded, StandardLibrary};
 use super::options::{Format, GlobalOptions};
-use super::output;
 use super::proof;
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, Library};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
 use crate::engine::controller::Wish;
+use crate::engine::files::{self, Loaded, StandardLibrary};
 use crate::engine::machines::{self, Planned};
+use crate::engine::output;
 use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
 use crate::game::Limit;
 use crate::source::Span;
@@ -187,7 +187,7 @@ fn check(
         code = code.and(ExitCode::GaveUp);
     }
     Ok(Checked {
-        code: code.and(loaded.exit_code()),
+        code: code.and(ExitCode::of_loading(&loaded)),
         document,
         findings,
         loaded,

@@ -1,8 +1,8 @@
 //! A file as `check` sees it: its declarations, and which of them can be relied on.
 
-use crate::cli::files::Loaded;
 use crate::cli::outline::{self, Declaration, Kind};
 use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::engine::files::Loaded;
 use crate::interchange::Format;
 use crate::source::{FileId, Span};
 

@@ -8,9 +8,9 @@ mod lookout;
 
 use super::{Arguments, Checked, check, write};
 use crate::cli::exit::ExitCode;
-use crate::cli::files::StandardLibrary;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::engine::cache::Cache;
+use crate::engine::files::StandardLibrary;
 use crate::engine::interrupt::{self, Watch};
 use crate::engine::pipeline::Memory;
 use crate::source::SourceMap;

@@ -3,8 +3,9 @@
 use super::super::console::schema;
 use super::super::exit::ExitCode;
 use super::super::options::{Format, GlobalOptions};
-use super::super::{output, profiles};
+use super::super::profiles;
 use crate::diagnostics::{Diagnostic, has_errors, json};
+use crate::engine::output;
 use crate::source::SourceMap;
 use crate::station::probe::dump::{self, Dump};
 use crate::station::probe::infer::{self, Fact, Sureness};

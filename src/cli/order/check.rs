@@ -3,10 +3,10 @@
 use super::rules::{self, Chosen};
 use super::{Choice, program, words};
 use crate::cli::exit::ExitCode;
-use crate::cli::files;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, json, sarif};
+use crate::engine::files;
 use crate::order::picture::names;
 use crate::order::program::{Checked, Violation, check};
 use crate::order::supervisor::Supervisor;

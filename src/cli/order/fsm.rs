@@ -3,9 +3,9 @@
 use super::{Choice, rules};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
-use crate::cli::output;
 use crate::cli::select::Selection;
 use crate::drawing::{Region, dot, svg};
+use crate::engine::output;
 use crate::order::Skills;
 use crate::order::fsm::{self, Fsm};
 use crate::order::picture::{graph, names, regions};

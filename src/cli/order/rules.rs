@@ -3,10 +3,10 @@
 use super::Choice;
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
-use crate::cli::files::{self, Loaded};
 use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::diagnostics::nearest;
+use crate::engine::files::{self, Loaded};
 use crate::order::bound::TooLarge;
 use crate::order::fsm::MOST_CALLS;
 use crate::order::supervisor::Options;

@@ -135,6 +135,18 @@ pub struct Settings {
     pub cache: Option<Cache>,
 }
 
+impl Default for Settings {
+    /// Without limits, and remembering nothing.
+    fn default() -> Self {
+        Self {
+            limits: Limits::default(),
+            kernel: KernelChoice::Automatic,
+            heuristics: Heuristics::default(),
+            cache: None,
+        }
+    }
+}
+
 /// One specification to be solved, and where its findings point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Job {

@@ -5,7 +5,7 @@
 //! contents are compared with those at the last look, which also comes around every second when the system is silent.
 
 use super::SLOWEST;
-use crate::cli::files::{self, StandardLibrary};
+use crate::engine::files::{self, StandardLibrary};
 use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};

@@ -5,19 +5,18 @@
 //!
 //! Files of other tools are told by their ending. They are read where they are named; in a folder, only `.lw` files are looked for.
 
-use super::exit::ExitCode;
-use crate::contract::{self, Contract, Library};
-use crate::diagnostics::{Diagnostic, codes};
-use crate::interchange::{self, Format, Reading};
-use crate::source::{FileId, Span};
-use crate::station::disk;
 use include_dir::{Dir, include_dir};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::source::{FileId, Span};
+use linewright_interchange::{self as interchange, Format, Reading};
+use linewright_language::contract::{self, Contract, Library};
+use linewright_station::disk;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-static BUNDLED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/contracts");
+static BUNDLED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../contracts");
 
 /// Where `check` looks when it is given no path.
 const DEFAULT_FOLDER: &str = "contracts";
@@ -143,17 +142,10 @@ impl Loaded {
         self.foreign.iter().find(|f| f.file == file)
     }
 
-    /// A file of another tool with a mistake in it is one that does not parse, whatever the mistake is.
-    pub fn exit_code(&self) -> ExitCode {
-        if self
-            .foreign
-            .iter()
-            .any(|f| f.reading.specification.is_none())
-        {
-            ExitCode::CannotRun
-        } else {
-            ExitCode::Success
-        }
+    /// Whether a file of another tool could not be read. One with a mistake in it is one that does not parse, whatever the mistake is.
+    pub fn lacks_foreign(&self) -> bool {
+        let mut foreign = self.foreign.iter();
+        foreign.any(|f| f.reading.specification.is_none())
     }
 
     /// Reads another tool's file and what it imports, and makes a contract of it.

@@ -1,8 +1,8 @@
 //! Writes results to files: under a temporary name first, then renamed, so that a killed run leaves no half file.
 
 use super::files;
-use crate::diagnostics::{Diagnostic, codes};
-use crate::station::disk;
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_station::disk;
 use std::fs::Permissions;
 use std::io::{self, Write as _};
 use std::path::Path;

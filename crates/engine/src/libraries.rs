@@ -1,56 +1,12 @@
 //! Machines with their controllers: whether they fit together, and their station libraries.
 
 use super::output;
-use crate::diagnostics::{Diagnostic, Severity, codes};
-use crate::engine::controlled::Controlled;
-use crate::station::profile::Profile;
-use crate::station::simtalk::Beside;
-use crate::station::{self, Package, Toolchain, fmi, probe, simtalk};
+use crate::controlled::Controlled;
+use linewright_core::diagnostics::{Diagnostic, Severity, codes};
+use linewright_station::profile::Profile;
+use linewright_station::simtalk::Beside;
+use linewright_station::{self as station, Package, Toolchain, fmi, probe, simtalk};
 use std::path::{Path, PathBuf};
-
-/// What `build` makes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Target {
-    /// A shared library for this computer
-    Linux,
-    /// A 64-bit DLL, with MinGW or Zig
-    Windows,
-    /// A 64-bit DLL, with Microsoft's compiler; on Windows only
-    Msvc,
-    /// Co-simulation units of FMI 2.0 and 3.0, with the binaries that there are compilers for
-    Fmu,
-    /// The C sources, with all headers they need
-    Source,
-}
-
-impl Target {
-    /// As it is written on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Linux => "linux",
-            Self::Windows => "windows",
-            Self::Msvc => "msvc",
-            Self::Fmu => "fmu",
-            Self::Source => "source",
-        }
-    }
-
-    /// Whether Plant Simulation can load what is built.
-    pub fn is_windows(self) -> bool {
-        matches!(self, Self::Windows | Self::Msvc)
-    }
-
-    /// The compiler for it; none for the sources. Units have several, and take what there is: see [`fmi::toolchains`].
-    pub fn toolchain(self) -> Result<Option<Toolchain>, Box<Diagnostic>> {
-        let found = match self {
-            Self::Linux => Ok(Some(Toolchain::shipping())),
-            Self::Windows => Toolchain::windows().map(Some),
-            Self::Msvc => Toolchain::msvc().map(Some),
-            Self::Fmu | Self::Source => Ok(None),
-        };
-        found.map_err(|e| Box::new(e.to_diagnostic()))
-    }
-}
 
 /// What was written, and what is to be said of it.
 #[derive(Debug, Default)]

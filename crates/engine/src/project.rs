@@ -1,0 +1,139 @@
+//! Where to begin: files in; verdicts, station libraries and runs out.
+
+use crate::files::{self, Loaded, StandardLibrary};
+use crate::libraries;
+use crate::machines;
+use crate::pipeline::{CheckedContract, Goal, Jobs, Settings};
+use crate::simulation::{self, Run, Simulated};
+use crate::synthesis::Synthesis;
+use indicatif::ProgressBar;
+use linewright_core::diagnostics::{Diagnostic, has_errors};
+use linewright_language::contract::Library;
+use linewright_language::contract::line::Line;
+use linewright_language::contract::machine::Machine;
+use linewright_station::Toolchain;
+use linewright_station::profile::Profile;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// What files declare, and how it is to be solved.
+#[derive(Debug, Default)]
+pub struct Project {
+    loaded: Loaded,
+    /// How to solve: without limits and without a cache, unless it is changed.
+    pub settings: Settings,
+}
+
+/// Why something cannot be had: the errors among the findings, and what was found beside them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refused(pub Vec<Diagnostic>);
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, finding) in self.0.iter().enumerate() {
+            let separator = if index == 0 { "" } else { "; " };
+            write!(f, "{separator}{}: {}", finding.code, finding.message)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Refused {}
+
+impl Refused {
+    /// Nothing, unless there is an error among the findings.
+    fn unless_sound(findings: Vec<Diagnostic>) -> Result<(), Self> {
+        if has_errors(&findings) {
+            Err(Self(findings))
+        } else {
+            Ok(())
+        }
+    }
+}
+
+impl Project {
+    /// Reads a file, or every `.lw` file below a folder, and all that is imported; `import std...` reads the bundled library.
+    ///
+    /// # Errors
+    /// The findings, where one of them is an error.
+    pub fn open(path: &str) -> Result<Self, Refused> {
+        let loaded = files::load(&[path.to_owned()], &StandardLibrary::default());
+        Refused::unless_sound(loaded.findings.clone())?;
+        Ok(Self {
+            loaded,
+            settings: Settings::default(),
+        })
+    }
+
+    /// What the files declare, with what they import.
+    pub fn library(&self) -> &Library {
+        &self.loaded.library
+    }
+
+    /// What was found while the files were read: warnings and notes.
+    pub fn findings(&self) -> &[Diagnostic] {
+        &self.loaded.findings
+    }
+
+    /// Solves every contract, in the order of the library: verdicts, controllers, findings.
+    pub fn check(&self) -> Vec<CheckedContract> {
+        let mut jobs = Jobs::examining();
+        let contracts = self.library().contracts.iter();
+        let indices: Vec<usize> = contracts
+            .map(|c| jobs.add_for(Goal::Small, &c.specification, c.span))
+            .collect();
+        let checked = jobs.run(&self.settings, &ProgressBar::hidden());
+        indices.into_iter().map(|i| checked[i].clone()).collect()
+    }
+
+    /// The machine of this name, if there is one.
+    pub fn machine(&self, name: &str) -> Option<&Machine> {
+        self.library().machines.iter().find(|m| m.name == name)
+    }
+
+    /// The line of this name, if there is one.
+    pub fn line(&self, name: &str) -> Option<&Line> {
+        self.library().lines.iter().find(|l| l.name == name)
+    }
+
+    /// Synthesizes a machine's controllers, judges it, and writes its station library for this computer into a folder. Gives the files.
+    ///
+    /// # Errors
+    /// The findings, where one of them is an error.
+    pub fn build(&self, machine: &Machine, folder: &Path) -> Result<Vec<PathBuf>, Refused> {
+        let synthesis = self.synthesize([machine])?;
+        let toolchain = Toolchain::shipping().until(self.settings.limits.deadline);
+        let mut files = Vec::new();
+        for machine in synthesis.controlled() {
+            let profile = Profile::assumed();
+            let written = libraries::build(&machine, &profile, Some(&toolchain), folder, false)
+                .map_err(|finding| Refused(vec![*finding]))?;
+            files.extend(written.files);
+        }
+        Ok(files)
+    }
+
+    /// Synthesizes the controllers of a line's machines, judges these, builds their station libraries into a folder, and runs the line.
+    ///
+    /// # Errors
+    /// The findings, where one of them is an error. What goes wrong in a run is in the run's findings.
+    pub fn run(&self, line: &Line, folder: &Path, how: &Simulated) -> Result<Run, Refused> {
+        let machines = machines::of_line(line).into_iter().map(|m| &**m);
+        let synthesis = self.synthesize(machines)?;
+        let controlled: Vec<_> = synthesis.controlled().collect();
+        simulation::simulate(line, &controlled, folder, how).map_err(Refused)
+    }
+
+    fn synthesize<'a>(
+        &self,
+        machines: impl IntoIterator<Item = &'a Machine>,
+    ) -> Result<Synthesis<'a>, Refused> {
+        let synthesis = Synthesis::new(machines, &self.settings, |_| ProgressBar::hidden());
+        let mut findings = synthesis.findings();
+        for machine in synthesis.controlled() {
+            findings.extend(synthesis.judge(&machine, &self.settings));
+        }
+        Refused::unless_sound(findings)?;
+        Ok(synthesis)
+    }
+}

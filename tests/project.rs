@@ -1,0 +1,103 @@
+//! The library as another program uses it: `engine::project`, from files to verdicts, station libraries and runs.
+
+use linewright::engine::pipeline::Verdict;
+use linewright::engine::project::{Project, Refused};
+use linewright::engine::simulation::Simulated;
+use linewright::line::Options;
+use std::path::Path;
+
+fn example() -> Project {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/loader/line.lw");
+    Project::open(&path.to_string_lossy()).expect("a sound file")
+}
+
+fn codes(refused: &Refused) -> Vec<&str> {
+    refused.0.iter().map(|f| f.code.id).collect()
+}
+
+#[test]
+fn contracts_are_checked_in_the_order_of_the_library() {
+    let project = example();
+    let checked = project.check();
+    assert_eq!(checked.len(), project.library().contracts.len());
+    assert!(!checked.is_empty());
+    for contract in checked {
+        assert_eq!(contract.verdict, Verdict::Realizable);
+        assert!(contract.controller.is_some());
+    }
+}
+
+#[test]
+fn a_machine_is_built_and_a_line_is_run() {
+    let project = example();
+    let folder = tempfile::tempdir().expect("a folder");
+    let machine = project.machine("Loader").expect("it is declared");
+    let files = project.build(machine, folder.path()).expect("it is built");
+    assert!(files.iter().all(|f| f.is_file()), "{files:?}");
+
+    let line = project.line("Loading").expect("it is declared");
+    let how = Simulated {
+        options: Options {
+            parts: Some(5),
+            ..Options::default()
+        },
+        replications: 2,
+        rebuild: false,
+    };
+    let run = project.run(line, folder.path(), &how).expect("it runs");
+    let products: Vec<u64> = run.traces.iter().map(|t| t.products).collect();
+    assert_eq!(products, [5, 5]);
+    assert_eq!(run.replications.seeds.len(), 2);
+}
+
+#[test]
+fn what_is_wrong_is_a_value() {
+    let missing = Project::open("no/such/file.lw").expect_err("it is not there");
+    assert_eq!(codes(&missing), ["LW001"]);
+    assert!(
+        missing.to_string().starts_with("LW001: no/such/file.lw"),
+        "{missing}"
+    );
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lost.lw");
+    let text = "import std.coordination.single
+
+contract Lost {
+    input requested: bool
+    output finished: bool
+    guarantee report: always (finished <-> requested)
+    guarantee stuck: always not finished
+}
+machine M {
+    step 1 s
+    coordinator c: Single {
+        job = operation = go
+        executed = a.finished
+    }
+    action a: Lost when c.command {
+        requested = c.command
+        time 1 s
+    }
+    operation go: a
+    done c.done
+}
+";
+    std::fs::write(&file, text).expect("a file");
+    let project = Project::open(&file.to_string_lossy()).expect("it can be read");
+    let machine = project.machine("M").expect("it is declared");
+    let refused = project
+        .build(machine, folder.path())
+        .expect_err("it cannot be built");
+    assert_eq!(codes(&refused), ["LW203"]);
+    let lost = project
+        .library()
+        .contracts
+        .iter()
+        .position(|c| c.name == "Lost");
+    let checked = project.check();
+    assert_eq!(
+        checked[lost.expect("it is declared")].verdict,
+        Verdict::Unrealizable
+    );
+}
