@@ -53,12 +53,13 @@ pub struct Budget {
     pub nodes: u64,
 }
 
-/// The default limits of work, all of them. A quiet computer does some 20 million units a second. What ships takes less than a tenth: the
-/// dearest question about the laboratory's line, what rests on what, 145 million.
+/// The default limits of work, all of them. A quiet computer does some 20 million units a second. What ships takes less than a
+/// quarter: the dearest question about the laboratory's line, what rests on what, 145 million. Who waits for `check` waits for the budget of
+/// a line, so it is half a minute's.
 impl Budget {
     /// Each question about a line: what is asked of its stations, whether parts move on, what rests on what.
     pub const LINE: Self = Self {
-        work: 3_000_000_000,
+        work: 600_000_000,
         nodes: 2_000_000,
     };
     /// The controllers of a machine put together.
