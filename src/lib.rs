@@ -4,7 +4,7 @@
 //! its time, from station libraries that a C compiler has just made:
 //!
 //! ```
-//! use linewright::engine::{project::Project, simulation::Simulated};
+//! use linewright::engine::{project::Project, simulation::SimulationOptions};
 //! use linewright::{line::Options, report};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -12,7 +12,7 @@
 //! let line = project.line("Loading").ok_or("no such line")?;
 //! let options = Options { until: Some(3600.0), ..Options::default() };
 //! let folder = tempfile::tempdir()?;
-//! let run = project.run(line, folder.path(), &Simulated { options, replications: 1, rebuild: false })?;
+//! let run = project.run(line, folder.path(), &SimulationOptions { options, replications: 1, rebuild: false })?;
 //! println!("{}", report::table(line, &run.traces[0], None));
 //! assert_eq!(run.traces[0].violation_count, 0);
 //! # Ok(())

@@ -1,8 +1,8 @@
 //! The library as another program uses it: `engine::project`, from files to verdicts, station libraries and runs.
 
 use linewright::engine::pipeline::Verdict;
-use linewright::engine::project::{Project, Refused};
-use linewright::engine::simulation::Simulated;
+use linewright::engine::project::{Project, ProjectError};
+use linewright::engine::simulation::SimulationOptions;
 use linewright::line::Options;
 use std::path::Path;
 
@@ -11,7 +11,7 @@ fn example() -> Project {
     Project::open(&path.to_string_lossy()).expect("a sound file")
 }
 
-fn codes(refused: &Refused) -> Vec<&str> {
+fn codes(refused: &ProjectError) -> Vec<&str> {
     refused.0.iter().map(|f| f.code.id).collect()
 }
 
@@ -36,7 +36,7 @@ fn a_machine_is_built_and_a_line_is_run() {
     assert!(files.iter().all(|f| f.is_file()), "{files:?}");
 
     let line = project.line("Loading").expect("it is declared");
-    let how = Simulated {
+    let how = SimulationOptions {
         options: Options {
             parts: Some(5),
             ..Options::default()

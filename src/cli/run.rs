@@ -7,7 +7,7 @@ use super::select::Selection;
 use super::time;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
-use crate::engine::simulation::{self, Simulated};
+use crate::engine::simulation::{self, SimulationOptions};
 use crate::engine::synthesis::Synthesis;
 use crate::engine::{internal, lines, machines};
 use crate::line::Options;
@@ -102,16 +102,16 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let of_machine = |machine: &Machine| synthesis.of(machine);
     let doing = || format!("following the parts of the line `{}`", line.name);
     let followed = internal::caught(doing, || lines::follow(line, of_machine, &settings.limits));
-    let followed = followed.unwrap_or_else(|fault| lines::Followed {
+    let followed = followed.unwrap_or_else(|fault| lines::CallReport {
         findings: vec![fault.finding(Some(line.span))],
-        ..lines::Followed::default()
+        ..lines::CallReport::default()
     });
     findings.retain(|f| !(followed.routes_decided && lines::is_doubt(f, line)));
     findings.extend(followed.findings);
     findings.extend(followed.remarks);
 
     let default = default_folder(&arguments.selection.path);
-    let run_options = Simulated {
+    let run_options = SimulationOptions {
         options: Options {
             seed: arguments.seed,
             parts: arguments.parts,

@@ -103,7 +103,7 @@ fn has_controllers<'a>(
 
 /// What following the parts of a line has shown.
 #[derive(Debug, Default)]
-pub struct Followed {
+pub struct CallReport {
     /// What is wrong with its calls.
     pub findings: Vec<Diagnostic>,
     /// Routes that no part takes.
@@ -117,11 +117,11 @@ pub fn follow<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
     limits: &Limits,
-) -> Followed {
+) -> CallReport {
     let mut calls = calls_of(line, controlled, limits);
     let mut findings = std::mem::take(&mut calls.findings);
     findings.extend(timeless(line, &calls));
-    Followed {
+    CallReport {
         findings,
         remarks: calls.remarks,
         routes_decided: calls.undecided.is_empty(),

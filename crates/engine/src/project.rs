@@ -4,7 +4,7 @@ use crate::files::{self, Loaded, StandardLibrary};
 use crate::libraries;
 use crate::machines;
 use crate::pipeline::{CheckedContract, Goal, Jobs, Settings};
-use crate::simulation::{self, Run, Simulated};
+use crate::simulation::{self, Run, SimulationOptions};
 use crate::synthesis::Synthesis;
 use indicatif::ProgressBar;
 use linewright_core::diagnostics::{Diagnostic, has_errors};
@@ -26,9 +26,9 @@ pub struct Project {
 
 /// Why something cannot be had: the errors among the findings, and what was found beside them.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Refused(pub Vec<Diagnostic>);
+pub struct ProjectError(pub Vec<Diagnostic>);
 
-impl fmt::Display for Refused {
+impl fmt::Display for ProjectError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, finding) in self.0.iter().enumerate() {
             let separator = if index == 0 { "" } else { "; " };
@@ -38,9 +38,9 @@ impl fmt::Display for Refused {
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for ProjectError {}
 
-impl Refused {
+impl ProjectError {
     /// Nothing, unless there is an error among the findings.
     fn unless_sound(findings: Vec<Diagnostic>) -> Result<(), Self> {
         if has_errors(&findings) {
@@ -56,9 +56,9 @@ impl Project {
     ///
     /// # Errors
     /// The findings, where one of them is an error.
-    pub fn open(path: &str) -> Result<Self, Refused> {
+    pub fn open(path: &str) -> Result<Self, ProjectError> {
         let loaded = files::load(&[path.to_owned()], &StandardLibrary::default());
-        Refused::unless_sound(loaded.findings.clone())?;
+        ProjectError::unless_sound(loaded.findings.clone())?;
         Ok(Self {
             loaded,
             settings: Settings::default(),
@@ -100,14 +100,14 @@ impl Project {
     ///
     /// # Errors
     /// The findings, where one of them is an error.
-    pub fn build(&self, machine: &Machine, folder: &Path) -> Result<Vec<PathBuf>, Refused> {
+    pub fn build(&self, machine: &Machine, folder: &Path) -> Result<Vec<PathBuf>, ProjectError> {
         let synthesis = self.synthesize([machine])?;
         let toolchain = Toolchain::shipping().until(self.settings.limits.deadline);
         let mut files = Vec::new();
         for machine in synthesis.controlled() {
             let profile = Profile::assumed();
             let written = libraries::build(&machine, &profile, Some(&toolchain), folder, false)
-                .map_err(|finding| Refused(vec![*finding]))?;
+                .map_err(|finding| ProjectError(vec![*finding]))?;
             files.extend(written.files);
         }
         Ok(files)
@@ -117,23 +117,28 @@ impl Project {
     ///
     /// # Errors
     /// The findings, where one of them is an error. What goes wrong in a run is in the run's findings.
-    pub fn run(&self, line: &Line, folder: &Path, how: &Simulated) -> Result<Run, Refused> {
+    pub fn run(
+        &self,
+        line: &Line,
+        folder: &Path,
+        how: &SimulationOptions,
+    ) -> Result<Run, ProjectError> {
         let machines = machines::of_line(line).into_iter().map(|m| &**m);
         let synthesis = self.synthesize(machines)?;
         let controlled: Vec<_> = synthesis.controlled().collect();
-        simulation::simulate(line, &controlled, folder, how).map_err(Refused)
+        simulation::simulate(line, &controlled, folder, how).map_err(ProjectError)
     }
 
     fn synthesize<'a>(
         &self,
         machines: impl IntoIterator<Item = &'a Machine>,
-    ) -> Result<Synthesis<'a>, Refused> {
+    ) -> Result<Synthesis<'a>, ProjectError> {
         let synthesis = Synthesis::new(machines, &self.settings, |_| ProgressBar::hidden());
         let mut findings = synthesis.findings();
         for machine in synthesis.controlled() {
             findings.extend(synthesis.judge(&machine, &self.settings));
         }
-        Refused::unless_sound(findings)?;
+        ProjectError::unless_sound(findings)?;
         Ok(synthesis)
     }
 }

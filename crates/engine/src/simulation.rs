@@ -17,7 +17,7 @@ use std::time::Instant;
 
 /// How a line is run.
 #[derive(Debug, Clone)]
-pub struct Simulated {
+pub struct SimulationOptions {
     /// When a run ends, and its seed; the deadline holds for compilers as well.
     pub options: Options,
     /// How many runs, with the seeds that follow.
@@ -45,7 +45,7 @@ pub fn simulate(
     line: &Line,
     machines: &[Controlled<'_>],
     folder: &Path,
-    how: &Simulated,
+    how: &SimulationOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
     let libraries = build(machines, folder, how)?;
     let controllers = instances(line, machines, &libraries)?;
@@ -63,7 +63,7 @@ pub fn simulate(
 fn build(
     machines: &[Controlled<'_>],
     folder: &Path,
-    how: &Simulated,
+    how: &SimulationOptions,
 ) -> Result<Vec<Arc<Library>>, Vec<Diagnostic>> {
     let profile = Profile::assumed();
     let packages: Vec<Package> = machines
