@@ -3,7 +3,7 @@
 //! knows only this one line two and a half million.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-#[path = "../line/support.rs"]
+#[path = "../line/models.rs"]
 #[expect(dead_code, reason = "the tests need more of it")]
 mod support;
 

@@ -7,9 +7,9 @@
 //! which is asked after every skill whether it may go on, and as it searches by itself.
 
 #[expect(dead_code, reason = "only its random numbers are needed")]
-#[path = "../oracle/random.rs"]
+#[path = "../solver/random.rs"]
 mod random;
-#[path = "../order_monitor/unit.rs"]
+#[path = "../station/unit.rs"]
 mod unit;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

@@ -18,7 +18,7 @@ mod explicit;
 #[path = "../station/fixtures.rs"]
 mod fixtures;
 #[expect(dead_code, reason = "the tests use more of it")]
-#[path = "../ice_lab/laboratory.rs"]
+#[path = "../station/laboratory.rs"]
 mod laboratory;
 #[path = "../support/mod.rs"]
 mod support;

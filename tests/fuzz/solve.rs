@@ -1,7 +1,7 @@
 //! One small specification through everything that `check` and `synth` do with it: both kernels, and the naive solver where
 //! it is small enough for that, have to agree, and what is made of the verdict has to be right.
 
-#[path = "../oracle/game.rs"]
+#[path = "../solver/game.rs"]
 mod game;
 
 use game::{Board, Subset};

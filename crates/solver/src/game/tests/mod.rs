@@ -4,7 +4,7 @@ mod orders;
 mod parts;
 
 #[allow(dead_code, reason = "each test needs a part of it")]
-#[path = "../../../../../tests/oracle/random.rs"]
+#[path = "../../../../../tests/solver/random.rs"]
 mod random;
 
 use random::{Random, specification, specification_with_goals};

@@ -1,0 +1,113 @@
+//! Pairs of contracts: the paper's own, and circles that are sound for safety and not for justice.
+
+use super::tables::table;
+use linewright::algebra::join::{Member, Sharing, join};
+use linewright::algebra::proof::{Claim, Exports, Proof, prove};
+use linewright::algebra::system::System;
+use linewright::contract;
+use linewright::game::Limits;
+
+/// The composition of the contracts in some texts, in order.
+fn composed(texts: &[&str]) -> (System, Claim, Proof) {
+    let files: Vec<(String, String)> = texts
+        .iter()
+        .enumerate()
+        .map(|(i, text)| (format!("{i}.lw"), (*text).to_owned()))
+        .collect();
+    let (library, _) = contract::load(&files, &|_, _| Err("no imports".to_owned()));
+    let members: Vec<Member<'_>> = library
+        .contracts
+        .iter()
+        .map(|c| Member {
+            specification: &c.specification,
+            name: c.name.clone(),
+            renamed: Vec::new(),
+        })
+        .collect();
+    let system = join(&members, Sharing::OneDriver).expect("ports that fit");
+    let claim = Claim {
+        exports: Exports::Always,
+        ..Claim::default()
+    };
+    let proof = prove(&system, &claim, &Limits::default()).expect("no limit");
+    (system, claim, proof)
+}
+
+/// Four assumptions that are not discharged, and one circle: `available` is the coordinator's own, the gripper's guarantee is only the converse of
+/// what Turn needs, and the two last ones wait for each other.
+#[test]
+fn the_papers_own_pair_leaves_four_assumptions_open_and_has_one_circle() {
+    let (system, claim, proof) = composed(&[
+        include_str!("../../cases/table1/coordinator_actuated.lw"),
+        include_str!("../../cases/table1/turn_actuated.lw"),
+    ]);
+    assert_eq!(proof.discharges, []);
+    assert_eq!(proof.open.len(), 4);
+    assert_eq!(proof.circles.len(), 1);
+    insta::assert_snapshot!(table(&system, &claim, &proof), @"
+    Coordinator: assumption 1 | OPEN | a cycle of 1 steps
+    Coordinator: assumption 2 | OPEN | a cycle of 1 steps
+    Turn: assumption 1 | OPEN | a trace of 1 steps
+    Turn: assumption 2 | OPEN | a cycle of 1 steps
+    circle: Coordinator: assumption 2 -> Turn: assumption 2
+    ");
+}
+
+#[test]
+fn a_circle_of_safety_is_sound_and_one_of_justice_is_not() {
+    let (system, claim, proof) =
+        composed(&[include_str!("../../../examples/fit-together/safe.lw")]);
+    insta::assert_snapshot!(table(&system, &claim, &proof), @"
+    Feeder: careful | induction | Gripper: grips
+    Gripper: stays | induction | Feeder: stays
+    ");
+    let (system, claim, proof) =
+        composed(&[include_str!("../../../examples/fit-together/circle.lw")]);
+    insta::assert_snapshot!(table(&system, &claim, &proof), @"
+    Feeder: reached_for | OPEN | a cycle of 1 steps
+    Gripper: parts_come | OPEN | a cycle of 1 steps
+    circle: Feeder: reached_for -> Gripper: parts_come
+    ");
+    let (system, claim, proof) =
+        composed(&[include_str!("../../../examples/fit-together/mended.lw")]);
+    insta::assert_snapshot!(table(&system, &claim, &proof), @"
+    Feeder: held | induction | Gripper: held
+    Gripper: fed | justice 1 | Feeder: feeds
+    ");
+}
+
+#[test]
+fn a_loop_within_a_step_is_refused_with_its_variables() {
+    let (system, claim, proof) =
+        composed(&[include_str!("../../../examples/fit-together/loop.lw")]);
+    insta::assert_snapshot!(table(&system, &claim, &proof), @"loop: shut -> lit");
+}
+
+/// Circles of safety among contracts that see each other's answers of the same step are loops: each may only keep its promise
+/// because the other does.
+#[test]
+fn a_circle_of_safety_within_a_step_is_refused() {
+    let text = "
+contract Left {
+    input b: bool
+    output a: bool
+    assume other: always b
+    guarantee own: always a
+}
+contract Right {
+    input a: bool
+    output b: bool
+    assume other: always a
+    guarantee own: always b
+}
+";
+    let (system, claim, proof) = composed(&[text]);
+    assert!(!proof.holds());
+    insta::assert_snapshot!(table(&system, &claim, &proof), @"loop: b -> a");
+    // Where they answer first, each looks at the step before.
+    let (_, _, proof) = composed(&[&text.replace("contract", "moore contract")]);
+    assert!(proof.holds());
+    // One of the two is enough.
+    let (_, _, proof) = composed(&[&text.replacen("contract", "moore contract", 1)]);
+    assert!(proof.holds());
+}

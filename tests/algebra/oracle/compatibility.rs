@@ -1,0 +1,318 @@
+//! Compatibility against a naive solver of the game with the roles swapped.
+//!
+//! The outside plays: it sets what no part sets, and has to keep all assumptions for as long as the parts keep their guarantees; and has
+//! to meet the justice of the assumptions whenever that of the guarantees is met. Machines that see the inputs of the step that
+//! they answer leave the outside the first word. Where all parts answer first, without looking at anything from outside in that step,
+//! the outside sees their answer.
+
+use super::contracts::{self, formula};
+use super::graph::{Board, Relation, Set, Steps, members};
+use super::lassos::keeps;
+use super::wired::{self, Plan};
+use crate::random::Random;
+use linewright::algebra::compat::{Compatibility, compatible};
+use linewright::algebra::proof::{Broken, latest};
+use linewright::algebra::system::{Part, System, formulas};
+use linewright::game::Limits;
+use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId};
+
+const SYSTEMS: u64 = 5_000;
+
+/// The game, with explicit states.
+struct Swapped {
+    board: Board,
+    sees: bool,
+    /// Whether the outside may leave the parts no legal answer.
+    corners: bool,
+    /// The parts' moves, and what is asked of the outside.
+    parts: Steps,
+    outside: Steps,
+    owed: Vec<Relation>,
+    goals: Vec<Relation>,
+    /// Valuations with the same values from outside, and with the same values of parts.
+    from_outside: Vec<Set>,
+    of_parts: Vec<Set>,
+}
+
+/// The formulas of some sides in one.
+fn together<'a>(sides: impl Iterator<Item = &'a Side>) -> Side {
+    let mut all = Side::default();
+    for side in sides {
+        all.initial.extend(side.initial.iter().cloned());
+        all.invariants.extend(side.invariants.iter().cloned());
+        all.safety.extend(side.safety.iter().cloned());
+        all.justice.extend(side.justice.iter().cloned());
+    }
+    all
+}
+
+/// Only the formulas with these names.
+fn named(side: &Side, names: &[String]) -> Side {
+    let only = |list: &[Formula]| -> Vec<Formula> {
+        list.iter()
+            .filter(|f| names.contains(&f.name))
+            .cloned()
+            .collect()
+    };
+    Side {
+        initial: only(&side.initial),
+        invariants: only(&side.invariants),
+        safety: only(&side.safety),
+        justice: only(&side.justice),
+    }
+}
+
+impl Swapped {
+    /// The game for what is left of the assumptions.
+    fn new(system: &System, assumptions: &Side) -> Self {
+        let board = Board::new(&system.variables);
+        let guarantees = together(system.parts.iter().map(|p| &p.guarantees));
+        let own = |v: &VarId| system.driver(*v).is_some();
+        let sees = system.parts.iter().all(|p| {
+            let mut said = formulas(&p.guarantees);
+            let blind = said.all(|(kind, _, f)| latest(&f.expr, kind).iter().all(own));
+            p.timing == Timing::Moore && blind
+        });
+        let alike = |of_parts: bool| {
+            let key = |valuation: &Vec<i64>| -> Vec<i64> {
+                let all = valuation.iter().enumerate();
+                all.filter(|(i, _)| own(&VarId(*i as u32)) == of_parts)
+                    .map(|(_, x)| *x)
+                    .collect()
+            };
+            let mut keys: Vec<Vec<i64>> = board.valuations.iter().map(key).collect();
+            let each: Vec<Vec<i64>> = keys.clone();
+            keys.sort();
+            keys.dedup();
+            let group = |k: &Vec<i64>| {
+                let all = each.iter().enumerate().filter(|(_, e)| *e == k);
+                all.fold(0, |set: Set, (i, _)| set | 1 << i)
+            };
+            keys.iter().map(group).collect::<Vec<Set>>()
+        };
+        // No justice at all is the one that is always met.
+        let or_true = |list: Vec<Relation>| {
+            if list.is_empty() {
+                vec![vec![board.everything(); board.valuations.len()]]
+            } else {
+                list
+            }
+        };
+        Self {
+            parts: board.steps([&guarantees]),
+            outside: board.steps([assumptions]),
+            owed: or_true(board.relations(&guarantees.justice)),
+            goals: or_true(board.relations(&assumptions.justice)),
+            from_outside: alike(false),
+            of_parts: alike(true),
+            corners: true,
+            sees,
+            board,
+        }
+    }
+
+    /// Whether the outside can bring about one of `good`, whichever of `legal` the parts choose.
+    fn controls(&self, legal: Set, good: Set) -> bool {
+        if self.sees {
+            let mut answers = self.of_parts.iter();
+            answers.all(|y| y & legal == 0 || y & legal & good != 0)
+        } else {
+            let mut moves = self.from_outside.iter();
+            moves.any(|x| x & legal & !good == 0 && (self.corners || x & legal != 0))
+        }
+    }
+
+    /// νZ. ⋀ⱼ μY. ⋁ᵢ νX, as the textbook has it.
+    fn winning(&self) -> Set {
+        let all = self.board.everything();
+        let before = |target: &dyn Fn(usize) -> Set| {
+            members(all)
+                .filter(|s| self.controls(self.parts.step[*s], self.outside.step[*s] & target(*s)))
+                .fold(0, |set: Set, s| set | 1 << s)
+        };
+        let mut z = all;
+        loop {
+            let mut everywhere = all;
+            for goal in &self.goals {
+                let mut y = 0;
+                loop {
+                    let mut more = 0;
+                    for owed in &self.owed {
+                        let mut x = all;
+                        loop {
+                            let less = before(&|s| (goal[s] & z) | y | (!owed[s] & x));
+                            if less == x {
+                                break;
+                            }
+                            x = less;
+                        }
+                        more |= x;
+                    }
+                    if more == y {
+                        break;
+                    }
+                    y = more;
+                }
+                everywhere &= y;
+            }
+            if everywhere == z {
+                return z;
+            }
+            z = everywhere;
+        }
+    }
+
+    fn won(&self) -> bool {
+        self.controls(self.parts.start, self.outside.start & self.winning())
+    }
+
+    /// Steps that the parts may take, and that the outside may, after a state or at the beginning.
+    fn moves(&self, after: Option<usize>) -> (Set, Set) {
+        match after {
+            None => (self.parts.start, self.outside.start),
+            Some(s) => (self.parts.step[s], self.outside.step[s]),
+        }
+    }
+}
+
+/// A play that ends: everything is kept before the last step; and then, whatever the outside does, some assumption is broken by what the
+/// parts may do.
+fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
+    let states: Vec<usize> = steps.iter().map(|s| game.board.number(s)).collect();
+    let mut before = None;
+    for (i, state) in states.iter().enumerate() {
+        let (legal, kept) = game.moves(before);
+        if i + 1 < states.len() {
+            assert!((legal & kept) >> state & 1 == 1, "step {i} of {steps:?}");
+        } else if game.sees {
+            // What the parts set is given; nothing from outside fits.
+            let same = game.of_parts.iter().find(|y| *y >> state & 1 == 1);
+            let same = same.expect("a group");
+            assert!(same & legal != 0 && same & legal & kept == 0, "{steps:?}");
+        } else {
+            assert!(!game.controls(legal, kept), "{steps:?}");
+            assert!((legal & !kept) >> state & 1 == 1, "the end of {steps:?}");
+        }
+        before = Some(*state);
+    }
+}
+
+/// The verdict is that of the naive solver; the assumptions that are named cannot be kept, and any fewer of them can; and every play is
+/// one.
+#[test]
+fn environments_exist_where_the_swapped_game_is_won() {
+    let limits = Limits::default();
+    let (mut can, mut cannot, mut sees, mut traces, mut cycles, mut several) = (0, 0, 0, 0, 0, 0);
+    let mut cornered = 0;
+    for seed in 70_000..70_000 + SYSTEMS {
+        let mut r = Random::new(seed);
+        let plan = Plan {
+            parts: 1 + r.below(2),
+            outside: 1 + r.below(2),
+            moore: if r.chance(40) { 90 } else { 20 },
+            derived: 25,
+            demanding: r.chance(90),
+            sees: 40,
+        };
+        let system = wired::system(&mut r, &plan, &|_, _| ());
+        let assumptions = together(system.parts.iter().map(|p| &p.assumptions));
+        let mut game = Swapped::new(&system, &assumptions);
+        let found = compatible(&system, &limits).expect("no limit");
+        sees += u32::from(game.sees);
+        let Compatibility::Incompatible {
+            assumptions: named_ones,
+            play,
+        } = found
+        else {
+            assert!(game.won(), "seed {seed}: {system:#?}");
+            can += 1;
+            game.corners = false;
+            cornered += u32::from(!game.won());
+            continue;
+        };
+        assert!(!game.won(), "seed {seed}: {system:#?}");
+        cannot += 1;
+        let core = Swapped::new(&system, &named(&assumptions, &named_ones));
+        assert!(!core.won(), "seed {seed}: {named_ones:?}");
+        several += u32::from(named_ones.len() > 1);
+        for i in 0..named_ones.len() {
+            let mut fewer = named_ones.clone();
+            fewer.remove(i);
+            let fewer = Swapped::new(&system, &named(&assumptions, &fewer));
+            assert!(fewer.won(), "seed {seed}: {named_ones:?} without {i}");
+        }
+        match play.expect("no limit") {
+            Broken::Trace(steps) => {
+                traces += 1;
+                check_trace(&game, &steps);
+            }
+            Broken::Lasso(run) => {
+                cycles += 1;
+                let promised = system.parts.iter().all(|p| keeps(&p.guarantees, &run));
+                assert!(promised, "seed {seed}: {run:?}");
+                let safe = Side {
+                    justice: Vec::new(),
+                    ..assumptions.clone()
+                };
+                assert!(keeps(&safe, &run), "seed {seed}: {run:?}");
+                assert!(!keeps(&assumptions, &run), "seed {seed}: {run:?}");
+            }
+        }
+    }
+    println!(
+        "{SYSTEMS} systems ({sees} where the outside answers last): {can} compatible ({cornered} only by \
+         cornering the parts), {cannot} not; {traces} plays end, {cycles} go round; {several} cores of more than one assumption"
+    );
+    let systems = SYSTEMS as u32;
+    assert!(can * 5 >= systems && cannot * 5 >= systems && sees * 10 >= systems);
+    assert!(traces >= 100 && cycles >= 50 && several >= 20);
+}
+
+/// A value that a variable's bits could have and its domain has not is nobody's answer: `y` has three values in two bits, and with a
+/// fourth one the part would have nothing legal to do. What it need not do is ever to withdraw `x`.
+#[test]
+fn codes_without_a_value_are_no_way_out() {
+    let now = |v: u32| Expr::now(VarId(v));
+    let within = |e: Expr| Expr::binary(BinaryOp::Le, e, Expr::Const(2));
+    let part = |timing, guarantees| Part {
+        name: "A".to_owned(),
+        timing,
+        drives: vec![VarId(0)],
+        assumptions: Side {
+            justice: vec![formula("withdrawn".to_owned(), now(0).not())],
+            ..Side::default()
+        },
+        guarantees,
+        definitions: Side::default(),
+    };
+    let step = || formula("step".to_owned(), within(Expr::next(VarId(1))));
+    let state = || formula("state".to_owned(), within(now(1)));
+    let kinds = [
+        Side {
+            safety: vec![step()],
+            ..Side::default()
+        },
+        Side {
+            invariants: vec![state()],
+            ..Side::default()
+        },
+        Side {
+            initial: vec![state()],
+            ..Side::default()
+        },
+    ];
+    for guarantees in kinds {
+        for timing in [Timing::Mealy, Timing::Moore] {
+            let system = System {
+                variables: contracts::named(&[Domain::Bool, Domain::Range { low: 0, high: 2 }]),
+                parts: vec![part(timing, guarantees.clone())],
+            };
+            let found = compatible(&system, &Limits::default()).expect("no limit");
+            let Compatibility::Incompatible { assumptions, play } = found else {
+                panic!("{timing:?}: {guarantees:?}");
+            };
+            assert_eq!(assumptions, ["withdrawn"]);
+            assert!(matches!(play, Some(Broken::Lasso(_))), "{play:?}");
+        }
+    }
+}

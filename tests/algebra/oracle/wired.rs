@@ -1,0 +1,209 @@
+//! Random systems of parts that read one another's outputs.
+
+use super::contracts::{Scope, expression, formula, named};
+use crate::random::Random;
+use linewright::algebra::proof::latest;
+use linewright::algebra::system::{KINDS, Part, System, list};
+use linewright::game::RuleKind;
+use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId, Variable};
+
+/// How systems are made up.
+pub struct Plan {
+    pub parts: u64,
+    /// How many variables come from outside.
+    pub outside: u64,
+    /// How many in a hundred parts answer first.
+    pub moore: u64,
+    /// How many in a hundred assumptions are something that another part guarantees, or less than that.
+    pub derived: u64,
+    /// Whether more is assumed, and less guaranteed.
+    pub demanding: bool,
+    /// How many in a hundred guarantees of a part that answers second speak of the inputs of the step.
+    pub sees: u64,
+}
+
+fn domain(r: &mut Random, wide: bool) -> Domain {
+    if wide && r.chance(50) {
+        Domain::Range { low: 0, high: 2 }
+    } else {
+        Domain::Bool
+    }
+}
+
+fn push(side: &mut Side, kind: RuleKind, formula: Formula) {
+    match kind {
+        RuleKind::Initial => side.initial.push(formula),
+        RuleKind::Invariant => side.invariants.push(formula),
+        RuleKind::Safety => side.safety.push(formula),
+        RuleKind::Justice => side.justice.push(formula),
+    }
+}
+
+/// The values of the last step that a formula of this kind speaks of are from `latest`, all others from everywhere.
+fn written(r: &mut Random, variables: &[Variable], kind: RuleKind, latest: &[VarId]) -> Expr {
+    let everything = Scope::all(variables, false).now;
+    let scope = match kind {
+        RuleKind::Initial | RuleKind::Invariant => Scope {
+            variables,
+            now: latest.to_vec(),
+            next: Vec::new(),
+        },
+        RuleKind::Safety => Scope {
+            variables,
+            now: everything,
+            next: latest.to_vec(),
+        },
+        RuleKind::Justice => Scope {
+            variables,
+            now: everything,
+            next: Vec::new(),
+        },
+    };
+    expression(r, &scope)
+}
+
+/// What a part guarantees: often what its output is, given something else.
+fn guarantees(
+    r: &mut Random,
+    variables: &[Variable],
+    own: VarId,
+    timing: Timing,
+    name: &str,
+    plan: &Plan,
+) -> Side {
+    let others: Vec<VarId> = (0..variables.len() as u32)
+        .map(VarId)
+        .filter(|v| *v != own)
+        .collect();
+    let mut side = Side::default();
+    for (kind, percent) in [
+        (RuleKind::Initial, 60),
+        (RuleKind::Invariant, 25),
+        (RuleKind::Safety, 60),
+        (RuleKind::Safety, 30),
+        (RuleKind::Justice, 50),
+        (RuleKind::Justice, 15),
+    ] {
+        if !r.chance(if plan.demanding { percent / 2 } else { percent }) {
+            continue;
+        }
+        // Of the step's inputs only who sees them speaks, as a rule.
+        let sees = match timing {
+            Timing::Mealy => r.chance(plan.sees),
+            Timing::Moore => r.chance(4),
+        };
+        let mut latest = vec![own];
+        if sees {
+            latest.push(others[r.below(others.len() as u64) as usize]);
+        }
+        let is_bool = variables[own.index()].domain == Domain::Bool;
+        let expr = if kind == RuleKind::Safety && is_bool && r.chance(50) {
+            let from = if sees { others.clone() } else { vec![own] };
+            let rest = written(
+                r,
+                variables,
+                if sees { kind } else { RuleKind::Justice },
+                &from,
+            );
+            Expr::binary(BinaryOp::Eq, Expr::next(own), rest)
+        } else {
+            written(r, variables, kind, &latest)
+        };
+        let place = list(&side, kind).len();
+        push(
+            &mut side,
+            kind,
+            formula(format!("{name} guarantees {kind:?} {place}"), expr),
+        );
+    }
+    side
+}
+
+/// What a part assumes of the others: what they guarantee, or less, or anything.
+fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Side {
+    let own = system.parts[part].drives[0];
+    let variables = &system.variables;
+    let others: Vec<VarId> = (0..variables.len() as u32)
+        .map(VarId)
+        .filter(|v| *v != own)
+        .collect();
+    let promised: Vec<(RuleKind, &Formula)> = system
+        .parts
+        .iter()
+        .enumerate()
+        .filter(|(j, _)| *j != part)
+        .flat_map(|(_, p)| {
+            KINDS
+                .into_iter()
+                .flat_map(|kind| list(&p.guarantees, kind).iter().map(move |f| (kind, f)))
+        })
+        .filter(|(kind, f)| *kind == RuleKind::Justice || !latest(&f.expr, *kind).contains(&own))
+        .collect();
+    let mut side = Side::default();
+    let percents: &[u64] = if plan.demanding {
+        &[95, 80, 60, 40]
+    } else {
+        &[80, 50, 20]
+    };
+    for percent in percents.iter().copied() {
+        if !r.chance(percent) {
+            continue;
+        }
+        let (kind, expr) = if !promised.is_empty() && r.chance(plan.derived) {
+            let (kind, formula) = promised[r.below(promised.len() as u64) as usize];
+            let expr = formula.expr.clone();
+            if r.chance(40) {
+                (kind, expr.or(written(r, variables, kind, &others)))
+            } else {
+                (kind, expr)
+            }
+        } else {
+            let kind = KINDS[r.below(4) as usize];
+            let expr = written(r, variables, kind, &others);
+            if plan.demanding {
+                (kind, expr)
+            } else {
+                // Weaker, or it would hold but rarely.
+                (kind, expr.or(written(r, variables, kind, &others)))
+            }
+        };
+        let place = list(&side, kind).len();
+        let name = format!("{} assumes {kind:?} {place}", system.parts[part].name);
+        push(&mut side, kind, formula(name, expr));
+    }
+    side
+}
+
+/// A system whose parts drive one variable each; the last variables come from outside. `mend` may change it once the guarantees stand, and
+/// once the assumptions do.
+pub fn system(r: &mut Random, plan: &Plan, mend: &dyn Fn(&mut Random, &mut System)) -> System {
+    let count = plan.parts + plan.outside;
+    let wide = r.below(2 * count);
+    let domains: Vec<Domain> = (0..count).map(|i| domain(r, i == wide)).collect();
+    let variables = named(&domains);
+    let mut parts = Vec::new();
+    for i in 0..plan.parts {
+        let timing = if r.chance(plan.moore) {
+            Timing::Moore
+        } else {
+            Timing::Mealy
+        };
+        let own = VarId(i as u32);
+        let name = ["A", "B", "C"][i as usize];
+        parts.push(Part {
+            name: name.to_owned(),
+            timing,
+            drives: vec![own],
+            assumptions: Side::default(),
+            guarantees: guarantees(r, &variables, own, timing, name, plan),
+            definitions: Side::default(),
+        });
+    }
+    let mut system = System { variables, parts };
+    mend(r, &mut system);
+    for i in 0..plan.parts as usize {
+        system.parts[i].assumptions = assumptions(r, &system, i, plan);
+    }
+    mend(r, &mut system);
+    system
+}

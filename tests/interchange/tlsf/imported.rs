@@ -1,0 +1,19 @@
+//! What `linewright import` prints of a TLSF file says the same.
+
+use super::{file, reload, sound, verdict};
+use linewright::interchange::contract;
+
+/// Names that the format has and the language has not: its words, apostrophes, `@`, elements of a bus beside a name like theirs.
+#[test]
+fn names_of_the_language_are_others_in_the_contract() {
+    let main = "INPUTS { next; always; input; mod; r[2]; a'; a@; } OUTPUTS { guarantee; not; r_0; then; X1; broken; }
+        ASSUME { G (next -> X !next); G F !always; }
+        GUARANTEE { G (next && r[0] -> X guarantee); G (always -> F not); !then W input; G (r_0 <-> a' && a@); G (mod -> broken); X1; }";
+    for semantics in ["Mealy", "Moore", "Mealy,Strict", "Moore,Strict"] {
+        let target = semantics.split(',').next().unwrap_or(semantics);
+        let specification = sound(&file(semantics, target, main));
+        let printed = reload(&contract::write(&specification, "test.tlsf"));
+        assert_eq!(verdict(&printed), verdict(&specification), "{semantics}");
+        assert_eq!(printed.variables.len(), specification.variables.len());
+    }
+}

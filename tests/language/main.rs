@@ -1,0 +1,21 @@
+//! The language: parsing, names, types, layout and the messages about them.
+
+mod cases;
+#[path = "../fuzz/check.rs"]
+mod check;
+mod corpus;
+mod explanations;
+mod format;
+mod forms;
+#[path = "../fuzz/program.rs"]
+mod program;
+mod robustness;
+mod sarif;
+mod semantics;
+mod shapes;
+mod skills;
+#[path = "../support/mod.rs"]
+mod support;
+mod table1;
+#[path = "../fuzz/uf_value.rs"]
+mod uf_value;

@@ -1,0 +1,15 @@
+//! Lines: the runner, their proofs, and attacks on what is proved.
+
+mod attack;
+mod calls;
+mod models;
+#[path = "../algebra/discharge/mutants.rs"]
+mod mutants;
+mod proof;
+#[path = "../program/hostile/reduce.rs"]
+mod reduce;
+mod runner;
+#[path = "../support/mod.rs"]
+mod support;
+#[path = "../algebra/discharge/tables.rs"]
+mod tables;

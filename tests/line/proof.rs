@@ -1,0 +1,7 @@
+//! The abstraction of lines, against an explorer that shares no code with it, an evaluator that only evaluates, and the runner.
+
+mod examples;
+mod explorer;
+mod lines;
+mod random;
+mod replay;

@@ -1,0 +1,232 @@
+//! Lines that stand still, and what they say about it.
+
+use crate::models::{Builder, Shift1, constant, every, refusing};
+use linewright::contract::line::{InitialValue, Supply};
+use linewright::contract::machine::RealExpr;
+use linewright::diagnostics::{Diagnostic, Severity};
+use linewright::line::{End, Options, Trace};
+
+fn text(trace: &Trace) -> String {
+    let line = |f: &Diagnostic| {
+        let help = f.help.as_deref().unwrap_or("");
+        format!("{}: {}\n  {help}", f.code.id, f.message)
+    };
+    let lines: Vec<_> = trace.findings.iter().map(line).collect();
+    lines.join("\n")
+}
+
+#[test]
+fn a_circle_of_full_places() {
+    let mut builder = Builder::new(&["Raw", "Done"]);
+    builder
+        .bill("Done", &[("Raw", 1)])
+        .property("Raw", "again", InitialValue::Number(1.0))
+        .endless("source", "Raw")
+        .conveyor("belt_in", 2, 1.0)
+        .station("cell", &["Raw"], constant(2.0))
+        .conveyor("belt_out", 2, 1.0)
+        .station("camera", &["Raw"], constant(1.0))
+        .sink("sink")
+        .route("Raw", &["source", "belt_in", "cell", "belt_out", "camera"])
+        .route_if("Raw", "camera", "belt_in", Some(RealExpr::Property(0)))
+        .route("Raw", &["camera", "sink"]);
+    let trace = builder.run(3);
+    assert_eq!(trace.end, End::Blocked);
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line can no longer advance at 0:00:10, with 0 of 3 products made: belt_in waits for cell, cell waits for room on belt_out, belt_out waits for camera, camera waits for room on belt_in
+      Keep the circle from filling up: more room in belt_in, fewer parts let in at a time, or a way out by another route.
+    "#);
+}
+
+#[test]
+fn a_circle_is_found_behind_contracted_belts_too() {
+    let mut builder = Builder::new(&["Raw"]);
+    builder
+        .property("Raw", "again", InitialValue::Number(1.0))
+        .endless("source", "Raw")
+        .belt("belt_in", 2, Shift1::new(2))
+        .station("cell", &["Raw"], constant(2.0))
+        .belt("belt_out", 2, Shift1::new(2))
+        .sink("sink")
+        .route("Raw", &["source", "belt_in", "cell", "belt_out"])
+        .route_if("Raw", "belt_out", "cell", Some(RealExpr::Property(0)))
+        .route("Raw", &["belt_out", "sink"]);
+    let trace = builder.run_until(1e6);
+    assert_eq!(trace.end, End::Blocked);
+    assert!(trace.seconds < 100.0);
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line can no longer advance at 0:00:14: cell waits for room on belt_out, belt_out waits for cell
+      Keep the circle from filling up: more room in belt_out, fewer parts let in at a time, or a way out by another route.
+    "#);
+}
+
+#[test]
+fn a_component_that_never_comes() {
+    let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
+    builder
+        .bill("Product", &[("Brick", 2), ("Printed", 1)])
+        .store("warehouse", &[("Brick", 100)])
+        .source("printer", "Printed", every(5.0, Some(3)))
+        .station("cell", &["Product"], constant(1.0))
+        .sink("sink")
+        .route("Brick", &["warehouse", "cell"])
+        .route("Printed", &["printer", "cell"])
+        .route("Product", &["cell", "sink"]);
+    let trace = builder.run(5);
+    assert_eq!(trace.end, End::Blocked);
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line can no longer advance at 0:00:11, with 3 of 5 products made: warehouse waits for cell, cell waits for a part of type Printed, but printer has made all 3 of its limit
+      See that what is missing is made or stocked in sufficient number, that rejected parts are ordered again, or ask for fewer products.
+    "#);
+}
+
+#[test]
+fn a_component_behind_what_is_not_wanted() {
+    let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
+    builder
+        .bill("Product", &[("Brick", 2), ("Printed", 1)])
+        .store("warehouse", &[("Brick", 100)])
+        .source("printer", "Printed", every(60.0, None))
+        .conveyor("belt", 4, 1.0)
+        .station("cell", &["Product"], constant(1.0))
+        .sink("sink")
+        .route("Brick", &["warehouse", "belt", "cell"])
+        .route("Printed", &["printer", "belt", "cell"])
+        .route("Product", &["cell", "sink"]);
+    let trace = builder.run(5);
+    assert_eq!(trace.end, End::Blocked);
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line can no longer advance at 0:02:00, with 1 of 5 products made: belt waits for cell, cell waits for a part of type Printed, which is at printer, printer waits for room on belt
+      Keep the circle from filling up: more room in belt, fewer parts let in at a time, or a way out by another route.
+    "#);
+}
+
+#[test]
+fn rejected_parts_that_nobody_orders_again() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("printer", "Part", Supply::OnOrder)
+        .station("cell", &["Part"], refusing(1.0, |call| call == 2))
+        .sink("sink")
+        .route("Part", &["printer", "cell", "sink"]);
+    let trace = builder.run(5);
+    assert_eq!((trace.end, trace.products), (End::Blocked, 4));
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW405: cell: the assumption "turn: gripped" was broken at 0:00:01, at work on Part 2: turn: the assumption gripped does not hold in step 3
+      Compare what the rule asks for with the part's properties and the machine's bindings.
+    LW403: the line can no longer advance at 0:00:04, with 4 of 5 products made: nothing is left to do: printer has made all 5 that were ordered, and 1 part was rejected and not ordered again
+      Let a source make more (a rejecting sink can order from it again), or ask for fewer products.
+    "#);
+}
+
+#[test]
+fn a_part_without_a_way() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .property("Part", "good", InitialValue::Number(0.0))
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(1.0))
+        .sink("sink")
+        .route("Part", &["source", "cell"])
+        .route_if("Part", "cell", "sink", Some(RealExpr::Property(0)));
+    let trace = builder.run(5);
+    assert_eq!(trace.end, End::Blocked);
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW402: Part 1 has no way onward from cell at 0:00:01
+      Add a route for Part without a condition, after those that have one.
+    LW403: the line can no longer advance at 0:00:01, with 0 of 5 products made: source waits for cell, cell keeps Part 1, which has no way onward
+      Give every part a way onward from every node it can come to.
+    "#);
+}
+
+#[test]
+fn a_circle_without_time_ends() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("source", "Part", every(0.0, Some(1)))
+        .buffer("a", 1)
+        .buffer("b", 1)
+        .sink("sink")
+        .route("Part", &["source", "a", "b", "a"]);
+    let trace = builder.run(1);
+    assert_eq!(trace.end, End::Blocked);
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line makes no progress: at 0:00:00 parts move on and on, and no time passes
+      Look for a source without a time, a circle of routes without a station, or a station whose every part breaks a rule and is ordered again.
+    "#);
+}
+
+#[test]
+fn a_station_that_refuses_everything_ends() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("printer", "Part", Supply::OnOrder)
+        .station("cell", &["Part"], refusing(1.0, |_| true))
+        .sink("sink")
+        .scrap("scrap", Some("printer"))
+        .route("Part", &["printer", "cell", "sink"]);
+    let trace = builder.run(1);
+    assert_eq!(trace.end, End::Blocked);
+    assert_eq!(trace.findings.len(), 2);
+    assert!(trace.violations.len() == 1000 && trace.violation_count > 1000);
+}
+
+#[test]
+fn a_line_that_only_makes_scrap_ends() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("printer", "Part", Supply::OnOrder)
+        .station("cell", &["Part"], constant(1.0))
+        .scrap("scrap", Some("printer"))
+        .route("Part", &["printer", "cell", "scrap"]);
+    let options = Options {
+        parts: Some(1),
+        ..Options::default()
+    };
+    let trace = builder.plant(options).run();
+    assert_eq!(trace.end, End::Blocked);
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: the line makes no progress: it has made 0 of 1 products, and none in the last 5000000 events
+      See which rule refuses the parts, or why every part is rejected; --until ends a run at a time.
+    "#);
+}
+
+#[test]
+fn a_deadline_of_the_real_clock_ends_a_run() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("printer", "Part", Supply::OnOrder)
+        .station("cell", &["Part"], constant(1.0))
+        .scrap("scrap", Some("printer"))
+        .route("Part", &["printer", "cell", "scrap"]);
+    let options = Options {
+        until: Some(1e12),
+        deadline: Some(std::time::Instant::now()),
+        ..Options::default()
+    };
+    let trace = builder.plant(options).run();
+    assert_eq!(trace.end, End::GaveUp);
+    assert!(trace.events < 100);
+    assert_eq!(trace.findings[0].code.id, "LW204");
+}
+
+#[test]
+fn for_a_time_only_a_starved_line_is_no_error() {
+    let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
+    builder
+        .bill("Product", &[("Brick", 2), ("Printed", 1)])
+        .store("warehouse", &[("Brick", 100)])
+        .source("printer", "Printed", every(5.0, Some(3)))
+        .station("cell", &["Product"], constant(1.0))
+        .sink("sink")
+        .route("Brick", &["warehouse", "cell"])
+        .route("Printed", &["printer", "cell"])
+        .route("Product", &["cell", "sink"]);
+    let trace = builder.run_until(1000.0);
+    assert_eq!((trace.end, trace.seconds), (End::Time, 1000.0));
+    assert_eq!(trace.findings[0].severity, Severity::Note);
+    insta::assert_snapshot!(text(&trace), @r#"
+    LW403: nothing moves any more from 0:00:11 on: warehouse waits for cell, cell waits for a part of type Printed, but printer has made all 3 of its limit
+      See that what is missing is made or stocked in sufficient number, that rejected parts are ordered again, or ask for fewer products.
+    "#);
+}

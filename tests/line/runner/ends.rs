@@ -1,0 +1,220 @@
+//! When a run ends, what it is checked against, and lines that are refused before they run.
+
+use crate::models::{Builder, constant, every, span};
+use linewright::contract::line::{Comparison, Limit, Metric, Requirement};
+use linewright::line::{End, Options, Plant};
+use std::sync::Arc;
+
+fn simple() -> Builder {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(10.0))
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"]);
+    builder
+}
+
+#[test]
+fn the_options_go_before_the_line_s_limit() {
+    let run = |parts, until, limit| {
+        let mut builder = simple();
+        builder.limit(limit);
+        let trace = builder
+            .plant(Options {
+                parts,
+                until,
+                ..Options::default()
+            })
+            .run();
+        (trace.end, trace.products, trace.seconds)
+    };
+    let limit = Limit::Products(3);
+    assert_eq!(run(None, None, limit), (End::Products, 3, 30.0));
+    assert_eq!(run(Some(5), None, limit), (End::Products, 5, 50.0));
+    assert_eq!(run(None, Some(45.0), limit), (End::Time, 4, 45.0));
+    assert_eq!(run(Some(5), Some(45.0), limit), (End::Time, 4, 45.0));
+    assert_eq!(run(Some(4), Some(45.0), limit), (End::Products, 4, 40.0));
+    assert_eq!(run(Some(0), None, limit), (End::Products, 0, 0.0));
+    assert_eq!(run(None, None, Limit::Seconds(25.0)), (End::Time, 2, 25.0));
+}
+
+#[test]
+fn a_run_without_an_end_is_refused() {
+    let mut builder = simple();
+    let refused = Plant::new(
+        Arc::new(builder.line.clone()),
+        std::mem::take(&mut builder.controllers),
+        Options::default(),
+    );
+    let findings = refused.err().unwrap();
+    assert_eq!(findings.len(), 1);
+    assert_eq!(findings[0].code.id, "LW404");
+}
+
+#[test]
+fn a_broken_line_is_refused_not_run() {
+    let mut builder = simple();
+    builder.line.routes[0].to = 99;
+    builder.line.routes[1].part = 7;
+    builder.controllers.clear();
+    let refused = Plant::new(
+        Arc::new(builder.line.clone()),
+        std::mem::take(&mut builder.controllers),
+        Options {
+            parts: Some(1),
+            ..Options::default()
+        },
+    );
+    assert_eq!(refused.err().unwrap().len(), 3);
+}
+
+#[test]
+fn requirements_are_checked() {
+    let mut builder = simple();
+    for (name, metric, comparison, bound) in [
+        ("fast", Metric::ThroughputPerHour, Comparison::Ge, 400.0),
+        ("busy", Metric::Busy(1), Comparison::Eq, 1.0),
+        ("clean", Metric::Rejected, Comparison::Le, 0.0),
+        ("frugal", Metric::EnergyKwh, Comparison::Lt, 1.0),
+    ] {
+        builder.require(Requirement {
+            name: name.to_owned(),
+            metric,
+            comparison,
+            bound,
+            span: span(),
+        });
+    }
+    let trace = builder.run(10);
+    let holds: Vec<bool> = trace.requirements.iter().map(|r| r.holds).collect();
+    assert_eq!(holds, [false, true, true, true]);
+    assert_eq!(trace.findings.len(), 1);
+    assert_eq!(trace.findings[0].code.id, "LW406");
+    insta::assert_snapshot!(trace.findings[0].message, @r#"the requirement fast does not hold: the throughput in products an hour is 360, and should be at least 400"#);
+}
+
+#[test]
+fn replications_use_different_seeds() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source(
+            "source",
+            "Part",
+            linewright::contract::line::Supply::Every {
+                seconds: 5.0,
+                random: true,
+                limit: None,
+            },
+        )
+        .buffer("buffer", 1000)
+        .station("cell", &["Part"], constant(1.0))
+        .sink("sink")
+        .route("Part", &["source", "buffer", "cell", "sink"]);
+    let mut plant = builder.plant(Options {
+        parts: Some(200),
+        ..Options::default()
+    });
+    let (traces, figures) = plant.replicate(20);
+    assert_eq!(figures.seeds, (1..=20).collect::<Vec<_>>());
+    assert_eq!(traces.len(), 20);
+    assert_ne!(traces[0].seconds.to_bits(), traces[1].seconds.to_bits());
+    let throughput = figures.throughput_per_hour.expect("it is measured");
+    let half = throughput.half_width.unwrap();
+    assert!((throughput.mean - 720.0).abs() < 2.0 * half && half > 0.0);
+    // The same again: a run leaves nothing behind.
+    assert_eq!(plant.replicate(20).1, figures);
+    let _ = every(0.0, None);
+}
+
+/// Once the deadline is past no further run begins, and that is said.
+#[test]
+fn replications_keep_the_time_limit() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(1.0))
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"]);
+    let mut plant = builder.plant(Options {
+        parts: Some(1),
+        deadline: Some(std::time::Instant::now()),
+        ..Options::default()
+    });
+    let (traces, figures) = plant.replicate(5);
+    assert_eq!(traces.len(), 1);
+    let last = figures.findings.last().unwrap();
+    assert_eq!(last.code.id, "LW204");
+    assert_eq!(
+        last.message,
+        "1 of 5 runs were over when the time limit was reached"
+    );
+}
+
+/// A run that the limit cuts off is in no mean, and no requirement is judged by a piece of it.
+#[test]
+fn a_run_that_was_cut_off_counts_nowhere() {
+    let mut builder = simple();
+    builder.require(Requirement {
+        name: "few".to_owned(),
+        metric: Metric::Rejected,
+        comparison: Comparison::Le,
+        bound: 0.0,
+        span: span(),
+    });
+    let mut plant = builder.plant(Options {
+        until: Some(1e12),
+        deadline: Some(std::time::Instant::now()),
+        ..Options::default()
+    });
+    let (traces, figures) = plant.replicate(3);
+    assert_eq!(traces[0].end, End::GaveUp);
+    assert_eq!(
+        (traces[0].requirements.len(), figures.requirements.len()),
+        (0, 0)
+    );
+    let last = figures.findings.last().unwrap();
+    assert!(
+        last.message.starts_with("0 of 3 runs were over"),
+        "{}",
+        last.message
+    );
+
+    let soon = std::time::Instant::now() + std::time::Duration::from_millis(300);
+    let mut plant = simple().plant(Options {
+        until: Some(2e4),
+        deadline: Some(soon),
+        ..Options::default()
+    });
+    let (traces, figures) = plant.replicate(1_000_000);
+    let over = traces.iter().filter(|t| t.end != End::GaveUp).count();
+    assert!(over == traces.len() || traces.len() == 1);
+    let last = figures.findings.last().unwrap();
+    let wanted = format!("{over} of 1000000 runs were over");
+    assert!(last.message.starts_with(&wanted), "{}", last.message);
+}
+
+/// Where no product was made there is no lead time, so no bound of it is kept.
+#[test]
+fn what_was_not_measured_holds_of_nothing() {
+    let run = |seconds: f64| -> Vec<bool> {
+        let mut builder = simple();
+        for metric in [
+            Metric::LeadTimeMeanSeconds,
+            Metric::MakespanSeconds,
+            Metric::Rejected,
+        ] {
+            builder.require(Requirement {
+                name: "few".to_owned(),
+                metric,
+                comparison: Comparison::Le,
+                bound: 100.0,
+                span: span(),
+            });
+        }
+        let trace = builder.run_until(seconds);
+        trace.requirements.iter().map(|r| r.holds).collect()
+    };
+    assert_eq!(run(5.0), [false, false, true]);
+    assert_eq!(run(15.0), [true, true, true]);
+}

@@ -1,0 +1,447 @@
+//! A run as text and as JSON.
+
+use crate::models::{Builder, constant, refusing, span, took, verdict};
+use linewright::contract::line::{Comparison, InitialValue, Metric, Requirement, Supply};
+use linewright::contract::machine::RealExpr;
+use linewright::line::{Options, Plant};
+use linewright::report;
+use linewright::station::{CallError, Controller, Service};
+
+fn plant() -> Plant {
+    let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
+    builder
+        .property("Printed", "ok", InitialValue::Number(0.0))
+        .bill("Product", &[("Brick", 2), ("Printed", 1)])
+        .store("warehouse", &[("Brick", 100)])
+        .source("feeder", "Printed", Supply::OnOrder)
+        .station(
+            "camera",
+            &["Printed"],
+            verdict(20.0, |call| f64::from(call != 3)),
+        )
+        .machine_properties("camera", &["ok"])
+        .machine_watts("camera", 50.0)
+        .conveyor("belt", 3, 2.0)
+        .station(
+            "assembly_cell_1",
+            &["Product"],
+            refusing(30.0, |call| call == 5),
+        )
+        .station("milling", &["Brick"], constant(5.0))
+        .scrap("scrap", Some("feeder"))
+        .route("Brick", &["warehouse", "assembly_cell_1"])
+        .route("Printed", &["feeder", "camera"])
+        .route_if("Printed", "camera", "belt", Some(RealExpr::Property(0)))
+        .route("Printed", &["camera", "scrap"])
+        .route("Printed", &["belt", "assembly_cell_1"])
+        .route("Product", &["assembly_cell_1", "warehouse"])
+        .require(Requirement {
+            name: "pace".to_owned(),
+            metric: Metric::ThroughputPerHour,
+            comparison: Comparison::Ge,
+            bound: 100.0,
+            span: span(),
+        })
+        .require(Requirement {
+            name: "calm".to_owned(),
+            metric: Metric::Busy(5),
+            comparison: Comparison::Lt,
+            bound: 0.5,
+            span: span(),
+        });
+    builder.plant(Options {
+        parts: Some(6),
+        ..Options::default()
+    })
+}
+
+#[test]
+fn as_text() {
+    let mut plant = plant();
+    let trace = plant.run();
+    let text = report::table(plant.line(), &trace, None);
+    assert!(text.lines().all(|l| l.chars().count() <= 100), "{text}");
+    insta::assert_snapshot!(text, @r#"
+    products     6 Product stored
+    makespan     0:03:26
+    throughput   104.85 an hour
+    lead time    mean 0:01:01, half within 0:01:00, 95 % within 0:01:06, longest 0:01:06
+    bottleneck   assembly_cell_1 (busy, set up or failed 87.4 % of the time)
+    energy       0.003 kWh
+    parts        31 entered: 6 finished, 2 rejected, 21 joined into others, 2 still in the line
+    rejected     1 Printed (1 ordered again), 1 Product (1 ordered again)
+    violations   1
+                 0:02:26 assembly_cell_1, Product 23: turn: gripped
+    
+    station         machine            parts    time   kWh   busy starved blocked failed    idle setup
+    camera          camera_machine         8 0:02:40 0.001 77.7 %  22.3 %   0.0 %  0.0 %   0.0 % 0.0 %
+    assembly_cell_1 assembly_cell_1_m…     6 0:03:00 0.001 87.4 %  12.6 %   0.0 %  0.0 %   0.0 % 0.0 %
+    milling         milling_machine        0 0:00:00 0.000  0.0 %   0.0 %   0.0 %  0.0 % 100.0 % 0.0 %
+    
+    conveyor machine parts  moving   kWh
+    belt     -           7 0:00:42 0.001
+    
+    by machine                 time   kWh
+    camera_machine          0:02:40 0.001
+    assembly_cell_1_machine 0:03:00 0.001
+    milling_machine         0:00:00 0.000
+    
+    requirement verdict asked for                   measured
+    pace        holds   throughput per hour >= 100   104.854
+    calm        holds   busy share of milling < 0.5    0.000
+    "#);
+}
+
+#[test]
+fn as_json() {
+    let mut plant = plant();
+    let trace = plant.run();
+    let document = report::json(plant.line(), &trace, None, None);
+    assert!(document.get("wall_seconds").is_none());
+    insta::assert_snapshot!(serde_json::to_string_pretty(&document).unwrap(), @r#"
+    {
+      "schema": "linewright/run/1",
+      "line": "test",
+      "seed": 1,
+      "end": "products",
+      "simulated_seconds": 206.0,
+      "makespan_seconds": 206.0,
+      "events": 21,
+      "product": "Product",
+      "products": 6,
+      "stored": 6,
+      "parts": {
+        "entered": 31,
+        "finished": 6,
+        "rejected": 2,
+        "consumed": 21,
+        "in_progress": 2
+      },
+      "rejects": [
+        {
+          "part": "Printed",
+          "count": 1,
+          "reordered": 1
+        },
+        {
+          "part": "Product",
+          "count": 1,
+          "reordered": 1
+        }
+      ],
+      "throughput_per_hour": 104.854369,
+      "lead_time": {
+        "mean": 60.666667,
+        "p50": 60.0,
+        "p95": 66.0,
+        "max": 66.0
+      },
+      "energy_kwh": 0.00275,
+      "bottleneck": "assembly_cell_1",
+      "stations": [
+        {
+          "name": "camera",
+          "machine": "camera_machine",
+          "processed": 8,
+          "busy": 0.776699,
+          "starved": 0.223301,
+          "blocked": 0.0,
+          "failed": 0.0,
+          "idle": 0.0,
+          "setup": 0.0,
+          "busy_seconds": 160.0,
+          "energy_kwh": 0.001083333
+        },
+        {
+          "name": "assembly_cell_1",
+          "machine": "assembly_cell_1_machine",
+          "processed": 6,
+          "busy": 0.873786,
+          "starved": 0.126214,
+          "blocked": 0.0,
+          "failed": 0.0,
+          "idle": 0.0,
+          "setup": 0.0,
+          "busy_seconds": 180.0,
+          "energy_kwh": 0.0005
+        },
+        {
+          "name": "milling",
+          "machine": "milling_machine",
+          "processed": 0,
+          "busy": 0.0,
+          "starved": 0.0,
+          "blocked": 0.0,
+          "failed": 0.0,
+          "idle": 1.0,
+          "setup": 0.0,
+          "busy_seconds": 0.0,
+          "energy_kwh": 0.0
+        }
+      ],
+      "conveyors": [
+        {
+          "name": "belt",
+          "machine": null,
+          "carried": 7,
+          "moving_seconds": 42.0,
+          "energy_kwh": 0.001166667
+        }
+      ],
+      "machines": [
+        {
+          "name": "camera_machine",
+          "busy_seconds": 160.0,
+          "energy_kwh": 0.001083333
+        },
+        {
+          "name": "assembly_cell_1_machine",
+          "busy_seconds": 180.0,
+          "energy_kwh": 0.0005
+        },
+        {
+          "name": "milling_machine",
+          "busy_seconds": 0.0,
+          "energy_kwh": 0.0
+        }
+      ],
+      "violations": [
+        {
+          "time": 146.0,
+          "station": "assembly_cell_1",
+          "rule": "turn: gripped",
+          "code": -5,
+          "message": "turn: the assumption gripped does not hold in step 3",
+          "part": "Product",
+          "part_number": 23
+        }
+      ],
+      "violation_count": 1,
+      "requirements": [
+        {
+          "name": "pace",
+          "holds": true,
+          "value": 104.854368932
+        },
+        {
+          "name": "calm",
+          "holds": true,
+          "value": 0.0
+        }
+      ]
+    }
+    "#);
+    let timed = report::json(plant.line(), &trace, None, Some(0.25));
+    assert_eq!(timed["wall_seconds"], 0.25);
+    for station in document["stations"].as_array().unwrap() {
+        let shares = ["busy", "starved", "blocked", "failed", "idle", "setup"];
+        let sum: f64 = shares.iter().map(|s| station[s].as_f64().unwrap()).sum();
+        assert!((sum - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn replications_in_both() {
+    let mut plant = plant();
+    let (traces, figures) = plant.replicate(4);
+    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    assert_eq!(document["replications"]["count"], 4);
+    let throughput = &document["replications"]["throughput_per_hour"];
+    assert_eq!(
+        throughput["low"], throughput["high"],
+        "nothing is random here"
+    );
+    let text = report::table(plant.line(), &traces[0], Some(&figures));
+    assert!(text.contains("4 seeds, 95 %"));
+}
+
+/// A station that is slower in every run.
+struct Slower(u64);
+
+impl Controller for Slower {
+    fn simulate(&mut self, _: usize, _: &mut [f64]) -> Result<Service, CallError> {
+        took(10.0 * self.0 as f64)
+    }
+
+    fn step(&mut self, _: &[i64], _: &mut [i64]) -> Result<(), CallError> {
+        Ok(())
+    }
+
+    fn reset(&mut self) {
+        self.0 += 1;
+    }
+}
+
+/// A station that gets faster from run to run: 200 s, 20 s, 10 s.
+struct Faster(usize);
+
+impl Controller for Faster {
+    fn simulate(&mut self, _: usize, _: &mut [f64]) -> Result<Service, CallError> {
+        took([200.0, 20.0, 10.0][self.0 - 1])
+    }
+
+    fn step(&mut self, _: &[i64], _: &mut [i64]) -> Result<(), CallError> {
+        Ok(())
+    }
+
+    fn reset(&mut self) {
+        self.0 += 1;
+    }
+}
+
+/// A run without a product has no lead time and no makespan: it is left out of their means, and is the worst one.
+#[test]
+fn runs_without_a_product_measure_nothing() {
+    let mut builder = Builder::new(&["Part"]);
+    let requirement = |name: &str, metric| Requirement {
+        name: name.to_owned(),
+        metric,
+        comparison: Comparison::Le,
+        bound: 100.0,
+        span: span(),
+    };
+    builder
+        .source("source", "Part", Supply::OnOrder)
+        .station("cell", &["Part"], Faster(0))
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"])
+        .require(requirement("done", Metric::MakespanSeconds))
+        .require(requirement("soon", Metric::LeadTimeMeanSeconds));
+    let mut plant = builder.plant(Options {
+        parts: Some(1),
+        until: Some(100.0),
+        seed: 3,
+        ..Options::default()
+    });
+    let (traces, figures) = plant.replicate(3);
+    assert_eq!(
+        traces.iter().map(|t| t.products).collect::<Vec<_>>(),
+        [0, 1, 1]
+    );
+    assert_eq!(figures.makespan.expect("two were measured").mean, 15.0);
+    let messages: Vec<&str> = figures
+        .findings
+        .iter()
+        .map(|f| f.message.as_str())
+        .collect();
+    assert_eq!(
+        messages,
+        [
+            "the requirement done does not hold in 1 of 3 runs: the makespan in seconds should be at most 100, and with seed 3 it was \
+             not measured, since no product was finished",
+            "the requirement soon does not hold in 1 of 3 runs: the mean lead time in seconds should be at most 100, and with seed 3 it \
+             was not measured, since no product was finished",
+        ]
+    );
+    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    for requirement in document["requirements"].as_array().expect("they are there") {
+        assert_eq!(requirement["value"], 15.0);
+        assert_eq!(requirement["held_in"], 2);
+        assert_eq!(requirement["worst"]["seed"], 3);
+        assert!(requirement["worst"]["value"].is_null());
+    }
+    let table = report::table(plant.line(), &traces[0], Some(&figures));
+    let row = table.lines().find(|l| l.contains("soon")).expect("a row");
+    assert!(row.contains("15.000") && row.ends_with('-'), "{table}");
+
+    let figures = linewright::line::Replications::of(plant.line(), &traces[..1]);
+    assert_eq!(figures.makespan, None);
+    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    assert!(document["replications"]["makespan_seconds"].is_null());
+    assert!(document["requirements"][0]["value"].is_null());
+}
+
+/// Requirements are judged over all runs, by findings, table and document alike.
+#[test]
+fn requirements_over_all_runs() {
+    let mut builder = Builder::new(&["Part"]);
+    let requirement = |name: &str, metric, comparison, bound| Requirement {
+        name: name.to_owned(),
+        metric,
+        comparison,
+        bound,
+        span: span(),
+    };
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], Slower(0))
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"])
+        .require(requirement(
+            "pace",
+            Metric::ThroughputPerHour,
+            Comparison::Ge,
+            150.0,
+        ))
+        .require(requirement(
+            "short",
+            Metric::MakespanSeconds,
+            Comparison::Le,
+            300.0,
+        ))
+        .require(requirement(
+            "exact",
+            Metric::MakespanSeconds,
+            Comparison::Eq,
+            100.0,
+        ));
+    let mut plant = builder.plant(Options {
+        parts: Some(10),
+        seed: 5,
+        ..Options::default()
+    });
+    // 360, 180 and 120 an hour; 100, 200 and 300 s.
+    let (traces, figures) = plant.replicate(3);
+    let messages: Vec<&str> = figures
+        .findings
+        .iter()
+        .map(|f| f.message.as_str())
+        .collect();
+    assert_eq!(
+        messages,
+        [
+            "the requirement pace does not hold in 1 of 3 runs: the throughput in products an hour should be at least 150, \
+             and is 120 with seed 7",
+            "the requirement exact does not hold in 2 of 3 runs: the makespan in seconds should be exactly 100, and is 300 \
+             with seed 7",
+        ]
+    );
+    assert!(figures.findings.iter().all(|f| f.code.id == "LW406"));
+    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    let [pace, short, exact] = [0, 1, 2].map(|i| &document["requirements"][i]);
+    assert_eq!(
+        (&pace["holds"], &pace["held_in"], &pace["replications"]),
+        (&false.into(), &2.into(), &3.into())
+    );
+    assert_eq!(pace["value"], 220.0);
+    // t of 2 degrees of freedom 4.302653, standard deviation 124.899960, over the root of 3.
+    assert!(
+        (pace["low"].as_f64().unwrap() - (220.0 - 310.268)).abs() < 1e-2,
+        "{pace}"
+    );
+    assert_eq!(
+        (&pace["worst"]["seed"], &pace["worst"]["value"]),
+        (&7.into(), &120.0.into())
+    );
+    assert_eq!(
+        (&short["holds"], &short["held_in"]),
+        (&true.into(), &3.into())
+    );
+    assert_eq!(
+        (&exact["holds"], &exact["held_in"]),
+        (&false.into(), &1.into())
+    );
+    let text = report::table(plant.line(), &traces[0], Some(&figures));
+    assert!(text.lines().all(|l| l.chars().count() <= 100), "{text}");
+    let rows: Vec<&str> = text
+        .lines()
+        .skip_while(|l| !l.contains("requirement"))
+        .take(4)
+        .collect();
+    insta::assert_snapshot!(rows.join("\n"), @r"
+      requirement verdict         asked for                     mean    from      to   worst
+      pace        fails in 1 of 3 throughput per hour >= 150 220.000 -90.269 530.269 120.000
+      short       holds           makespan in s <= 300       200.000 -48.414 448.414 300.000
+      exact       fails in 2 of 3 makespan in s = 100        200.000 -48.414 448.414 300.000
+    ");
+}

@@ -1,0 +1,153 @@
+//! Serial lines with blocking after service, against two things that share no code with the runner: the throughput on which
+//! other simulators agree, and the recursion over departure times (max-plus).
+
+use crate::models::{Builder, Exponential, Work, took};
+use linewright::line::random::Stream;
+use linewright::line::trace::What;
+use linewright::line::{Options, Trace};
+use proptest::prelude::*;
+
+/// Five stations, exponential services of mean 1, buffers of three, a source that is never empty.
+fn five(parts: u64, seed: u64) -> Trace {
+    let mut builder = Builder::new(&["Part"]);
+    builder.endless("source", "Part");
+    let mut way = vec!["source".to_owned()];
+    for i in 0..5 {
+        if i > 0 {
+            builder.buffer(&format!("buffer{i}"), 3);
+            way.push(format!("buffer{i}"));
+        }
+        let name = format!("station{i}");
+        builder.station(
+            &name,
+            &["Part"],
+            Exponential::new(&format!("{seed} {name}")),
+        );
+        way.push(name);
+    }
+    builder.sink("sink");
+    way.push("sink".to_owned());
+    let way: Vec<&str> = way.iter().map(String::as_str).collect();
+    builder.route("Part", &way);
+    builder
+        .plant(Options {
+            seed,
+            parts: Some(parts),
+            ..Options::default()
+        })
+        .run()
+}
+
+#[test]
+fn throughput_of_five_stations() {
+    let trace = five(250_000, 1);
+    let throughput = trace.products as f64 / trace.seconds;
+    // SimPy, salabim, Ciw, NeXosim and a recursion all give 0.730.
+    assert!((throughput / 0.730 - 1.0).abs() < 0.01, "{throughput}");
+    let first = &trace.stations[0].shares;
+    assert!(first.starved < 1e-9, "the source is never empty");
+    let last = &trace.stations[4].shares;
+    assert!(last.blocked < 1e-9, "the sink is never full");
+}
+
+/// Departure times by the recursion for blocking after service: part `n` begins at station `i` when it has left station
+/// `i - 1` and its predecessor has left station `i`; it leaves when it is done and the room behind, a buffer of `b` and a
+/// station, is not taken: when part `n - b - 1` has left station `i + 1`. A buffer is entered at once, so leaving station `i - 1` is coming
+/// into the buffer, and the begin waits for the station.
+fn recursion(services: &[Vec<f64>], buffers: &[usize]) -> Vec<Vec<f64>> {
+    let stations = services.len();
+    let parts = services[0].len();
+    let mut left = vec![vec![0.0_f64; parts]; stations];
+    for n in 0..parts {
+        for i in 0..stations {
+            let came = if i == 0 { 0.0 } else { left[i - 1][n] };
+            let free = if n == 0 { 0.0 } else { left[i][n - 1] };
+            let done = came.max(free) + services[i][n];
+            let room = match buffers.get(i) {
+                Some(&buffer) if n > buffer => left[i + 1][n - buffer - 1],
+                _ => 0.0,
+            };
+            left[i][n] = done.max(room);
+        }
+    }
+    left
+}
+
+fn check_against_recursion(stations: usize, buffers: &[usize], parts: usize, seed: u64) {
+    let mut stream = Stream::from_seed(seed);
+    let services: Vec<Vec<f64>> = (0..stations)
+        .map(|_| (0..parts).map(|_| stream.exponential(1.0)).collect())
+        .collect();
+    let mut builder = Builder::new(&["Part"]);
+    builder.endless("source", "Part");
+    let mut way = vec!["source".to_owned()];
+    for (i, times) in services.iter().enumerate() {
+        let name = format!("station{i}");
+        let times = times.clone();
+        let mut rest = Stream::from_seed(seed + 1);
+        builder.station(
+            &name,
+            &["Part"],
+            Work(
+                move |call: u64, _: &mut [f64]| {
+                    // The source goes on after the parts that are looked at.
+                    took(
+                        times
+                            .get(call as usize - 1)
+                            .copied()
+                            .unwrap_or_else(|| rest.unit()),
+                    )
+                },
+                0,
+            ),
+        );
+        way.push(name);
+        if buffers.get(i).is_some_and(|&buffer| buffer > 0) {
+            let name = format!("buffer{i}");
+            builder.buffer(&name, buffers[i] as u32);
+            way.push(name);
+        }
+    }
+    builder.sink("sink");
+    way.push("sink".to_owned());
+    let way: Vec<&str> = way.iter().map(String::as_str).collect();
+    builder.route("Part", &way);
+    let trace = builder.run(parts as u64);
+    let expected = recursion(&services, buffers);
+    for (i, expected) in expected.iter().enumerate() {
+        let node = builder.node(&format!("station{i}"));
+        let left: Vec<f64> = trace
+            .log
+            .iter()
+            .filter(|e| e.node == node && e.what == What::Left)
+            .map(|e| e.time)
+            .take(parts)
+            .collect();
+        assert_eq!(&left, expected, "station {i}: every time exactly");
+    }
+}
+
+#[test]
+fn departures_equal_the_recursion_exactly() {
+    check_against_recursion(5, &[3, 3, 3, 3], 2000, 5);
+    check_against_recursion(4, &[0, 2, 0], 2000, 6);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(60) })]
+
+    #[test]
+    fn departures_equal_the_recursion_on_any_line(
+        buffers in prop::collection::vec(0_usize..5, 1..6),
+        seed in 0_u64..1_000_000,
+    ) {
+        check_against_recursion(buffers.len() + 1, &buffers, 200, seed);
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_run() {
+    let text = |seed| format!("{:?}", five(2000, seed));
+    assert_eq!(text(3), text(3));
+    assert_ne!(text(3), text(4));
+}

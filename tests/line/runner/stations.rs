@@ -1,0 +1,287 @@
+//! Setup, breakdowns, shifts, energy, and how time is booked.
+
+use crate::models::{Builder, constant, every};
+use linewright::contract::machine::Failures;
+use linewright::line::Trace;
+use linewright::line::trace::What;
+
+fn near(a: f64, b: f64, tolerance: f64) {
+    assert!((a - b).abs() <= tolerance, "{a} is not near {b}");
+}
+
+#[test]
+fn setup_passes_when_the_type_changes() {
+    let mut builder = Builder::new(&["A", "B"]);
+    builder
+        .source("a", "A", every(0.0, Some(2)))
+        .source("b", "B", every(0.0, Some(2)))
+        .buffer("mixed", 4)
+        .station("cell", &["A", "B"], constant(10.0))
+        .with_station("cell", |_, _, setup, _| *setup = 3.0)
+        .sink("sink")
+        .route("A", &["a", "mixed", "cell", "sink"])
+        .route("B", &["b", "mixed", "cell", "sink"]);
+    let trace = builder.run(2);
+    // A A B B: one change.
+    assert_eq!(trace.seconds, 43.0);
+    let shares = trace.stations[0].shares;
+    near(shares.setup, 3.0 / 43.0, 1e-12);
+    near(shares.busy, 40.0 / 43.0, 1e-12);
+}
+
+#[test]
+fn availability_follows_from_mtbf_and_mttr() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(7.0))
+        .with_station("cell", |_, _, _, failures| {
+            *failures = Some(Failures {
+                mtbf: 90.0,
+                mttr: 10.0,
+            });
+        })
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"]);
+    let trace = builder.run_until(2_000_000.0);
+    let shares = trace.stations[0].shares;
+    near(shares.busy, 0.9, 0.005);
+    near(shares.busy + shares.failed, 1.0, 1e-9);
+    // No service time is lost or gained.
+    near(
+        trace.stations[0].busy_seconds / 7.0,
+        trace.products as f64,
+        1.0,
+    );
+}
+
+#[test]
+fn the_failure_clock_runs_only_at_work() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("source", "Part", every(40.0, None))
+        .station("cell", &["Part"], constant(10.0))
+        .with_station("cell", |_, _, _, failures| {
+            *failures = Some(Failures {
+                mtbf: 50.0,
+                mttr: 5.0,
+            });
+        })
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"]);
+    let trace = builder.run_until(1_000_000.0);
+    let failures = trace.log.iter().filter(|e| e.what == What::Failed).count() as f64;
+    near(trace.stations[0].busy_seconds / failures, 50.0, 2.0);
+    near(
+        trace.stations[0].shares.failed / trace.stations[0].shares.busy,
+        0.1,
+        0.01,
+    );
+}
+
+#[test]
+fn off_shift_the_station_stands_still() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(3600.0))
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"])
+        .shift(6.0 * 3600.0, 14.5 * 3600.0);
+    let trace = builder.run_until(2.0 * 86_400.0);
+    // Eight and a half hours a day; the ninth part is finished in the first half hour of the second day.
+    assert_eq!(trace.products, 17);
+    near(trace.stations[0].shares.busy, 17.0 / 48.0, 1e-12);
+    near(trace.stations[0].shares.idle, 31.0 / 48.0, 1e-12);
+    let ends: Vec<f64> = trace
+        .log
+        .iter()
+        .filter(|e| e.what == What::Finished)
+        .map(|e| e.time / 3600.0)
+        .collect();
+    assert_eq!(
+        ends[..9],
+        [7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 30.5]
+    );
+}
+
+#[test]
+fn a_shift_from_midnight_and_one_to_midnight() {
+    for (from, to, hours) in [
+        (0.0, 43_200.0, 36.0),
+        (43_200.0, 86_400.0, 24.0),
+        (0.0, 86_400.0, 60.0),
+    ] {
+        let mut builder = Builder::new(&["Part"]);
+        builder
+            .endless("source", "Part")
+            .station("cell", &["Part"], constant(3600.0))
+            .sink("sink")
+            .route("Part", &["source", "cell", "sink"])
+            .shift(from, to);
+        let trace = builder.run_until(2.5 * 86_400.0);
+        assert_eq!(trace.products as f64, hours, "from {from} to {to}");
+    }
+}
+
+#[test]
+fn energy_of_work_and_of_waiting() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .source("source", "Part", every(10.0, Some(3)))
+        .station("cell", &["Part"], constant(4.0))
+        .machine_watts("cell", 2.0)
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"]);
+    // Services from 0, 10 and 20; at 22 half of the last one is done.
+    let trace = builder.run_until(22.0);
+    near(trace.joules, (4.0 + 4.0 + 2.0) * 10.0 + 12.0 * 2.0, 1e-9);
+    assert_eq!(trace.machines[0].busy_seconds, 10.0);
+}
+
+#[test]
+fn an_unvisited_station_is_idle() {
+    let mut builder = Builder::new(&["Other", "Part"]);
+    builder
+        .endless("source", "Part")
+        .station("used", &["Part"], constant(4.0))
+        .station("unused", &["Other"], constant(4.0))
+        .sink("sink")
+        .route("Part", &["source", "used", "sink"]);
+    let trace = builder.run(3);
+    assert_eq!(trace.stations[1].shares.idle, 1.0);
+    assert_eq!(trace.bottleneck, Some(0));
+}
+
+/// What a hand calculation gives for a line that has nothing more to do, over shifts that go on.
+#[test]
+fn off_shift_stays_idle_when_nothing_is_left_to_do() {
+    const HOUR: f64 = 3600.0;
+    // Three parts of an hour each, from six o'clock on; the line works eight hours a day.
+    for (until, on) in [
+        (48.0, 16.0),
+        (24.0, 8.0),
+        (12.0, 6.0),
+        (54.5, 16.5),
+        (57.0, 19.0),
+        (62.0 + 24.0 * 700.0, 5_624.0),
+    ] {
+        let mut builder = Builder::new(&["Part"]);
+        builder
+            .source("source", "Part", every(0.0, Some(3)))
+            .station("cell", &["Part"], constant(HOUR))
+            .sink("sink")
+            .route("Part", &["source", "cell", "sink"])
+            .shift(6.0 * HOUR, 14.0 * HOUR);
+        let trace = builder.run_until(until * HOUR);
+        assert_eq!((trace.products, trace.seconds), (3, until * HOUR));
+        let shares = trace.stations[0].shares;
+        near(shares.busy, 3.0 / until, 1e-12);
+        near(shares.starved, (on - 3.0) / until, 1e-9);
+        near(shares.idle, (until - on) / until, 1e-9);
+    }
+    // One that waits for a component which never comes: starved on shift, idle off shift.
+    let mut builder = Builder::new(&["A", "B", "C"]);
+    builder
+        .bill("C", &[("A", 1), ("B", 1)])
+        .source("a", "A", every(HOUR, Some(1)))
+        .store("b", &[("B", 0)])
+        .station("cell", &["C"], constant(10.0))
+        .sink("sink")
+        .route("A", &["a", "cell"])
+        .route("B", &["b", "cell"])
+        .route("C", &["cell", "sink"])
+        .shift(6.0 * HOUR, 14.0 * HOUR);
+    let shares = builder.run_until(24.0 * HOUR).stations[0].shares;
+    near(shares.idle, 16.0 / 24.0, 1e-12);
+    near(shares.starved, 8.0 / 24.0, 1e-12);
+}
+
+/// The bottleneck is where time is lost to setups or breakdowns, even if another station works more, whichever is declared first.
+#[test]
+fn the_bottleneck_counts_setup_and_repair() {
+    for order in [["slow", "works"], ["works", "slow"]] {
+        let mut builder = Builder::new(&["A", "B"]);
+        builder
+            .source("a", "A", every(0.0, None))
+            .source("b", "B", every(0.0, None));
+        for name in order {
+            let seconds = if name == "slow" { 4.0 } else { 5.0 };
+            builder.station(name, &["A", "B"], constant(seconds));
+        }
+        builder
+            .with_station("slow", |_, _, setup, _| *setup = 3.0)
+            .sink("sink")
+            .route("A", &["a", "slow", "works", "sink"])
+            .route("B", &["b", "slow", "works", "sink"]);
+        is_the_bottleneck(&builder.run_until(7000.0));
+        let mut builder = Builder::new(&["Part"]);
+        builder.endless("source", "Part");
+        for name in order {
+            let seconds = if name == "slow" { 4.0 } else { 5.0 };
+            builder.station(name, &["Part"], constant(seconds));
+        }
+        builder
+            .with_station("slow", |_, _, _, failures| {
+                *failures = Some(Failures {
+                    mtbf: 10.0,
+                    mttr: 20.0,
+                });
+            })
+            .sink("sink")
+            .route("Part", &["source", "slow", "works", "sink"]);
+        is_the_bottleneck(&builder.run_until(50_000.0));
+    }
+}
+
+/// The slow station is, and works less than the other one.
+fn is_the_bottleneck(trace: &Trace) {
+    let position = |name: &str| trace.stations.iter().position(|s| s.name == name);
+    let busy = |name: &str| trace.stations[position(name).unwrap()].shares.busy;
+    assert!(busy("slow") < busy("works"));
+    assert_eq!(trace.bottleneck, position("slow"));
+}
+
+/// Work that the end of a shift interrupts counts towards the next breakdown.
+#[test]
+fn the_failure_clock_goes_on_after_a_shift() {
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(1e7))
+        .with_station("cell", |_, _, _, failures| {
+            *failures = Some(Failures {
+                mtbf: 100.0,
+                mttr: 1.0,
+            });
+        })
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"])
+        .shift(0.0, 100.0);
+    let trace = builder.run_until(2000.0 * 86_400.0);
+    let failures = trace.log.iter().filter(|e| e.what == What::Failed).count() as f64;
+    near(trace.stations[0].busy_seconds / failures, 100.0, 10.0);
+}
+
+/// What comes off shift waits for the morning, as it is or to be joined.
+#[test]
+fn nothing_begins_off_shift() {
+    const HOUR: f64 = 3600.0;
+    let mut builder = Builder::new(&["C", "J", "P"]);
+    builder
+        .bill("J", &[("C", 1)])
+        .source("c", "C", every(10.0 * HOUR, None))
+        .source("p", "P", every(10.0 * HOUR, None))
+        .station("cell", &["J", "P"], constant(600.0))
+        .sink("sink")
+        .route("C", &["c", "cell"])
+        .route("P", &["p", "cell", "sink"])
+        .route("J", &["cell", "sink"])
+        .shift(6.0 * HOUR, 14.0 * HOUR);
+    let trace = builder.run_until(240.0 * HOUR);
+    let started = trace.log.iter().filter(|e| e.what == What::Started);
+    let hours: Vec<f64> = started.map(|e| e.time / HOUR % 24.0).collect();
+    assert!(hours.len() > 40, "{hours:?}");
+    // What comes at the last second is taken.
+    assert!(hours.iter().all(|h| (6.0..=14.0).contains(h)), "{hours:?}");
+}

@@ -1,0 +1,281 @@
+//! The algebra on the command line: operands, ports, verdicts and exit codes, the documents, one controller of all, two states of a library.
+
+use crate::support;
+use crate::support::linewright;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+fn at_root(arguments: &[&str]) -> Output {
+    linewright(support::root(), arguments)
+}
+
+fn document(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout)
+        .unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+const SAFE: [&str; 2] = [
+    "examples/fit-together/safe.lw::Feeder",
+    "examples/fit-together/safe.lw::Gripper",
+];
+
+#[test]
+fn compose_says_by_whom_and_how_each_assumption_is_met() {
+    let output = at_root(&["compose", SAFE[0], SAFE[1], "--format", "json"]);
+    assert_eq!(output.status.code(), Some(0));
+    let document = document(&output);
+    assert_eq!(document["schema"], "linewright/compose/1");
+    assert_eq!(document["verdict"], "composed");
+    assert_eq!(document["semantics"], "strict");
+    let first = &document["proof"]["discharges"][0];
+    assert_eq!(first["of"], "Feeder");
+    assert_eq!(first["name"], "careful");
+    assert_eq!(first["rule"], "induction");
+    assert_eq!(first["by"][0]["name"], "grips");
+    assert_eq!(document["pairs"][1]["name"], "Gripper");
+}
+
+#[test]
+fn what_is_open_comes_with_a_run_and_a_circle_with_its_members() {
+    let file = "examples/fit-together/circle.lw";
+    let (a, b) = (format!("{file}::Feeder"), format!("{file}::Gripper"));
+    let output = at_root(&["compose", &a, &b, "--format", "json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let document = document(&output);
+    assert_eq!(document["verdict"], "open");
+    let open = &document["proof"]["open"];
+    assert_eq!(open.as_array().map(Vec::len), Some(2));
+    assert_eq!(open[0]["counterexample"]["kind"], "lasso");
+    assert_eq!(open[0]["counterexample"]["steps"][0]["reaching"], "false");
+    assert_eq!(
+        document["proof"]["circles"][0].as_array().map(Vec::len),
+        Some(2)
+    );
+    let codes: Vec<&str> = document["findings"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(|f| f["code"].as_str())
+        .collect();
+    assert!(
+        codes.contains(&"LW303") && codes.contains(&"LW309"),
+        "{codes:?}"
+    );
+}
+
+#[test]
+fn a_loop_within_a_step_is_refused() {
+    let file = "examples/fit-together/loop.lw";
+    let (a, b) = (format!("{file}::Lamp"), format!("{file}::Door"));
+    let output = at_root(&["compose", &a, &b, "--format", "json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let loops = &document(&output)["proof"]["loops"];
+    assert_eq!(loops, &serde_json::json!([["shut", "lit"]]));
+}
+
+#[test]
+fn what_fits_is_synthesized_as_one() {
+    let file = "examples/fit-together/mended.lw";
+    let (a, b) = (format!("{file}::Feeder"), format!("{file}::Gripper"));
+    let output = at_root(&["compose", &a, &b, "--synth"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let machine = document(&output);
+    assert_eq!(machine["schema"], "linewright/machine/1");
+    assert_eq!(machine["verified"], true);
+    assert_eq!(machine["inputs"], serde_json::json!([]));
+    // What does not fit is not.
+    let file = "examples/fit-together/circle.lw";
+    let (a, b) = (format!("{file}::Feeder"), format!("{file}::Gripper"));
+    let output = at_root(&["compose", &a, &b, "--synth"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        text(&output).contains("nothing is synthesized"),
+        "{output:?}"
+    );
+}
+
+#[test]
+fn ports_that_do_not_fit_are_told_and_can_be_renamed() {
+    let output = at_root(&["compose", "std.handling.pick", "std.handling.place"]);
+    assert_eq!(output.status.code(), Some(1));
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        told.contains("LW311") && told.contains("`stage` is set by"),
+        "{told}"
+    );
+    let renamed = ["--rename", "Place.stage=place_stage"];
+    let output = at_root(&[
+        "compose",
+        "std.handling.pick",
+        "std.handling.place",
+        renamed[0],
+        renamed[1],
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    for (rename, why) in [
+        ("Place.stages=x", "has no variable `stages`"),
+        ("Nobody.stage=x", "the contracts here are"),
+        ("stage", "write CONTRACT.PORT=NAME"),
+    ] {
+        let output = at_root(&[
+            "compose",
+            "std.handling.pick",
+            "std.handling.place",
+            "--rename",
+            rename,
+        ]);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(told.contains(why), "{rename}: {told}");
+        assert_ne!(output.status.code(), Some(0));
+    }
+}
+
+#[test]
+fn a_contract_refines_itself_and_expressions_are_operands() {
+    let turn = "std.handling.turn";
+    let output = at_root(&["refine", turn, turn, "--format", "json"]);
+    assert_eq!(output.status.code(), Some(0));
+    let document = document(&output);
+    assert_eq!(document["verdict"], "refined");
+    assert_eq!(document["semantics"], "runs");
+    assert_eq!(document["guarantees"]["open"], serde_json::json!([]));
+    // What two promise together, each promises.
+    let both = format!("conjoin({}, {})", SAFE[0], SAFE[1]);
+    for one in SAFE {
+        let output = at_root(&["refine", one, &both]);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+    }
+    // And not the other way round.
+    let output = at_root(&["refine", &both, SAFE[0], "--format", "json"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(document["counterexample"]["kind"], "lasso");
+}
+
+#[test]
+fn a_quotient_is_proved_by_composing_it_back() {
+    let output = at_root(&["quotient", SAFE[0], SAFE[1]]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(
+        text(&output).contains("Proved: composed with `Gripper` it refines `Feeder`."),
+        "{output:?}"
+    );
+    let output = at_root(&["merge", SAFE[0], SAFE[1], "--format", "json"]);
+    assert_eq!(document(&output)["verdict"], "proved");
+}
+
+#[test]
+fn an_environment_that_cannot_be_is_shown_by_a_play() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let contract = "
+moore contract Robot {
+    input door: bool
+    output inside: bool
+    assume open: always (inside -> next door)
+    assume shut: always (inside -> next not door)
+}
+";
+    fs::write(folder.path().join("robot.lw"), contract).expect("a file");
+    let output = linewright(folder.path(), &["compat", "robot.lw", "--format", "json"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let document = document(&output);
+    assert_eq!(document["verdict"], "incompatible");
+    assert_eq!(document["counterexample"]["kind"], "trace");
+    let output = at_root(&["compat", SAFE[0], SAFE[1]]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+/// A copy of the library, in which a text of a file is replaced.
+fn changed(folder: &Path, name: &str, file: &str, from: &str, to: &str) {
+    let target = folder.join(name);
+    copy(&support::root().join("contracts"), &target);
+    let path = target.join(file);
+    let text = fs::read_to_string(&path).expect("a contract");
+    assert!(text.contains(from), "{file} has no {from}");
+    fs::write(path, text.replace(from, to)).expect("a file");
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("a folder");
+    for entry in fs::read_dir(from).expect("a folder").flatten() {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).expect("a copy");
+        }
+    }
+}
+
+#[test]
+fn two_states_of_a_library_are_compared_contract_by_contract() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    copy(&support::root().join("contracts"), &at.join("old"));
+    let turn = "handling/turn.lw";
+    let gripped = "assume gripped: always (requested -> grip)";
+    changed(at, "more", turn, gripped, "assume gripped: always grip");
+    changed(at, "less", turn, gripped, "");
+    let verdicts = |new: &str| {
+        let output = linewright(at, &["refine", "old", new, "--format", "json"]);
+        let document = document(&output);
+        let contracts = document["contracts"]
+            .as_array()
+            .cloned()
+            .unwrap_or_default();
+        let of = contracts
+            .into_iter()
+            .find(|c| c["name"] == "Turn")
+            .expect("Turn");
+        (
+            output.status.code(),
+            of["verdict"].clone(),
+            of["open"][0].clone(),
+        )
+    };
+    // More is assumed: whoever used the old one may break it.
+    let (code, verdict, open) = verdicts("more");
+    assert_eq!((code, verdict), (Some(1), "broken".into()));
+    assert_eq!(open["name"], "gripped");
+    assert_eq!(open["counterexample"]["kind"], "trace");
+    // Less is assumed: nobody minds.
+    let (code, verdict, _) = verdicts("less");
+    assert_eq!((code, verdict), (Some(0), "refined".into()));
+    let (code, verdict, _) = verdicts("old");
+    assert_eq!((code, verdict), (Some(0), "same".into()));
+    // A contract that is gone is missed.
+    fs::remove_file(at.join("less").join(turn)).expect("a file");
+    let output = linewright(at, &["refine", "old", "less"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output).contains("removed"), "{output:?}");
+}
+
+#[test]
+fn operands_that_are_none_are_refused() {
+    for (arguments, why) in [
+        (vec!["compose", "nowhere.lw"], "nowhere.lw"),
+        (
+            vec!["compose", "examples/fit-together/safe.lw"],
+            "declares several contracts: write one of Feeder, Gripper",
+        ),
+        (
+            vec!["compose", "examples/fit-together/safe.lw::Nobody"],
+            "has no contract `Nobody`",
+        ),
+        (
+            vec!["refine", "compose(a.lw)", "b.lw"],
+            "at least two contracts",
+        ),
+    ] {
+        let output = at_root(&arguments);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        assert!(told.contains(why), "{arguments:?}: {told}");
+    }
+}

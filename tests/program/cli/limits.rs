@@ -1,0 +1,323 @@
+//! Limits end a run in time, whatever is being computed, and say what was reached.
+
+use super::session::Session;
+use crate::support::root;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// How long the program may go on after a limit. The promise is a second; the rest is for a busy machine.
+const MARGIN: Duration = Duration::from_secs(2);
+
+/// `product.lw` multiplies two numbers of 20 bits: no order of the variables makes that small.
+const HARD: &str = "check product.lw --no-timing";
+
+#[test]
+fn a_time_limit_ends_a_run_that_would_last() {
+    let session = Session::new();
+    for kernel in ["auto", "biodivine", "oxidd"] {
+        let begin = Instant::now();
+        let printed = session.run(&format!("{HARD} --kernel {kernel} --timeout 2"));
+        let elapsed = begin.elapsed();
+        assert_eq!(printed.code, 3, "{}", printed.out);
+        assert!(elapsed >= Duration::from_secs(2), "{elapsed:?}");
+        assert!(elapsed < Duration::from_secs(2) + MARGIN, "{elapsed:?}");
+        let wanted = "the time limit was reached while its formulas were encoded";
+        assert!(printed.out.contains(wanted), "{}", printed.out);
+    }
+}
+
+#[test]
+fn the_other_contracts_keep_their_verdicts() {
+    let session = Session::new();
+    let printed =
+        session.run("check lamp.lw product.lw unrealizable.lw --format short --timeout 3");
+    assert_eq!(printed.code, 3, "{}", printed.out);
+    for line in [
+        "lamp.lw: contract Light: realizable",
+        "product.lw: contract Product: gave_up",
+        "unrealizable.lw: contract Foresight: unrealizable",
+    ] {
+        assert!(printed.out.contains(line), "{line}: {}", printed.out);
+    }
+}
+
+#[test]
+fn a_memory_limit_ends_in_a_message() {
+    let session = Session::new();
+    for (kernel, mib) in [
+        ("auto", 1),
+        ("auto", 8),
+        ("biodivine", 8),
+        ("oxidd", 8),
+        ("oxidd", 0),
+    ] {
+        let printed = session.run(&format!("{HARD} --kernel {kernel} --memory {mib}"));
+        assert_eq!(
+            printed.code, 3,
+            "{kernel} {mib}: {}{}",
+            printed.out, printed.err
+        );
+        let wanted = "there is no verdict on `Product`: the memory limit was reached";
+        assert!(
+            printed.out.contains(wanted),
+            "{kernel} {mib}: {}",
+            printed.out
+        );
+        assert_eq!(printed.err, "", "{kernel} {mib}");
+    }
+}
+
+#[test]
+fn json_keeps_its_form_when_it_gives_up() {
+    let session = Session::new();
+    let printed = session.run("check product.lw --format json --stats --timeout 1");
+    assert_eq!(printed.code, 3);
+    let document: serde_json::Value = serde_json::from_str(&printed.out).expect("a document");
+    let contract = &document["contracts"][0];
+    assert_eq!(contract["verdict"], "gave_up");
+    assert_eq!(contract["statistics"]["pairs"], 42);
+    assert_eq!(document["summary"]["gave_up"], 1);
+}
+
+/// What a proof may take is counted, so a busy computer and a generous time change nothing.
+#[test]
+fn proofs_are_limited_by_counted_work() {
+    let session = Session::new();
+    let example = root().join("examples/loader/line.lw");
+    std::fs::copy(example, session.path("loader.lw")).expect("a copy");
+    let run = |more: &str| {
+        let printed = session.run(&format!("check loader.lw -v --no-timing {more}"));
+        (printed.code, printed.out, printed.err)
+    };
+    let busy = |more: &str| {
+        let over = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    while !over.load(Ordering::Relaxed) {
+                        std::hint::black_box(0);
+                    }
+                });
+            }
+            let printed = run(more);
+            over.store(true, Ordering::Relaxed);
+            printed
+        })
+    };
+    let whole = run("");
+    assert_eq!(whole.0, 0, "{}", whole.1);
+    assert!(!whole.1.contains("LW410"), "{}", whole.1);
+    assert_eq!(busy("--timeout 3000"), whole);
+
+    let little = run("--effort 0.00001");
+    let wanted = "the proof needed more than 20 nodes at once";
+    assert!(little.1.contains(wanted), "{}", little.1);
+    assert!(little.1.contains("--effort 10"), "{}", little.1);
+    assert_eq!(busy("--effort 0.00001 --timeout 3000"), little);
+}
+
+#[test]
+fn an_effort_is_a_number_above_nothing() {
+    let session = Session::new();
+    for wrong in ["0", "-1", "inf", "much"] {
+        let printed = session.run(&format!("check lamp.lw --effort {wrong}"));
+        assert_eq!(printed.code, 2, "{}", printed.err);
+        let wanted = "expected a number above 0, such as 10 or 0.5";
+        assert!(printed.err.contains(wanted), "{}", printed.err);
+    }
+}
+
+#[cfg(unix)]
+mod interrupts {
+    use super::{HARD, MARGIN, Session};
+    use nix::sys::signal::{Signal, kill};
+    use nix::unistd::Pid;
+    use std::process::{Child, Output, Stdio};
+    use std::time::{Duration, Instant};
+
+    fn start(session: &Session, line: &str) -> Child {
+        let mut command = session.command(line);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.spawn().expect("the program starts")
+    }
+
+    fn interrupt(child: &Child) {
+        let id = i32::try_from(child.id()).expect("a process id");
+        kill(Pid::from_raw(id), Signal::SIGINT).expect("a signal");
+    }
+
+    fn text(output: &Output) -> String {
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    #[test]
+    fn the_first_one_ends_what_is_being_solved() {
+        let session = Session::new();
+        let child = start(&session, HARD);
+        std::thread::sleep(Duration::from_secs(2));
+        interrupt(&child);
+        let begin = Instant::now();
+        let output = child.wait_with_output().expect("it ends");
+        assert!(begin.elapsed() < MARGIN, "{:?}", begin.elapsed());
+        assert_eq!(output.status.code(), Some(3), "{}", text(&output));
+        let wanted = "there is no verdict on `Product`: it was interrupted while";
+        assert!(text(&output).contains(wanted), "{}", text(&output));
+    }
+
+    #[test]
+    fn what_is_known_is_printed() {
+        let session = Session::new();
+        let child = start(&session, "check unrealizable.lw product.lw --format short");
+        std::thread::sleep(Duration::from_secs(2));
+        interrupt(&child);
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(3), "{}", text(&output));
+        let wanted = "unrealizable.lw: contract Foresight: unrealizable";
+        assert!(text(&output).contains(wanted), "{}", text(&output));
+    }
+}
+
+/// A machine whose tables would be large becomes functions, wherever these will do.
+#[test]
+fn large_tables_become_functions() {
+    let session = Session::new();
+    for (wires, schema) in [(6, "linewright/machine/1"), (13, "linewright/functions/1")] {
+        let text = format!(
+            "contract Copy {{\n    input x: array[{wires}] of bool\n    output y: array[{wires}] of bool\n\n    guarantee same: always (forall i in 0..{}: y[i] = x[i])\n}}\n",
+            wires - 1
+        );
+        std::fs::write(session.path("copy.lw"), text).expect("a file");
+        let printed = session.run("synth copy.lw");
+        assert_eq!(printed.code, 0, "{}", printed.err);
+        assert!(printed.out.contains(schema), "{wires} wires");
+    }
+}
+
+/// A line that was not decided in time has no verdict, like a contract.
+#[test]
+fn a_line_that_is_not_decided_in_time_ends_with_3() {
+    use std::fmt::Write as _;
+    let session = Session::new();
+    let mut line = String::from(
+        "import std.coordination.single
+contract Work {
+    input requested: bool
+    output finished: bool
+    guarantee report: always (finished <-> requested)
+}
+machine M {
+    step 1 s
+    coordinator c: Single {
+        job = operation = go
+        executed = a.finished
+    }
+    action a: Work when c.command {
+        requested = c.command
+    }
+    operation go: a
+    done c.done
+}
+line L {
+    part P
+    source s: P on order
+    sink k
+",
+    );
+    let mut way = String::from("    route P: s");
+    for i in 0..300 {
+        let _ = writeln!(line, "    station m{i}: M {{ perform go on P }}");
+        let _ = write!(way, " -> m{i}");
+    }
+    let _ = writeln!(line, "{way} -> k\n}}");
+    std::fs::write(session.path("long.lw"), line).expect("a file");
+    let printed = session.run("check long.lw --no-timing --timeout 1");
+    assert_eq!(printed.code, 3, "{}{}", printed.out, printed.err);
+    assert!(
+        printed.err.contains("the time limit was reached")
+            || printed.out.contains("the time limit was reached")
+    );
+}
+
+/// What a limit left undecided is no error: that the parts of this machine fit together takes more work than is allowed, and what its
+/// coordinator alone allows need not happen.
+#[test]
+fn what_was_not_decided_is_no_error() {
+    let session = Session::new();
+    let text = "import std.coordination.single
+
+contract Work {
+    input requested: bool
+    output finished: bool
+
+    guarantee fast: always (requested <-> finished)
+}
+
+skills Arm {
+    component x: {left, right} = left {
+        Left -> left
+        Right -> right
+    }
+    order alternate: never Left then Left
+}
+
+machine Two {
+    coordinator c: Single {
+        job = operation != none
+        executed = a.finished
+    }
+    action a: Work when c.command {
+        requested = c.command
+    }
+    operation left: a
+    operation right: a
+    done c.done
+    skills Arm {
+        Left = operation = left
+        Right = operation = right
+    }
+}
+";
+    std::fs::write(session.path("two.lw"), text).expect("a file");
+    let decided = session.run("check two.lw --format short");
+    assert!(!decided.out.contains("LW"), "{}", decided.out);
+    let printed = session.run("check two.lw --format short --effort 1e-6");
+    assert_eq!(printed.code, 0, "{}{}", printed.out, printed.err);
+    let all = format!("{}{}", printed.out, printed.err);
+    for wanted in [
+        "warning[LW204]: whether the parts of `Two` fit together was not decided",
+        "warning[LW303]: the assumption `order alternate` of `Arm` may not be discharged",
+        "two.lw: machine Two: realizable",
+    ] {
+        assert!(all.contains(wanted), "{wanted}: {all}");
+    }
+    assert!(!all.contains("error["), "{all}");
+}
+
+/// Compilers are ended at the limit as everything else is, and leave nothing half done.
+#[cfg(unix)]
+#[test]
+fn a_time_limit_ends_compilers() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let session = Session::new();
+    // A compiler that takes its time over libraries, and over nothing that it is tried with.
+    let script = "#!/bin/sh\ncase \"$*\" in *-shared*) exec sleep 600;; *) exec cc \"$@\";; esac\n";
+    std::fs::write(session.path("slow-cc"), script).expect("a file");
+    let mode = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(session.path("slow-cc"), mode).expect("a program");
+    let compiler = session.path("slow-cc").display().to_string();
+    for line in [
+        "build lamp.lw --target linux --out made --timeout 3",
+        "run lamp.lw --out made --timeout 3",
+    ] {
+        let begin = Instant::now();
+        let printed = session.run_with(line, &[("CC", &compiler)]);
+        assert_eq!(printed.code, 3, "{line}: {}{}", printed.out, printed.err);
+        let all = format!("{}{}", printed.out, printed.err);
+        let wanted =
+            "error[LW204]: the library of `Lamp` was not built: the time limit was reached";
+        assert!(all.contains(wanted), "{line}: {all}");
+        assert!(begin.elapsed() < Duration::from_mins(5), "{line}");
+        let left = std::fs::read_dir(session.path("made")).map_or(0, Iterator::count);
+        assert_eq!(left, 0, "{line}");
+    }
+}

@@ -1,0 +1,176 @@
+//! What lies on the disk and is no file of ours, and folders in which there is nothing.
+
+use super::session::Session;
+use crate::support::root;
+#[cfg(unix)]
+use std::path::Path;
+#[cfg(unix)]
+use std::process::{Command, Output, Stdio};
+#[cfg(unix)]
+use std::time::{Duration, Instant};
+
+#[test]
+fn a_folder_without_files_is_the_same_to_all() {
+    let session = Session::new();
+    std::fs::create_dir(session.path("empty")).expect("a folder");
+    for line in [
+        "check empty",
+        "fmt empty",
+        "fmt --check empty",
+        "build empty",
+    ] {
+        let printed = session.run(line);
+        assert_eq!(printed.code, 2, "{line}");
+        let all = format!("{}{}", printed.out, printed.err);
+        let wanted = "error[LW001]: empty cannot be read: it holds no .lw file";
+        assert!(all.contains(wanted), "{line}: {all}");
+    }
+}
+
+/// A folder that is called like a contract is named, and not searched.
+#[test]
+fn a_folder_with_the_name_of_a_file() {
+    let session = Session::new();
+    std::fs::create_dir_all(session.path("plant/old.lw")).expect("a folder");
+    std::fs::copy(session.path("lamp.lw"), session.path("plant/old.lw/a.lw")).expect("a copy");
+    std::fs::copy(session.path("lamp.lw"), session.path("plant/lamp.lw")).expect("a copy");
+    for command in ["check", "fmt --check"] {
+        let printed = session.run(&format!("{command} plant"));
+        assert_eq!(printed.code, 2, "{command}");
+        let all = format!("{}{}", printed.out, printed.err);
+        let wanted = "plant/old.lw cannot be read: it is a folder";
+        assert!(all.contains(wanted), "{command}: {all}");
+    }
+}
+
+/// Makes a named pipe, where there is a program for it. Nobody writes into it, so whoever reads it waits for ever.
+#[cfg(unix)]
+fn pipe(at: &Path) -> bool {
+    let made = Command::new("mkfifo").arg(at).status();
+    let made = made.is_ok_and(|s| s.success());
+    if !made {
+        println!("skipped: mkfifo");
+    }
+    made
+}
+
+/// What a command gives back, which has to come to an end.
+#[cfg(unix)]
+fn ended(mut command: Command) -> Output {
+    let mut child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .stdin(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let begin = Instant::now();
+    while child.try_wait().expect("it is ours").is_none() {
+        if begin.elapsed() > Duration::from_mins(2) {
+            child.kill().expect("it is ours");
+            panic!("{command:?} hangs");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child.wait_with_output().expect("it ended")
+}
+
+/// What lies in place of a library, a manifest or an entry of the cache is replaced, and never waited for.
+#[cfg(unix)]
+#[test]
+fn pipes_in_place_of_what_was_made_are_replaced() {
+    let session = Session::new();
+    let run = |line: &str| {
+        let mut command = session.command(line);
+        command.env("LINEWRIGHT_CACHE", session.path("cache"));
+        let output = ended(command);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{line}: {said}");
+    };
+    run("run lamp.lw --out made");
+    for ending in ["json", "so"] {
+        for folder in ["made", "cache"] {
+            let entries = std::fs::read_dir(session.path(folder)).expect("a folder");
+            for path in entries.map(|e| e.expect("an entry").path()) {
+                let chosen = folder == "cache" || path.extension().is_some_and(|e| e == ending);
+                if !chosen || !path.is_file() {
+                    continue;
+                }
+                std::fs::remove_file(&path).expect("it is there");
+                if !pipe(&path) {
+                    return;
+                }
+            }
+        }
+        run("check lamp.lw");
+        run("run lamp.lw --out made");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_named_pipe_is_named_and_hangs_nothing() {
+    let session = Session::new();
+    std::fs::create_dir(session.path("plant")).expect("a folder");
+    std::fs::copy(session.path("lamp.lw"), session.path("plant/lamp.lw")).expect("a copy");
+    if !pipe(&session.path("plant/pipe.lw")) {
+        return;
+    }
+    std::os::unix::fs::symlink("/dev/zero", session.path("plant/zero.lw")).expect("a link");
+    std::fs::write(session.path("plant/reads.lw"), "import \"pipe.lw\"\n").expect("a file");
+    let unit = root().join("examples/pick-and-place/unit.lw");
+    let unit = unit.display();
+    let calls = format!("order check plant/pipe.lw --rules {unit}");
+    let endless = format!("order check plant/zero.lw --rules {unit}");
+    for (line, named) in [
+        (calls.as_str(), &["pipe.lw"][..]),
+        (&endless, &["zero.lw"]),
+        ("doctor --probe plant/pipe.lw", &["pipe.lw"]),
+        ("build lamp.lw --profile plant/pipe.lw", &["pipe.lw"]),
+        ("check lamp.lw --proof plant/pipe.lw", &["pipe.lw"]),
+        ("check lamp.lw --proof plant/zero.lw", &["zero.lw"]),
+        ("check plant", &["pipe.lw", "zero.lw"]),
+        ("check plant/pipe.lw", &["pipe.lw"]),
+        ("check plant/zero.lw", &["zero.lw"]),
+        ("fmt --check plant", &["pipe.lw", "zero.lw"]),
+        ("build plant/pipe.lw", &["pipe.lw"]),
+        ("run plant/pipe.lw", &["pipe.lw"]),
+        ("step plant/pipe.lw", &["pipe.lw"]),
+        ("check plant/reads.lw", &["pipe.lw"]),
+    ] {
+        let output = ended(session.command(line));
+        assert!(matches!(output.status.code(), Some(1 | 2)), "{line}");
+        let all = [output.stdout, output.stderr].concat();
+        let all = String::from_utf8_lossy(&all);
+        for name in named {
+            let what = if *name == "pipe.lw" {
+                "a named pipe"
+            } else {
+                "a device"
+            };
+            assert!(all.contains(name) && all.contains(what), "{line}: {all}");
+        }
+    }
+    // What can be read is judged all the same.
+    let printed = session.run("check plant --format short");
+    assert!(
+        printed
+            .out
+            .contains("plant/lamp.lw: contract Light: realizable"),
+        "{}",
+        printed.out
+    );
+}
+
+/// A link to a file of results stays a link, and the file behind it is written.
+#[cfg(unix)]
+#[test]
+fn a_result_is_written_where_a_link_leads() {
+    let session = Session::new();
+    std::fs::write(session.path("target.json"), "old").expect("a file");
+    std::os::unix::fs::symlink("target.json", session.path("link.json")).expect("a link");
+    assert_eq!(session.run("check lamp.lw --proof link.json").code, 0);
+    let link = std::fs::symlink_metadata(session.path("link.json")).expect("it is there");
+    assert!(link.file_type().is_symlink());
+    let text = std::fs::read_to_string(session.path("target.json")).expect("a text");
+    assert!(text.contains("linewright/proof/1"), "{text}");
+}

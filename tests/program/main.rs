@@ -1,0 +1,12 @@
+//! The program from outside, the library as others use it, and the rules of the repository.
+
+mod algebra;
+mod cli;
+mod hostile;
+mod imports;
+mod project;
+mod readme;
+mod step;
+#[path = "../support/mod.rs"]
+mod support;
+mod watch;

@@ -1,0 +1,67 @@
+//! The host passes on the library of every machine, on this computer and under Wine.
+//!
+//! Ten million calls are made once on each, on the machine with the most components; on the others so many that each kind of call comes
+//! often, and all together stay within a minute and a half.
+
+use super::machines::{Subject, as_functions, fixtures, named, shipped};
+use super::programs::{Host, Prepared};
+
+/// Calls of the long run, and of the others.
+const MANY: u64 = 10_000_000;
+const SOME: u64 = 200_000;
+
+/// The machine that makes them.
+const LONG: &str = "AssemblyCell";
+
+fn calls(subject: &Subject) -> u64 {
+    if subject.name() == LONG { MANY } else { SOME }
+}
+
+#[test]
+fn on_this_computer() {
+    let host = Host::native();
+    let mut subjects = shipped().to_vec();
+    subjects.extend(fixtures());
+    for subject in &subjects {
+        host.passes(&Prepared::new(subject), calls(subject));
+    }
+    // The same machines, with functions in the place of tables.
+    for name in ["QualityCheck", "AssemblyCell"] {
+        host.passes(&Prepared::new(&as_functions(&named(name))), SOME);
+    }
+}
+
+#[test]
+fn on_windows() {
+    let Some(host) = Host::windows() else { return };
+    for subject in shipped() {
+        host.passes(&Prepared::new(subject), calls(subject));
+    }
+}
+
+/// A plan that comes by little would find little.
+#[test]
+fn plans_come_by_every_row_that_is_met() {
+    for subject in shipped() {
+        let script = &Prepared::new(subject).script;
+        let (covered, rows) = (script.covered.len(), script.rows);
+        let others = if script.whole {
+            "no other can be met"
+        } else {
+            "others may be met"
+        };
+        println!("{}: {covered} of {rows} rows; {others}", subject.name());
+        let least = match subject.name() {
+            "Printer" => 76,
+            "Milling" => 62,
+            "QualityCheck" => 31,
+            "AssemblyCell" => 440,
+            "Belt" => 13,
+            "Loader" => 43,
+            name => panic!("{name} is new: say how many rows its plan comes by"),
+        };
+        assert!(covered >= least, "{}: {covered} of {rows}", subject.name());
+        let small = ["Printer", "Milling", "Belt", "Loader"];
+        assert!(script.whole || !small.contains(&subject.name()));
+    }
+}
