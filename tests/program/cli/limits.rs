@@ -238,6 +238,24 @@ line L {
     );
 }
 
+/// Two types of parts with loops for rework share places: whether everything goes on is more work than a proof may take, so the
+/// proof ends by itself, and what it has shown by then stays.
+#[test]
+fn a_proof_of_a_large_line_ends_by_itself() {
+    let session = Session::new();
+    let file = root().join("tests/program/cli/rework.lw");
+    std::fs::copy(file, session.path("rework.lw")).expect("a copy");
+    let printed = session.run("check rework.lw --no-timing --effort 0.05");
+    assert_eq!(printed.code, 0, "{}{}", printed.out, printed.err);
+    for wanted in [
+        "parts cannot block one another in L, but whether everything goes on was not decided",
+        "`--effort 10` lets the proof do ten times the work",
+        "never stuck",
+    ] {
+        assert!(printed.out.contains(wanted), "{}", printed.out);
+    }
+}
+
 /// What a limit left undecided is no error: that the parts of this machine fit together takes more work than is allowed, and what its
 /// coordinator alone allows need not happen.
 #[test]
