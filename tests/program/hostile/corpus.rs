@@ -45,8 +45,8 @@ pub fn copied_to(tree: &Path) -> Vec<Seed> {
         "examples",
         "tests/cases",
         "tests/fixtures",
-        "tests/spectra",
-        "tests/tlsf",
+        "tests/interchange/spectra",
+        "tests/interchange/tlsf",
     ] {
         collect(&root.join(folder), Path::new(folder), &mut seeds);
     }
@@ -69,10 +69,7 @@ pub fn copied_to(tree: &Path) -> Vec<Seed> {
 }
 
 fn collect(folder: &Path, name: &Path, seeds: &mut Vec<Seed>) {
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        return;
-    };
-    for entry in entries {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         let Some(file) = path.file_name() else {
             continue;

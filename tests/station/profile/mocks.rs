@@ -169,7 +169,7 @@ impl Mock {
 
 /// The folder of the mock's C files.
 pub fn here() -> PathBuf {
-    support::root().join("tests/profile")
+    support::root().join("tests/station/profile")
 }
 
 /// Runs a host on a library; what it printed, and whether its last line says that it passed.
