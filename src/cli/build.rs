@@ -7,6 +7,7 @@ use super::select::Selection;
 use super::{picked, profiles};
 use crate::contract::line::Line;
 use crate::contract::machine::Machine;
+use crate::deadline::Deadline;
 use crate::diagnostics::{Diagnostic, has_errors, json};
 use crate::engine::controlled::Controlled;
 use crate::engine::internal;
@@ -21,7 +22,6 @@ use clap::Args;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// What `build` makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -228,7 +228,7 @@ fn clear_doubts<'a>(
 /// The compilers of all targets that have one.
 fn toolchains<'a>(
     targets: &'a [Target],
-    until: Option<Instant>,
+    until: Deadline,
     findings: &mut Vec<Diagnostic>,
 ) -> Vec<(&'a Target, Option<Toolchain>)> {
     let mut found = Vec::new();

@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::exit::ExitCode;
+use crate::deadline::Deadline;
 use crate::diagnostics::Diagnostic;
 use crate::engine::cache::Cache;
 use crate::engine::pipeline::Settings;
@@ -148,8 +149,9 @@ impl GlobalOptions {
     pub fn limits_from(&self, began: Instant) -> Limits {
         Limits {
             effort: self.effort,
-            // A time too far away for the clock is no limit.
-            deadline: self.timeout.and_then(|t| began.checked_add(t)),
+            deadline: self
+                .timeout
+                .map_or(Deadline::NONE, |t| Deadline::after(began, t)),
             memory_mib: Some(self.memory),
             ..Limits::default()
         }
@@ -221,10 +223,11 @@ mod tests {
         let command = GlobalOptions::augment_args(clap::Command::new("linewright"));
         let given = command.get_matches_from(["linewright", "--timeout", "5"]);
         let options = GlobalOptions::from_arg_matches(&given).expect("they are right");
-        let first = options.limits().deadline.expect("there is a limit");
+        let first = options.limits().deadline;
+        assert_ne!(first, Deadline::NONE);
         std::thread::sleep(Duration::from_millis(2));
-        assert_eq!(options.settings().limits.deadline, Some(first));
+        assert_eq!(options.settings().limits.deadline, first);
         let later = options.limits_from(Instant::now()).deadline;
-        assert!(later.expect("there is a limit") > first);
+        assert!(later.left() > first.left());
     }
 }

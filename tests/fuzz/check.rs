@@ -9,9 +9,9 @@ mod generate;
 pub use solve::Solved;
 
 use linewright::contract::{Library, load};
+use linewright::deadline::Deadline;
 use linewright::diagnostics::{Diagnostic, codes, has_errors};
 use linewright::interchange::{Format, Target, contract, read, write};
-use linewright::order::bound::Until;
 use linewright::order::fsm::Fsm;
 use linewright::order::supervisor::Options;
 use linewright::order::{self, Skills, eliminate};
@@ -62,12 +62,12 @@ pub fn language(text: &str) {
         skills.skills.len() <= MOST_SKILLS && skills.rules.len() <= MOST_RULES
     };
     for skills in library.skills.iter().filter(small) {
-        within(&order::findings::examine(skills, Until::default()), text);
+        within(&order::findings::examine(skills, Deadline::NONE), text);
         // That the expression has the words of the automaton is asserted where it is made.
         if let Ok(fsm) = Fsm::of_words(skills, Options::default(), 1)
             && fsm.states.len() <= MOST_STATES
         {
-            let _ = eliminate::regex(&fsm.one_by_one(), Until::default());
+            let _ = eliminate::regex(&fsm.one_by_one(), Deadline::NONE);
         }
     }
 }

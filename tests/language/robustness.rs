@@ -486,7 +486,7 @@ fn accepted_formulas_can_be_solved_on_a_small_stack() {
         assert!(!has_errors(&findings), "{:?}", findings.first());
         let specification = library.contracts[0].specification.clone();
         let limits = Limits {
-            deadline: Some(Instant::now() + Duration::from_secs(20)),
+            deadline: linewright::deadline::Deadline::in_time(Duration::from_secs(20)),
             ..Limits::default()
         };
         std::thread::Builder::new()

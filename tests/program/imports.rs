@@ -35,7 +35,14 @@ const CRATES: [(&str, &[&str]); 9] = [
 const ORDER: [(&str, &[&str]); 3] = [
     (
         "core",
-        &["source", "diagnostics", "drawing", "taxonomy", "gr1"],
+        &[
+            "deadline",
+            "source",
+            "diagnostics",
+            "drawing",
+            "taxonomy",
+            "gr1",
+        ],
     ),
     ("language", &["syntax", "order", "contract"]),
     ("solver", &["symbolic", "game", "mealy"]),
@@ -287,43 +294,21 @@ fn modules_use_only_those_before_them() {
 }
 
 /// Files that may know of clocks, and why none of them decides what a verdict, a finding or a table says.
-const CLOCKS: [(&str, &str); 18] = [
-    (
-        "crates/solver/src/symbolic/limits.rs",
-        "`--timeout`, for everything below `cli`",
-    ),
-    ("crates/solver/src/symbolic/tests.rs", "tests of it"),
-    (
-        "crates/language/src/order/bound.rs",
-        "`--timeout`, for orders of skills",
-    ),
-    ("crates/line/src/lib.rs", "`--timeout`, for runs"),
-    ("crates/line/src/plant/mod.rs", "`--timeout`, for runs"),
+const CLOCKS: [(&str, &str); 11] = [
+    ("crates/core/src/deadline.rs", "`--timeout`"),
+    ("src/cli/options.rs", "when a command began"),
     ("crates/solver/src/game/set_up.rs", "seconds for `--stats`"),
     ("crates/solver/src/game/solver.rs", "seconds for `--stats`"),
+    ("crates/engine/src/controller.rs", "seconds for `--stats`"),
     (
-        "crates/station/src/toolchain/trial.rs",
-        "a compiler that hangs",
+        "crates/engine/src/pipeline/task.rs",
+        "seconds for the summary",
     ),
+    ("crates/engine/src/simulation.rs", "seconds for the summary"),
+    ("crates/engine/src/worker.rs", "a test of it"),
     (
         "crates/station/src/toolchain/work.rs",
         "which folders of killed builds are old",
-    ),
-    ("src/cli/options.rs", "`--timeout` itself"),
-    (
-        "crates/engine/src/worker.rs",
-        "waits for `--timeout` and for Ctrl-C",
-    ),
-    (
-        "crates/engine/src/pipeline/task.rs",
-        "hands `--timeout` on; seconds for the summary",
-    ),
-    ("crates/engine/src/controller.rs", "seconds for `--stats`"),
-    ("crates/engine/src/simulation.rs", "seconds for the summary"),
-    ("src/cli/build.rs", "`--timeout`, for compilers"),
-    (
-        "crates/station/src/toolchain/mod.rs",
-        "`--timeout`, for compilers",
     ),
     ("crates/engine/src/cache.rs", "which files are oldest"),
     ("src/cli/check/watch.rs", "when a file was changed"),

@@ -131,7 +131,7 @@ fn the_gr1c_automaton_is_the_machine() {
 fn limits_are_respected() {
     let specification = fixtures::printer3d(2, 3);
     let late = Limits {
-        deadline: Some(Instant::now()),
+        deadline: linewright::deadline::Deadline::in_time(std::time::Duration::ZERO),
         memory_mib: None,
         ..Limits::default()
     };
@@ -140,7 +140,7 @@ fn limits_are_respected() {
         Outcome::GaveUp(Limit::Time)
     ));
     let small = Limits {
-        deadline: None,
+        deadline: linewright::deadline::Deadline::NONE,
         memory_mib: Some(0),
         ..Limits::default()
     };

@@ -29,7 +29,7 @@ pub fn specifications(folder: &Path) -> Vec<(Format, PathBuf)> {
 pub fn verdict(specification: &Specification) -> bool {
     let options = Options {
         limits: Limits {
-            deadline: None,
+            deadline: linewright::deadline::Deadline::NONE,
             memory_mib: Some(1024),
             ..Limits::default()
         },

@@ -1,5 +1,6 @@
 //! What every part of Linewright speaks of: sources and places in them, findings, taxonomies, and GR(1) specifications.
 
+pub mod deadline;
 pub mod diagnostics;
 pub mod drawing;
 pub mod gr1;

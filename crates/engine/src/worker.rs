@@ -5,8 +5,11 @@
 //! reported until then. The thread goes on until the program ends, which is soon.
 
 use super::{internal, interrupt};
+use linewright_core::deadline::Deadline;
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+#[cfg(test)]
+use std::time::Instant;
 
 /// How long the work may need to notice the deadline by itself, which gives the better answer.
 const GRACE: Duration = Duration::from_millis(300);
@@ -27,10 +30,10 @@ pub enum Stop {
 }
 
 /// Whether to stop now.
-pub fn stop(deadline: Option<Instant>) -> Option<Stop> {
+pub fn stop(deadline: Deadline) -> Option<Stop> {
     if interrupt::interrupted() {
         Some(Stop::Interrupt)
-    } else if deadline.is_some_and(|d| Instant::now() >= d) {
+    } else if deadline.is_past() {
         Some(Stop::Time)
     } else {
         None
@@ -48,7 +51,7 @@ pub enum Ended<P, R> {
 
 /// Runs `work` on a thread of its own. What it gives to the function that it is given is kept, in case that it is left.
 pub fn run<P, R>(
-    deadline: Option<Instant>,
+    deadline: Deadline,
     work: impl FnOnce(&dyn Fn(P)) -> R + Send + 'static,
 ) -> Ended<P, R>
 where
@@ -56,7 +59,7 @@ where
     R: Send + 'static,
 {
     let (sender, receiver) = mpsc::channel();
-    let last = deadline.and_then(|d| d.checked_add(GRACE));
+    let last = deadline.extended(GRACE);
     let builder = std::thread::Builder::new().stack_size(STACK_BYTES);
     let thread = builder.spawn(move || {
         let report = |partly: P| {
@@ -69,7 +72,7 @@ where
     let thread = thread.unwrap_or_else(|e| panic!("no thread can be started: {e}"));
     let mut reported = None;
     loop {
-        let left = last.map_or(LOOK, |l| l.saturating_duration_since(Instant::now()));
+        let left = last.left().unwrap_or(LOOK);
         match receiver.recv_timeout(left.min(LOOK)) {
             Ok(Ok(result)) => return Ended::Done(result),
             Ok(Err(partly)) => reported = Some(partly),
@@ -92,7 +95,7 @@ mod tests {
 
     #[test]
     fn work_that_ends_gives_its_result() {
-        let ended = run(None, |report: &dyn Fn(u8)| {
+        let ended = run(Deadline::NONE, |report: &dyn Fn(u8)| {
             report(1);
             2
         });
@@ -102,8 +105,8 @@ mod tests {
     #[test]
     fn work_that_does_not_end_is_left() {
         let begin = Instant::now();
-        let deadline = begin + Duration::from_millis(50);
-        let ended = run(Some(deadline), |report: &dyn Fn(u8)| {
+        let deadline = Deadline::after(begin, Duration::from_millis(50));
+        let ended = run(deadline, |report: &dyn Fn(u8)| {
             report(1);
             report(2);
             std::thread::sleep(Duration::from_mins(1));
@@ -114,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_panic_is_passed_on() {
-        let work = || run(None, |_: &dyn Fn(u8)| panic!("broken"));
+        let work = || run(Deadline::NONE, |_: &dyn Fn(u8)| panic!("broken"));
         let caught = internal::caught(|| "waiting".to_owned(), work);
         let finding = caught.unwrap_err().finding(None);
         assert!(

@@ -43,6 +43,7 @@ mod statistics;
 pub mod trace;
 mod validate;
 
+use linewright_core::deadline::Deadline;
 pub use metric::ReplicatedRequirement;
 pub use plant::Plant;
 pub use replicate::{Estimate, Replications};
@@ -57,8 +58,8 @@ pub struct Options {
     pub parts: Option<u64>,
     /// End after so many simulated seconds.
     pub until: Option<f64>,
-    /// Give up at this instant of the real clock.
-    pub deadline: Option<std::time::Instant>,
+    /// When to give up, by the real clock.
+    pub deadline: Deadline,
     /// Keep every movement in [`Trace::log`]; memory then grows with the run.
     pub log: bool,
 }
@@ -69,7 +70,7 @@ impl Default for Options {
             seed: 1,
             parts: None,
             until: None,
-            deadline: None,
+            deadline: Deadline::NONE,
             log: false,
         }
     }

@@ -22,7 +22,7 @@ use crate::engine::machines::{self, Planned};
 use crate::engine::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
-use crate::order::{self, Skills, bound::Until};
+use crate::order::{self, Skills};
 use crate::source::Span;
 use indicatif::ProgressBar;
 use std::path::Path;
@@ -261,7 +261,7 @@ impl Assembly<'_> {
         let sound = !file.broken && !has_errors(findings);
         let mut known = self.loaded.library.skills.iter();
         let skills = known.find(|s| sound && declaration.holds(s.span));
-        let until = Until::new(self.limits.deadline);
+        let until = self.limits.deadline;
         let examine = |s: &Skills| {
             let doing = || format!("checking the skills `{}`", s.name);
             internal::caught(doing, || order::findings::examine(s, until))

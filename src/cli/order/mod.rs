@@ -13,7 +13,6 @@ mod words;
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
-use crate::order::bound::Until;
 use crate::order::supervisor::Options;
 use crate::order::{Level, Serialisation};
 use clap::{Args, Subcommand, ValueEnum};
@@ -99,7 +98,7 @@ impl Choice {
                 Serialisation::Every
             },
             paper: self.paper,
-            until: Until::new(global.limits().deadline),
+            until: global.limits().deadline,
         }
     }
 }

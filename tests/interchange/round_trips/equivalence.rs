@@ -30,7 +30,7 @@ pub enum Layout {
 pub fn prove(a: &Specification, b: &Specification, layout: Layout) -> Result<(), String> {
     let carried = carried(a, b, layout)?;
     let limits = Limits {
-        deadline: None,
+        deadline: linewright::deadline::Deadline::NONE,
         memory_mib: Some(2048),
         ..Limits::default()
     };

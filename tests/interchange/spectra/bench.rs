@@ -91,7 +91,7 @@ fn every_file_is_read_or_refused_for_the_known_reason() {
 pub fn verdict(specification: &Specification) -> Option<bool> {
     let limits = Limits {
         // Seconds, on a machine that has nothing else to do.
-        deadline: Some(Instant::now() + Duration::from_mins(3)),
+        deadline: linewright::deadline::Deadline::in_time(Duration::from_mins(3)),
         memory_mib: Some(1024),
         ..Limits::default()
     };

@@ -13,7 +13,7 @@ use linewright::station::interpret::Interpreter;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// So many products are ordered.
 pub const PARTS: u64 = 5;
@@ -149,7 +149,7 @@ impl World {
             seed,
             parts,
             until: Some(seconds + off),
-            deadline: Instant::now().checked_add(Duration::from_secs(20)),
+            deadline: linewright::deadline::Deadline::in_time(Duration::from_secs(20)),
             log: parts.is_none(),
         };
         Some(self.plant(line, options)?.run())

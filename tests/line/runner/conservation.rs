@@ -182,7 +182,7 @@ fn plant(seed: u64, until: Option<f64>, ample: bool) -> Plant {
         parts: Some(20),
         until,
         log: true,
-        deadline: None,
+        deadline: linewright::deadline::Deadline::NONE,
     })
 }
 

@@ -2,8 +2,10 @@
 
 use crate::models::{Builder, constant, every, span};
 use linewright::contract::line::{Comparison, Limit, Metric, Requirement};
+use linewright::deadline::Deadline;
 use linewright::line::{End, Options, Plant};
 use std::sync::Arc;
+use std::time::Duration;
 
 fn simple() -> Builder {
     let mut builder = Builder::new(&["Part"]);
@@ -138,7 +140,7 @@ fn replications_keep_the_time_limit() {
         .route("Part", &["source", "cell", "sink"]);
     let mut plant = builder.plant(Options {
         parts: Some(1),
-        deadline: Some(std::time::Instant::now()),
+        deadline: Deadline::in_time(Duration::ZERO),
         ..Options::default()
     });
     let (traces, figures) = plant.replicate(5);
@@ -164,7 +166,7 @@ fn a_run_that_was_cut_off_counts_nowhere() {
     });
     let mut plant = builder.plant(Options {
         until: Some(1e12),
-        deadline: Some(std::time::Instant::now()),
+        deadline: Deadline::in_time(Duration::ZERO),
         ..Options::default()
     });
     let (traces, figures) = plant.replicate(3);
@@ -180,10 +182,10 @@ fn a_run_that_was_cut_off_counts_nowhere() {
         last.message
     );
 
-    let soon = std::time::Instant::now() + std::time::Duration::from_millis(300);
+    let soon = Deadline::in_time(Duration::from_millis(300));
     let mut plant = simple().plant(Options {
         until: Some(2e4),
-        deadline: Some(soon),
+        deadline: soon,
         ..Options::default()
     });
     let (traces, figures) = plant.replicate(1_000_000);

@@ -4,12 +4,12 @@
 use super::naive::{Letter, Naive};
 use super::random::{Size, options, skills, two_sets};
 use super::units::{any, at_most, unit};
-use linewright::order::bound::{TooLarge, Until};
 use linewright::order::dfa::{Dfa, REFUSED};
 use linewright::order::fsm::Fsm;
 use linewright::order::rule::MOST_STATES;
 use linewright::order::supervisor::Options;
 use linewright::order::{eliminate, regex};
+use linewright::{deadline::Deadline, order::bound::TooLarge};
 use proptest::prelude::{ProptestConfig, prop_assert, prop_assert_eq, proptest};
 
 const SIZE: Size = Size {
@@ -28,7 +28,7 @@ const SHORT: usize = 4;
 
 /// The automaton of the expression that is made of an automaton; `None` where that would be too long.
 fn expressed(dfa: &Dfa) -> Option<Dfa> {
-    let expression = eliminate::regex(dfa, Until::default()).ok()?;
+    let expression = eliminate::regex(dfa, Deadline::NONE).ok()?;
     Some(regex::automaton(&expression, dfa.letters(), MOST_STATES).expect("it was small before"))
 }
 
@@ -90,8 +90,7 @@ fn what_is_too_large_for_an_expression_is_refused() {
     let counter = |skill| at_most(3, any(&[skill]), Vec::new(), Vec::new());
     let skills = unit((0..6).map(counter));
     let dfa = Fsm::of(&skills, Options::default(), 1).expect("it is small");
-    let refused =
-        eliminate::regex(&dfa.one_by_one(), Until::default()).expect_err("it is too large");
+    let refused = eliminate::regex(&dfa.one_by_one(), Deadline::NONE).expect_err("it is too large");
     let limit = eliminate::MOST_ELIMINATED;
     assert!(matches!(refused, TooLarge::Count { limit: at, .. } if at == limit));
 }

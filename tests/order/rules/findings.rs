@@ -5,8 +5,8 @@ use super::random::{Size, skills};
 use super::units::{
     DOWN, GRIP, LEFT, RELEASE, RIGHT, UP, after, any, at_most, before, only_after, together, unit,
 };
+use linewright::deadline::Deadline;
 use linewright::diagnostics::{Diagnostic, codes};
-use linewright::order::bound::Until;
 use linewright::order::findings::examine;
 use linewright::order::program::{Apart, difference};
 use linewright::order::supervisor::{Options, Supervisor};
@@ -77,7 +77,7 @@ proptest! {
         let naive = Naive::new(&skills, options);
         let calls: Vec<u64> = fsm::calls(&skills, 2).into_iter().map(|c| c.0).collect();
         let words = words(&naive, &calls, LONGEST);
-        let found = examine(&skills, Until::default());
+        let found = examine(&skills, Deadline::NONE);
         prop_assert!(found.iter().all(|f| f.code != codes::TOO_LARGE));
         let nothing = found.iter().any(|f| f.code == codes::ORDER_NOTHING);
         let first = words.iter().any(|w| w.len() == 1 && w[0].is_power_of_two());
@@ -116,7 +116,7 @@ proptest! {
 }
 
 fn messages(kind: Kind) -> Vec<String> {
-    let found = examine(&unit([kind]), Until::default());
+    let found = examine(&unit([kind]), Deadline::NONE);
     found.into_iter().map(|f| f.message).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use super::naive::{Letter, Naive};
 use super::random::{Size, program, skills};
-use linewright::order::bound::Until;
+use linewright::deadline::Deadline;
 use linewright::order::dfa::REFUSED;
 use linewright::order::rule::Alphabet;
 use linewright::order::serial::Serial;
@@ -223,7 +223,7 @@ proptest! {
     ) {
         let alphabet = Alphabet::of(&skills);
         for rule in &skills.rules {
-            let automaton = rule::automaton(rule, &skills, &alphabet, Until::default()).expect("it is small");
+            let automaton = rule::automaton(rule, &skills, &alphabet, Deadline::NONE).expect("it is small");
             let dfa = automaton.dfa.clone();
             let mut serial = Serial::new(automaton, serialisation(some));
             let mut known = 0;

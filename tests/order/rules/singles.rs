@@ -6,7 +6,7 @@ use super::units::{
     DOWN, GRIP, LEFT, RELEASE, RIGHT, UP, after, any, at_most, before, loose_sequence, never_twice,
     only_after, pick_and_place_sequence, together, transport, trays, unit, unit_at, word,
 };
-use linewright::order::bound::Until;
+use linewright::deadline::Deadline;
 use linewright::order::dfa::{Dfa, REFUSED};
 use linewright::order::fsm::Fsm;
 use linewright::order::rule::MOST_STATES;
@@ -59,7 +59,7 @@ struct Readers<'a> {
 }
 
 fn expressed(dfa: &Dfa) -> Dfa {
-    let expression = eliminate::regex(dfa, Until::default()).expect("it is short enough");
+    let expression = eliminate::regex(dfa, Deadline::NONE).expect("it is short enough");
     let again = regex::automaton(&expression, dfa.letters(), MOST_STATES).expect("it is small");
     assert_eq!(again.difference(dfa), None, "{expression:?}");
     again

@@ -1,6 +1,6 @@
 //! How far a question about orders is looked into: so many states, and no longer than until some time.
 
-use std::time::Instant;
+use linewright_core::deadline::{Deadline, Late};
 
 /// It would take too much.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -14,37 +14,13 @@ pub enum TooLarge {
         limit: usize,
     },
     /// It takes longer than it may.
-    #[error("the time limit was reached")]
+    #[error("{}", Late)]
     Late,
 }
 
-/// When to give up; never by default.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Until(Option<Instant>);
-
-impl Until {
-    /// At a time, if there is one.
-    pub fn new(deadline: Option<Instant>) -> Self {
-        Self(deadline)
-    }
-
-    /// Whether the time is over.
-    ///
-    /// # Errors
-    /// When it is.
-    pub fn check(self) -> Result<(), TooLarge> {
-        match self.0 {
-            Some(deadline) if Instant::now() >= deadline => Err(TooLarge::Late),
-            _ => Ok(()),
-        }
-    }
-
-    /// A bound of so many states, until this time.
-    pub fn within(self, states: usize) -> Bound {
-        Bound {
-            states,
-            until: self,
-        }
+impl From<Late> for TooLarge {
+    fn from(Late: Late) -> Self {
+        Self::Late
     }
 }
 
@@ -54,14 +30,21 @@ pub struct Bound {
     /// So many states at most.
     pub states: usize,
     /// And no longer than that.
-    pub until: Until,
+    pub until: Deadline,
+}
+
+impl Bound {
+    /// So many states, until this time.
+    pub fn new(states: usize, until: Deadline) -> Self {
+        Self { states, until }
+    }
 }
 
 impl From<usize> for Bound {
     fn from(states: usize) -> Self {
         Self {
             states,
-            until: Until::default(),
+            until: Deadline::NONE,
         }
     }
 }

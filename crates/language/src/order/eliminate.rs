@@ -6,10 +6,11 @@
 //! given regular language", 2004). What comes out is turned into an automaton again and compared.
 
 use super::Regex;
-use super::bound::{TooLarge, Until};
+use super::bound::{Bound, TooLarge};
 use super::dfa::{Dfa, REFUSED};
 use super::regex::automaton;
 use super::rule::MOST_STATES;
+use linewright_core::deadline::Deadline;
 
 /// With so many states at most, all orders are tried.
 const ALL_ORDERS: usize = 7;
@@ -122,7 +123,7 @@ fn class(parts: Vec<Regex>, letters: usize) -> Regex {
 ///
 /// # Panics
 /// When the expression does not have the words of the automaton, which would be a fault of this module.
-pub fn regex(dfa: &Dfa, until: Until) -> Result<Regex, TooLarge> {
+pub fn regex(dfa: &Dfa, until: Deadline) -> Result<Regex, TooLarge> {
     let dfa = dfa.clone().trimmed().minimal();
     if dfa.states() > MOST_ELIMINATED {
         return Err(TooLarge::Count {
@@ -139,7 +140,7 @@ pub fn regex(dfa: &Dfa, until: Until) -> Result<Regex, TooLarge> {
     } else {
         lightest_first(graph, left, until)?
     };
-    let again = automaton(&found, dfa.letters(), until.within(MOST_STATES))?;
+    let again = automaton(&found, dfa.letters(), Bound::new(MOST_STATES, until))?;
     assert!(
         again.difference(&dfa).is_none(),
         "the regular expression has other words than the automaton; please report this"
@@ -168,7 +169,11 @@ fn shortest(graph: &Graph, left: &[usize], best: &mut Option<Regex>) {
     }
 }
 
-fn lightest_first(mut graph: Graph, mut left: Vec<usize>, until: Until) -> Result<Regex, TooLarge> {
+fn lightest_first(
+    mut graph: Graph,
+    mut left: Vec<usize>,
+    until: Deadline,
+) -> Result<Regex, TooLarge> {
     while !left.is_empty() {
         until.check()?;
         let weights = left.iter().enumerate();
@@ -197,7 +202,7 @@ mod tests {
         let mut skills = pick_and_place();
         skills.rules = rules.iter().map(|r| skills.rules[*r].clone()).collect();
         let fsm = Fsm::of(&skills, Options::default(), 1).expect("it is small");
-        let regex = regex(&fsm.one_by_one(), Until::default()).expect("it is short");
+        let regex = regex(&fsm.one_by_one(), Deadline::NONE).expect("it is short");
         regex.text(&skills)
     }
 

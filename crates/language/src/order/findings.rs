@@ -3,12 +3,13 @@
 //! The rules that are to blame are found by leaving out one after the other for as long as the fault stays (deletion, as for the cores of
 //! contracts): none of those that are named can be left out.
 
-use super::bound::{TooLarge, Until};
+use super::bound::TooLarge;
 use super::dfa::REFUSED;
 use super::fsm::{Fsm, telling};
 use super::program::{self, Apart};
 use super::supervisor::{Call, Options, Supervisor};
 use super::{Kind, Level, Skills};
+use linewright_core::deadline::Deadline;
 use linewright_core::diagnostics::{Diagnostic, codes};
 
 /// Rules whose automaton has more entries are not examined: fewer are found in a moment, also many times over.
@@ -18,7 +19,7 @@ const MOST_EXAMINED: usize = 1 << 18;
 const MOST_COMPARED: usize = 1 << 22;
 
 /// What is wrong with the rules of these skills, at the level valid and then, where a rule is kept there only, at the level reasonable.
-pub fn examine(skills: &Skills, until: Until) -> Vec<Diagnostic> {
+pub fn examine(skills: &Skills, until: Deadline) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     let mut levels: Vec<Level> = skills.rules.iter().map(|r| r.level).collect();
     levels.push(Level::Valid);
@@ -55,7 +56,7 @@ fn too_large(skills: &Skills, error: &TooLarge) -> Diagnostic {
 fn at_level(
     skills: &Skills,
     level: Level,
-    until: Until,
+    until: Deadline,
     findings: &mut Vec<Diagnostic>,
 ) -> Result<(), TooLarge> {
     let examined = Examined {

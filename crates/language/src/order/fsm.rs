@@ -1,7 +1,7 @@
 //! The automaton of a set of rules: all situations, what is known of the rules in them, and what may be called.
 
 use super::Skills;
-use super::bound::TooLarge;
+use super::bound::{Bound, TooLarge};
 use super::dfa::{Dfa, REFUSED, shortest};
 use super::supervisor::{Call, Options, State, Supervisor};
 use std::collections::BTreeMap;
@@ -137,7 +137,7 @@ impl Fsm {
         let explored = Dfa::explore_all(
             calls.len(),
             &[start],
-            until.within(limit),
+            Bound::new(limit, until),
             |state, column| match supervisor.call(state, calls[column]) {
                 Ok(after) => after.ok(),
                 Err(error) => {

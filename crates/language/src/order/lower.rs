@@ -6,11 +6,12 @@
 //! formulas that define it step by step, and one formula that the rule is. A set of skills called in one step is one call: it is looked
 //! up in the automaton over sets that [`super::serial`] makes, so that every order of them has to be allowed.
 
-use super::bound::{TooLarge, Until};
+use super::bound::TooLarge;
 use super::rule::{self, Alphabet};
 use super::serial::{Known, Serial};
 use super::strongest::recall;
 use super::{Level, Rule, Serialisation, Skills};
+use linewright_core::deadline::Deadline;
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Time, VarId, Variable};
 
 /// So many combinations of state and call a rule may have.
@@ -101,7 +102,7 @@ pub fn lower(
     taken: impl Fn(&str) -> bool,
 ) -> Result<Lowered, TooLarge> {
     let alphabet = Alphabet::of(skills);
-    let automaton = rule::automaton(rule, skills, &alphabet, Until::default())?;
+    let automaton = rule::automaton(rule, skills, &alphabet, Deadline::NONE)?;
     let mut serial = Serial::new(automaton, Serialisation::Every);
     let spoken = speaks_of(skills, &alphabet, &serial);
     let table = Cases::new(skills, &alphabet, &mut serial, &spoken)?;

@@ -4,10 +4,11 @@
 //! the letters `Left`, `Down` and `Left & Down` come in any order. Only what is in a row goes by the skills alone: `Left & Down` is there
 //! where the two follow each other in one call, so that nothing comes between it and what it follows.
 
-use super::bound::{TooLarge, Until};
+use super::bound::{Bound, TooLarge};
 use super::dfa::Dfa;
 use super::standing::{Window, standing};
 use super::{Event, Kind, Regex, Rule, Skills, regex};
+use linewright_core::deadline::Deadline;
 use std::hash::Hash;
 
 /// A rule's automaton has so many states at most.
@@ -159,7 +160,7 @@ impl Automaton {
     pub(super) fn explore<S: Clone + Eq + Hash>(
         letters: usize,
         starts: &[S],
-        until: Until,
+        until: Deadline,
         step: impl Fn(&S, usize) -> Option<S>,
         over: impl Fn(&S) -> S,
         complete: impl Fn(&S) -> bool,
@@ -175,7 +176,7 @@ impl Automaton {
         let found = Dfa::explore_all(
             letters + 1,
             starts,
-            until.within(MOST_STATES),
+            Bound::new(MOST_STATES, until),
             step,
             complete,
         )?;
@@ -198,7 +199,7 @@ pub fn automaton(
     rule: &Rule,
     skills: &Skills,
     alphabet: &Alphabet,
-    until: Until,
+    until: Deadline,
 ) -> Result<Automaton, TooLarge> {
     let letters = alphabet.len();
     let set = |events: &[Event]| alphabet.set(events);
@@ -290,7 +291,7 @@ type Reached = (usize, usize, u64);
 fn in_a_row(
     words: &[Vec<Vec<Event>>],
     alphabet: &Alphabet,
-    until: Until,
+    until: Deadline,
 ) -> Result<Automaton, TooLarge> {
     let words: Vec<Vec<Vec<u64>>> = words
         .iter()
@@ -337,9 +338,9 @@ fn sequence(
     regex: &Regex,
     skills: &Skills,
     letters: usize,
-    until: Until,
+    until: Deadline,
 ) -> Result<Automaton, TooLarge> {
-    let dfa = regex::automaton(regex, skills.skills.len(), until.within(MOST_STATES))?;
+    let dfa = regex::automaton(regex, skills.skills.len(), Bound::new(MOST_STATES, until))?;
     let count = skills.skills.len();
     let step = |state: &u32, letter: usize| {
         if letter >= count {

@@ -4,11 +4,12 @@
 //! control of a class of discrete event processes" (1987): it allows and forbids, and calls nothing itself. It works out states as they
 //! are asked for; [`super::fsm`] works out all of them.
 
-use super::bound::{TooLarge, Until};
+use super::bound::TooLarge;
 use super::dfa::{Dfa, REFUSED};
 use super::rule::{self, Alphabet, Automaton};
 use super::serial::{Known, Serial};
 use super::{Level, Serialisation, Skills, standing};
+use linewright_core::deadline::Deadline;
 
 /// One skill or several called at once, as a mask over [`Skills::skills`]. Never 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -42,7 +43,7 @@ pub struct Options {
     /// Rules that list the transitions that a published model deletes are replaced by these deletions.
     pub paper: bool,
     /// When to give up.
-    pub until: Until,
+    pub until: Deadline,
 }
 
 impl Options {
@@ -65,7 +66,7 @@ impl Default for Options {
             level: Level::Valid,
             serialisation: Serialisation::Every,
             paper: false,
-            until: Until::default(),
+            until: Deadline::NONE,
         }
     }
 }
@@ -390,7 +391,7 @@ fn first_refusal(parts: &[Dfa], from: &[u32], letters: &[usize]) -> (usize, Vec<
 fn together(
     each: Vec<(usize, Automaton)>,
     letters: usize,
-    until: Until,
+    until: Deadline,
 ) -> Result<Automata, TooLarge> {
     let (rules, automata): (Vec<usize>, Vec<Automaton>) = each.into_iter().unzip();
     let windows: Vec<_> = automata.iter().map(|a| a.window).collect();

@@ -242,8 +242,7 @@ impl Plant {
 
     /// Whether the deadline of the real clock is past.
     pub(super) fn is_late(&self) -> bool {
-        let deadline = self.setup.options.deadline;
-        deadline.is_some_and(|d| std::time::Instant::now() >= d)
+        self.setup.options.deadline.is_past()
     }
 }
 
@@ -465,8 +464,7 @@ impl<'a> Run<'a> {
 
     /// Gives up when the deadline of the real clock is reached.
     fn look_at_clock(&mut self) {
-        let deadline = self.setup.options.deadline;
-        if self.end.is_some() || deadline.is_none_or(|d| std::time::Instant::now() < d) {
+        if self.end.is_some() || !self.setup.options.deadline.is_past() {
             return;
         }
         self.end = Some(End::GaveUp);

@@ -1,16 +1,15 @@
 //! When to give up, and that something was given up: values, never a panic and never a hang.
 //!
 //! Seconds come from `--timeout` alone, and speak of a whole command. What gives up by itself counts its work ([`Budget`]), so that the
-//! same question has the same answer on every computer, however busy it is. So this is the one place below `cli` where a clock can
-//! decide something; a test keeps it so.
+//! same question has the same answer on every computer, however busy it is. A clock decides nothing else; a test keeps it so.
 
-use std::time::Instant;
+use linewright_core::deadline::{Deadline, Late};
 
 /// When to give up.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Limits {
-    /// Not after this instant.
-    pub deadline: Option<Instant>,
+    /// Not after this.
+    pub deadline: Deadline,
     /// Not with more than this many mebibytes of nodes.
     pub memory_mib: Option<u64>,
     /// Not with more than this many nodes.
@@ -42,6 +41,12 @@ pub enum Limit {
     /// The nodes of a budget are in use.
     #[error("the proof needed more than {0} nodes at once")]
     Nodes(u64),
+}
+
+impl From<Late> for Limit {
+    fn from(Late: Late) -> Self {
+        Self::Time
+    }
 }
 
 /// What one question may take before it is given up by itself.
@@ -117,10 +122,7 @@ impl Default for Effort {
 impl Limits {
     /// An error once the time has run out.
     pub fn check_time(&self) -> Result<(), Limit> {
-        match self.deadline {
-            Some(deadline) if Instant::now() >= deadline => Err(Limit::Time),
-            _ => Ok(()),
-        }
+        Ok(self.deadline.check()?)
     }
 
     /// These limits, and those of a budget, as often as the effort says.

@@ -241,7 +241,7 @@ fn quantifying_and_renaming_on<K: Kernel>() {
     assert!(m.witness(&m.constant(false)).is_none());
 
     let past = Limits {
-        deadline: Some(std::time::Instant::now()),
+        deadline: linewright_core::deadline::Deadline::in_time(std::time::Duration::ZERO),
         ..Limits::default()
     };
     assert!(m.with_limits(&past).and(&f, &v(1)) == Err(Limit::Time));

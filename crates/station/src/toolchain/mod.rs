@@ -24,13 +24,14 @@ mod work;
 use super::package::{Package, create_folder, write};
 use super::{Error, disk, emit};
 pub use compiler::{Compiler, CrossCompiler, Platform};
+use linewright_core::deadline::Deadline;
 pub(super) use manifest::Manifest;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use std::time::Instant;
+
 pub(super) use work::WorkFolder;
 
 /// `LW_ABI_VERSION` of `ffi/station.h`.
@@ -91,7 +92,7 @@ pub struct Toolchain {
     /// What is found before anything is built.
     name: &'static str,
     /// When compilers are ended.
-    deadline: Option<Instant>,
+    deadline: Deadline,
     found: OnceLock<Result<Compiler, (String, String)>>,
 }
 
@@ -123,7 +124,7 @@ impl Toolchain {
                 Platform::Msvc => MSVC_LINKER,
             },
             name: "",
-            deadline: None,
+            deadline: Deadline::NONE,
             found: OnceLock::new(),
         }
     }
@@ -195,7 +196,7 @@ impl Toolchain {
 
     /// Compilers that run at this time are ended, and none is started later.
     #[must_use]
-    pub fn until(mut self, deadline: Option<Instant>) -> Self {
+    pub fn until(mut self, deadline: Deadline) -> Self {
         self.deadline = deadline;
         self
     }
@@ -259,7 +260,7 @@ impl Toolchain {
     }
 
     fn compile(&self, package: &Package, folder: &Path, path: &Path) -> Result<(), Error> {
-        if self.deadline.is_some_and(|d| Instant::now() >= d) {
+        if self.deadline.is_past() {
             return Err(Error::TimeOver {
                 machine: package.name.clone(),
             });

@@ -1,10 +1,11 @@
 //! Programs that are tried: started with a deadline, and compilers with a line of C.
 
 use super::compiler::Compiler;
+use linewright_core::deadline::Deadline;
 use std::io::{Read, Seek};
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A program that says nothing for so long hangs. Zig needs its time when it runs first.
 const PATIENCE: Duration = Duration::from_mins(1);
@@ -26,15 +27,14 @@ impl Answer {
 
 /// Runs a program to its end; an error says why there is no answer. One that does not end is ended.
 pub(super) fn answer(command: &mut Command) -> Result<Answer, String> {
-    let deadline = Instant::now() + PATIENCE;
-    let answer = answer_until(command, Some(deadline)).map_err(|e| e.to_string())?;
+    let answer = answer_until(command, Deadline::in_time(PATIENCE)).map_err(|e| e.to_string())?;
     answer.ok_or_else(|| format!("it did not answer within {} s", PATIENCE.as_secs()))
 }
 
 /// Runs a program to its end, or ends it at a time: `None`.
 pub(super) fn answer_until(
     command: &mut Command,
-    deadline: Option<Instant>,
+    deadline: Deadline,
 ) -> std::io::Result<Option<Answer>> {
     // Files rather than pipes: what a program leaves running cannot hold them open for us.
     let (mut stdout, mut stderr) = (tempfile::tempfile()?, tempfile::tempfile()?);
@@ -47,7 +47,7 @@ pub(super) fn answer_until(
     let status = loop {
         match child.try_wait()? {
             Some(status) => break status,
-            None if deadline.is_none_or(|d| Instant::now() < d) => {
+            None if !deadline.is_past() => {
                 std::thread::sleep(pause);
                 pause = (2 * pause).min(Duration::from_millis(20));
             }

@@ -10,6 +10,7 @@ use super::{Random, specification, specification_with_goals};
 use crate::symbolic::{
     Biodivine, Bit, BitSet, Diagram, Effort, Kernel, Limit, Limits, Order, OxiDd,
 };
+use linewright_core::deadline::Deadline;
 use linewright_core::gr1::Specification;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -160,7 +161,7 @@ impl Kernel for Restless {
 }
 
 const SMALL: Limits = Limits {
-    deadline: None,
+    deadline: Deadline::NONE,
     memory_mib: None,
     most_nodes: Some(1 << 16),
     most_made: None,
