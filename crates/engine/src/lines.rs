@@ -11,6 +11,7 @@ use linewright_language::contract::machine::Machine;
 use linewright_line::abstraction::{self, Abstraction, Verdict, findings};
 use linewright_line::calls::{self, Bounds, Calls, Premise, premises};
 use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
+use serde::Serialize;
 
 /// Of lines with more variables it is not asked whether everything goes on.
 const MOST_VARIABLES: usize = 48;
@@ -21,11 +22,26 @@ const CALLS: Bounds = Bounds {
     steps: 2_000_000,
 };
 
+/// Whether parts move on in a line, whatever the plant does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LineVerdict {
+    /// They do.
+    Proved,
+    /// They cannot block one another; whether everything goes on was not decided.
+    Safe,
+    /// Something keeps it from being true; the findings say what.
+    Open,
+    /// A limit was reached.
+    #[default]
+    GaveUp,
+}
+
 /// What is known of a line.
 #[derive(Debug, Default)]
 pub struct Proof {
-    /// `proved`, `safe` where it was not decided that everything goes on, `open` or `gave_up`.
-    pub verdict: &'static str,
+    /// Whether parts move on.
+    pub verdict: LineVerdict,
     /// Of a proved or safe one: what that rests on and the line does not show.
     pub premises: Vec<Premise>,
     /// Of a safe one: what was not decided.
@@ -58,11 +74,11 @@ pub fn examine<'a>(
     let asked = asked::examine(line, unknown, &controlled, &bounded(limits));
     let mut proof = examine_moves(moving, &bounded(limits), with_table);
     if is_sound && asked.findings.is_empty() {
-        if proof.verdict == "proved" || proof.verdict == "safe" {
+        if matches!(proof.verdict, LineVerdict::Proved | LineVerdict::Safe) {
             proof.premises = premises(line, &calls);
         }
     } else {
-        proof.verdict = "open";
+        proof.verdict = LineVerdict::Open;
         proof.discharges.clear();
         proof.undecided.clear();
         // What was not decided beside what is wrong does not matter yet.
@@ -79,10 +95,10 @@ pub fn examine<'a>(
             let message = format!("whether {station} answers every call was not decided: {why}");
             proof.findings.push(note(line, message, ASKED));
         }
-        if proof.verdict == "proved" {
-            proof.verdict = "safe";
+        if proof.verdict == LineVerdict::Proved {
+            proof.verdict = LineVerdict::Safe;
         }
-        if proof.verdict == "safe" {
+        if proof.verdict == LineVerdict::Safe {
             proof.undecided.push(format!("answers_at_{station}"));
         }
     }
@@ -202,7 +218,7 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
     };
     if !verdict.open.is_empty() {
         return Proof {
-            verdict: "open",
+            verdict: LineVerdict::Open,
             findings: findings(line, &abstraction, &verdict),
             ..Proof::default()
         };
@@ -222,7 +238,11 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
         findings.push(note(line, message, FEWER));
     }
     Proof {
-        verdict: if verdict.holds() { "proved" } else { "safe" },
+        verdict: if verdict.holds() {
+            LineVerdict::Proved
+        } else {
+            LineVerdict::Safe
+        },
         undecided,
         discharges,
         findings,
@@ -270,7 +290,7 @@ fn undecided(line: &Line, why: &str) -> Proof {
     let help = "Nothing is known to be wrong. A run shows whether the line gets stuck with the times that it has; smaller buffers, or fewer \
                 types of parts in one, make it smaller.";
     Proof {
-        verdict: "gave_up",
+        verdict: LineVerdict::GaveUp,
         findings: vec![note(line, message, help)],
         ..Proof::default()
     }

@@ -6,10 +6,10 @@ use crate::closed::{self, bounded, undecided};
 use crate::controlled::{self, Controlled};
 use crate::found;
 use crate::internal::within;
-use crate::words::{DischargeEntry, HANDED_ON, Told, entry, rule};
+use crate::words::{DischargeEntry, HANDED_ON, MetBy, Told, entry};
 use linewright_algebra::closed::{Closed, Form, Met, Verdict};
 use linewright_algebra::machine::{COMPLETES, of_machine, of_promise};
-use linewright_algebra::proof::{Circle, Claim, Discharged, Proof, prove};
+use linewright_algebra::proof::{Circle, Claim, Proof, prove};
 use linewright_algebra::system::{FormulaRef, System};
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::source::Span;
@@ -31,11 +31,37 @@ pub struct Proved {
     pub findings: Vec<Diagnostic>,
 }
 
+/// What the controllers of a machine do together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClosedVerdict {
+    /// All that is to be shown of them.
+    Holds,
+    /// A run breaks something.
+    Broken,
+    /// A controller that went in as its contract leaves something undecided.
+    Open,
+    /// A limit was reached.
+    GaveUp,
+}
+
+/// Whether a machine keeps a contract that it is said to refine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RefinementVerdict {
+    /// It does.
+    Refined,
+    /// A run shows that it does not.
+    Broken,
+    /// A limit was reached.
+    GaveUp,
+}
+
 /// The closed composition: all components are their controllers.
 #[derive(Debug, Serialize)]
 pub struct ClosedEntry {
-    /// `holds`, `broken`, `open` where a controller that went in as its contract leaves something undecided, or `gave_up`.
-    pub verdict: &'static str,
+    /// What they do together.
+    pub verdict: ClosedVerdict,
     /// How many states can be reached: values of all wires, the tables' states, and what is remembered of operations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub states: Option<u64>,
@@ -48,9 +74,9 @@ pub struct ClosedEntry {
 pub struct TakenEntry {
     /// The component.
     pub name: String,
-    /// `table` or `contract`.
+    /// As what.
     #[serde(rename = "as")]
-    pub form: &'static str,
+    pub form: Form,
 }
 
 /// A contract that a machine is said to refine.
@@ -58,11 +84,11 @@ pub struct TakenEntry {
 pub struct RefinesEntry {
     /// The contract.
     pub contract: String,
-    /// `refined`, `broken` or `gave_up`.
-    pub verdict: &'static str,
-    /// Where the components' contracts do not show it, what the controllers do: `holds`, `broken`, `open` or `gave_up`.
+    /// Whether it is kept.
+    pub verdict: RefinementVerdict,
+    /// Where the components' contracts do not show it, what the controllers do.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub closed: Option<&'static str>,
+    pub closed: Option<ClosedVerdict>,
     /// How each assumption of a component and each guarantee of the contract is met.
     pub discharges: Vec<DischargeEntry>,
 }
@@ -290,8 +316,8 @@ impl Both<'_> {
             component: self.told.owner(at).to_owned(),
             assumption: self.told.formula(at).name.clone(),
             rule: match met {
-                Met::Held => "controllers",
-                Met::Exported => rule(Discharged::Exported),
+                Met::Held => MetBy::Controllers,
+                Met::Exported => MetBy::Exported,
             },
             turn: None,
             by: match met {
@@ -314,15 +340,12 @@ fn members(proof: &Proof) -> Vec<FormulaRef> {
 fn closed_entry(closed: &Closed<'_>, decided: &Result<Verdict, Limit>) -> ClosedEntry {
     let components = closed.machine.components.iter().zip(&closed.taking);
     ClosedEntry {
-        verdict: word(decided),
+        verdict: closed_verdict(decided),
         states: decided.as_ref().ok().map(|v| count(v.states)),
         components: components
             .map(|(component, taking)| TakenEntry {
                 name: component.name.clone(),
-                form: match taking.form {
-                    Form::Table => "table",
-                    Form::Contract => "contract",
-                },
+                form: taking.form,
             })
             .collect(),
     }
@@ -337,12 +360,12 @@ fn count(states: f64) -> u64 {
     states.round() as u64
 }
 
-fn word(decided: &Result<Verdict, Limit>) -> &'static str {
+fn closed_verdict(decided: &Result<Verdict, Limit>) -> ClosedVerdict {
     match decided {
-        Err(_) => "gave_up",
-        Ok(verdict) if verdict.is_broken() => "broken",
-        Ok(verdict) if !verdict.holds() => "open",
-        Ok(_) => "holds",
+        Err(_) => ClosedVerdict::GaveUp,
+        Ok(verdict) if verdict.is_broken() => ClosedVerdict::Broken,
+        Ok(verdict) if !verdict.holds() => ClosedVerdict::Open,
+        Ok(_) => ClosedVerdict::Holds,
     }
 }
 
@@ -363,7 +386,7 @@ fn refines(
     };
     let mut refined = RefinesEntry {
         contract: promised.contract.clone(),
-        verdict: "refined",
+        verdict: RefinementVerdict::Refined,
         closed: None,
         discharges: Vec::new(),
     };
@@ -374,7 +397,7 @@ fn refines(
         Ok(proof) => {
             let closed = Closed::of_promise(controlled.machine, &controlled.controllers, flat);
             let decided = closed.decide(&bounded(limits));
-            refined.closed = Some(word(&decided));
+            refined.closed = Some(closed_verdict(&decided));
             let both = Both {
                 told,
                 span: promised.span,
@@ -386,14 +409,14 @@ fn refines(
             let mut found = Vec::new();
             refined.discharges = both.merged(proof, &mut found);
             if !found.is_empty() {
-                refined.verdict = "broken";
+                refined.verdict = RefinementVerdict::Broken;
             }
             let on_the_way = "on the way to refining this contract";
             let found = found.into_iter();
             findings.extend(found.map(|f| f.with_label(promised.span, on_the_way)));
         }
         Err(limit) => {
-            refined.verdict = "gave_up";
+            refined.verdict = RefinementVerdict::GaveUp;
             findings.push(undecided(promised.span, &machine.name, limit));
         }
     }

@@ -11,7 +11,7 @@ use linewright_core::gr1::{BinaryOp, Expr, Formula, VarId};
 use linewright_solver::game::{Lasso, RuleKind};
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 
 /// A system, a claim about it, and how both are called.
 #[derive(Debug, Clone, Copy)]
@@ -291,13 +291,37 @@ pub fn how(rule: Discharged) -> String {
     }
 }
 
-/// The same for other programs.
-pub fn rule(rule: Discharged) -> &'static str {
-    match rule {
-        Discharged::Environment => "environment",
-        Discharged::Exported => "exported",
-        Discharged::Induction => "induction",
-        Discharged::Justice { .. } => "justice",
+/// The rule by which an obligation is met, for the documents.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MetBy {
+    /// The whole assumes it of its environment.
+    Environment,
+    /// The whole hands it on to its caller.
+    Exported,
+    /// By induction over time.
+    Induction,
+    /// In a turn of the proof of justice.
+    Justice,
+    /// Only the synthesized controllers show it.
+    Controllers,
+}
+
+/// The word of the JSON documents.
+impl fmt::Display for MetBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
+}
+
+impl From<Discharged> for MetBy {
+    fn from(rule: Discharged) -> Self {
+        match rule {
+            Discharged::Environment => Self::Environment,
+            Discharged::Exported => Self::Exported,
+            Discharged::Induction => Self::Induction,
+            Discharged::Justice { .. } => Self::Justice,
+        }
     }
 }
 
@@ -369,8 +393,8 @@ pub struct DischargeEntry {
     pub component: String,
     /// The assumption, or that guarantee.
     pub assumption: String,
-    /// `environment`, `exported`, `induction`, `justice`, or `controllers` where only the synthesized ones show it.
-    pub rule: &'static str,
+    /// By which rule.
+    pub rule: MetBy,
     /// Of justice: the turn, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turn: Option<usize>,
@@ -386,7 +410,7 @@ pub fn entry(told: Told<'_>, discharge: &Discharge) -> DischargeEntry {
     DischargeEntry {
         component: told.owner(discharge.what).to_owned(),
         assumption: told.formula(discharge.what).name.clone(),
-        rule: rule(discharge.rule),
+        rule: discharge.rule.into(),
         turn: match discharge.rule {
             Discharged::Justice { turn } => Some(turn + 1),
             _ => None,

@@ -1,6 +1,6 @@
 //! Two states of a library: which contracts still keep what they promised.
 
-use super::document::{self, Compared, Document};
+use super::document::{self, Compared, Document, Fate, Semantics, Verdict};
 use super::operand::Operand;
 use super::refine::{of_question, told};
 use super::{Common, Outcome, tell};
@@ -57,8 +57,8 @@ pub fn run(
     let mut outcome = Outcome {
         document: Document {
             schema: schema("refine"),
-            verdict: "refined",
-            semantics: "runs",
+            verdict: Verdict::Refined,
+            semantics: Semantics::Runs,
             pairs: Vec::new(),
             proofs: BTreeMap::new(),
             counterexample: None,
@@ -85,15 +85,15 @@ pub fn run(
                     )
                     .with_help("keep it, or publish the change as one that is not compatible"),
                 );
-                entry(name, "removed")
+                entry(name, Fate::Removed)
             }
-            _ => entry(name, "added"),
+            _ => entry(name, Fate::Added),
         };
-        gave_up |= compared.verdict == "gave_up";
-        let word = compared.verdict.replace('_', " ");
+        gave_up |= compared.verdict == Fate::GaveUp;
+        let word = compared.verdict.to_string().replace('_', " ");
         let _ = writeln!(outcome.text, "{name:<width$}  {word}");
-        if matches!(compared.verdict, "broken" | "removed") {
-            outcome.document.verdict = "broken";
+        if matches!(compared.verdict, Fate::Broken | Fate::Removed) {
+            outcome.document.verdict = Verdict::Broken;
         }
         outcome.document.contracts.push(compared);
     }
@@ -105,7 +105,7 @@ pub fn run(
     })
 }
 
-fn entry(name: &str, verdict: &'static str) -> Compared {
+fn entry(name: &str, verdict: Fate) -> Compared {
     Compared {
         name: name.to_owned(),
         verdict,
@@ -130,7 +130,7 @@ fn pair(
     findings: &mut Vec<Diagnostic>,
 ) -> Compared {
     if alike(old, new) {
-        return entry(name, "same");
+        return entry(name, Fate::Same);
     }
     let (was, is) = (format!("{name} (old)"), format!("{name} (new)"));
     let members = [(old, &was), (new, &is)].map(|(contract, called)| Member {
@@ -142,7 +142,7 @@ fn pair(
         Ok(system) => system,
         Err(mismatches) => {
             findings.extend(mismatches.iter().map(crate::engine::found::of_mismatch));
-            return entry(name, "broken");
+            return entry(name, Fate::Broken);
         }
     };
     match refine(&system, 1, 0, limits) {
@@ -155,7 +155,7 @@ fn pair(
             .with_help(crate::engine::closed::more(limit));
             finding.severity = Severity::Warning;
             findings.push(finding);
-            entry(name, "gave_up")
+            entry(name, Fate::GaveUp)
         }
         Ok(refinement) => {
             let (found, _) = told(&refinement, &was, &is, &|_| Some(new.span));
@@ -163,9 +163,9 @@ fn pair(
             let mut compared = entry(
                 name,
                 if refinement.holds() {
-                    "refined"
+                    Fate::Refined
                 } else {
-                    "broken"
+                    Fate::Broken
                 },
             );
             for (question, whole) in [

@@ -1,6 +1,6 @@
 //! Composition with its discharge table, one controller of all parts, and compatibility.
 
-use super::document::{self, Document};
+use super::document::{self, Document, Semantics, Verdict};
 use super::{CompatArguments, ComposeArguments, Joined, Outcome, bring_together, gave_up, tell};
 use crate::algebra::compat::{Compatibility, compatible};
 use crate::algebra::join::Sharing;
@@ -49,8 +49,12 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
         text: text(told, &proof, arguments.synth),
         document: Document {
             schema: schema("compose"),
-            verdict: if proof.holds() { "composed" } else { "open" },
-            semantics: "strict",
+            verdict: if proof.holds() {
+                Verdict::Composed
+            } else {
+                Verdict::Open
+            },
+            semantics: Semantics::Strict,
             pairs: document::pairs(&joined.system),
             proofs: BTreeMap::from([("proof", document::proof(told, &proof))]),
             counterexample: None,
@@ -208,8 +212,8 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
     let mut outcome = Outcome {
         document: Document {
             schema: schema("compat"),
-            verdict: "compatible",
-            semantics: "strict",
+            verdict: Verdict::Compatible,
+            semantics: Semantics::Strict,
             pairs: document::pairs(&joined.system),
             proofs: BTreeMap::new(),
             counterexample: None,
@@ -223,7 +227,7 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
         findings: Vec::new(),
     };
     if let Compatibility::Incompatible { assumptions, play } = answer {
-        outcome.document.verdict = "incompatible";
+        outcome.document.verdict = Verdict::Incompatible;
         outcome.text = String::new();
         let named: Vec<String> = assumptions.iter().map(|n| format!("`{n}`")).collect();
         let mut finding = Diagnostic::error(

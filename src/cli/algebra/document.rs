@@ -3,10 +3,11 @@
 use crate::algebra::proof::{Broken, Discharge, Discharged, Open, Proof};
 use crate::algebra::system::{FormulaRef, System, formulas};
 use crate::diagnostics::json;
-use crate::engine::words::{self, Told};
+use crate::engine::words::{MetBy, Told};
 use crate::game::Lasso;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// Points at a formula.
 #[derive(Debug, Serialize)]
@@ -25,8 +26,8 @@ pub struct DischargeEntry {
     /// What.
     #[serde(flatten)]
     pub what: Named,
-    /// `environment`, `exported`, `induction` or `justice`.
-    pub rule: &'static str,
+    /// By which rule.
+    pub rule: MetBy,
     /// Of justice: the turn, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turn: Option<usize>,
@@ -91,15 +92,71 @@ pub struct Text {
     pub text: String,
 }
 
+/// The answer of a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Every assumption of a part is met.
+    Composed,
+    /// Some are not.
+    Open,
+    /// Some environment keeps all assumptions.
+    Compatible,
+    /// None does.
+    Incompatible,
+    /// What was promised is still kept.
+    Refined,
+    /// It is not.
+    Broken,
+    /// A law of the algebra was proved for these operands.
+    Proved,
+    /// A run refutes it.
+    Refuted,
+}
+
+/// What two contracts are compared by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Semantics {
+    /// Safety first, step by step.
+    Strict,
+    /// Inclusion of infinite runs.
+    Runs,
+}
+
+/// What became of a contract from one library to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fate {
+    /// It says the same.
+    Same,
+    /// It promises at least as much, and assumes no more.
+    Refined,
+    /// It does not.
+    Broken,
+    /// It is new.
+    Added,
+    /// It is gone.
+    Removed,
+    /// A limit was reached.
+    GaveUp,
+}
+
+impl fmt::Display for Fate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
+}
+
 /// The document of a command.
 #[derive(Debug, Serialize)]
 pub struct Document {
     /// Which command's.
     pub schema: String,
-    /// What came out, in a word.
-    pub verdict: &'static str,
-    /// Which semantics it was decided in: `strict` (safety first, step by step) or `runs` (inclusion of infinite runs).
-    pub semantics: &'static str,
+    /// What came out.
+    pub verdict: Verdict,
+    /// Which semantics it was decided in.
+    pub semantics: Semantics,
     /// The contracts it is about.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pairs: Vec<Pair>,
@@ -121,8 +178,8 @@ pub struct Document {
 pub struct Compared {
     /// Its name.
     pub name: String,
-    /// `same`, `refined`, `broken`, `added`, `removed` or `gave_up`.
-    pub verdict: &'static str,
+    /// What became of it.
+    pub verdict: Fate,
     /// What is not kept any more.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub open: Vec<OpenEntry>,
@@ -168,7 +225,7 @@ pub fn proof(told: Told<'_>, proof: &Proof) -> ProofEntry {
 fn discharge(told: Told<'_>, discharge: &Discharge) -> DischargeEntry {
     DischargeEntry {
         what: named(told, discharge.what),
-        rule: words::rule(discharge.rule),
+        rule: discharge.rule.into(),
         turn: match discharge.rule {
             Discharged::Justice { turn } => Some(turn + 1),
             _ => None,

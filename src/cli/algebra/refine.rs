@@ -1,6 +1,6 @@
 //! Refinement of a contract by another one, by a composition, or by any other expression.
 
-use super::document::{self, Document};
+use super::document::{self, Document, Semantics, Verdict};
 use super::operand::{Operand, Operation};
 use super::{Joined, Outcome, RefineArguments, bring_together, gave_up, tell};
 use crate::algebra::contract::Contract as Sets;
@@ -48,10 +48,14 @@ pub fn run(arguments: &RefineArguments, options: &GlobalOptions) -> anyhow::Resu
     }
 }
 
-fn document(joined: &Joined, holds: bool, semantics: &'static str) -> Document {
+fn document(joined: &Joined, holds: bool, semantics: Semantics) -> Document {
     Document {
         schema: schema("refine"),
-        verdict: if holds { "refined" } else { "broken" },
+        verdict: if holds {
+            Verdict::Refined
+        } else {
+            Verdict::Broken
+        },
         semantics,
         pairs: document::pairs(&joined.system),
         proofs: BTreeMap::new(),
@@ -70,7 +74,7 @@ fn single(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
         &joined.system.parts[new].name,
     ];
     let mut outcome = Outcome {
-        document: document(joined, refinement.holds(), "runs"),
+        document: document(joined, refinement.holds(), Semantics::Runs),
         text: String::new(),
         findings: Vec::new(),
     };
@@ -208,7 +212,7 @@ fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> 
         "does not refine"
     };
     let mut outcome = Outcome {
-        document: document(joined, proof.holds(), "strict"),
+        document: document(joined, proof.holds(), Semantics::Strict),
         text: format!(
             "{}{} {verdict} `{}`.\n",
             told.table(&proof.discharges),
@@ -227,7 +231,7 @@ fn sets(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     let mut decider = Decider::new(&joined.system, &options.limits())?;
     let refutation = decider.refutation(&joined.sets[1], &joined.sets[0])?;
     let mut outcome = Outcome {
-        document: document(joined, refutation.is_none(), "runs"),
+        document: document(joined, refutation.is_none(), Semantics::Runs),
         text: "Refined: whatever keeps the second keeps the first, in every environment of the first.\n".to_owned(),
         findings: Vec::new(),
     };

@@ -1,6 +1,6 @@
 //! Conjunction, quotient and merging: results that leave GR(1) in general, and stay what they are.
 
-use super::document::{self, Document};
+use super::document::{self, Document, Semantics, Verdict};
 use super::operand::{Operand, Operation};
 use super::{Common, Joined, Outcome, bring_together, gave_up, refine, tell};
 use crate::algebra::contract::Contract as Sets;
@@ -42,8 +42,8 @@ fn outcome(
     let mut outcome = Outcome {
         document: Document {
             schema: schema(operation.word()),
-            verdict: "proved",
-            semantics: "runs",
+            verdict: Verdict::Proved,
+            semantics: Semantics::Runs,
             pairs: document::pairs(&joined.system),
             proofs: BTreeMap::new(),
             counterexample: None,
@@ -60,7 +60,7 @@ fn outcome(
                 let _ = writeln!(outcome.text, "Proved: {sentence}.");
             }
             Some(run) => {
-                outcome.document.verdict = "refuted";
+                outcome.document.verdict = Verdict::Refuted;
                 outcome.document.counterexample = Some(document::lasso(&joined.system, &run));
                 let message = format!("it is not so that {sentence}");
                 outcome.findings.push(

@@ -2,7 +2,7 @@
 
 use super::document::{
     ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, PremiseEntry, SkillsEntry,
-    Summary,
+    SkillsVerdict, Summary, Validity,
 };
 use super::explained;
 use super::view::FileView;
@@ -88,7 +88,7 @@ impl Assembly<'_> {
                             findings.push(fault.finding(Some(declaration.extent)));
                             ContractEntry {
                                 name: name.clone(),
-                                verdict: Verdict::InternalError.word(),
+                                verdict: Verdict::InternalError,
                                 findings: json::findings(sources, &findings),
                                 ..nameless(file.name)
                             }
@@ -125,11 +125,11 @@ impl Assembly<'_> {
         all.extend(loose);
         for entry in &document.contracts {
             let count = match entry.verdict {
-                "realizable" => &mut document.summary.realizable,
-                "unrealizable" => &mut document.summary.unrealizable,
-                "gave_up" => &mut document.summary.gave_up,
-                "internal_error" => &mut document.summary.internal_error,
-                _ => &mut document.summary.invalid,
+                Verdict::Realizable => &mut document.summary.realizable,
+                Verdict::Unrealizable => &mut document.summary.unrealizable,
+                Verdict::GaveUp => &mut document.summary.gave_up,
+                Verdict::InternalError => &mut document.summary.internal_error,
+                Verdict::Invalid => &mut document.summary.invalid,
             };
             *count += 1;
         }
@@ -156,9 +156,9 @@ impl Assembly<'_> {
         let Document {
             machines, lines, ..
         } = document;
-        let broken = [Verdict::Invalid, Verdict::Unrealizable].map(Verdict::word);
-        let failed = [Verdict::InternalError].map(Verdict::word);
-        let has = |verdicts: &[&str], name: &str| {
+        let broken = [Verdict::Invalid, Verdict::Unrealizable];
+        let failed = [Verdict::InternalError];
+        let has = |verdicts: &[Verdict], name: &str| {
             machines
                 .iter()
                 .any(|m| m.name == name && verdicts.contains(&m.verdict))
@@ -166,9 +166,9 @@ impl Assembly<'_> {
         for model in &self.loaded.library.lines {
             let of_line = machines::of_line(model);
             let verdict = if of_line.iter().any(|m| has(&failed, &m.name)) {
-                Verdict::InternalError.word()
+                Validity::InternalError
             } else if of_line.iter().any(|m| has(&broken, &m.name)) {
-                Verdict::Invalid.word()
+                Validity::Invalid
             } else {
                 continue;
             };
@@ -221,7 +221,7 @@ impl Assembly<'_> {
                 .foreign(file.id)
                 .map(|f| f.reading.format.ending()),
             codes: contract.map(|c| texts(&c.codes)).unwrap_or_default(),
-            verdict: result.map_or(Verdict::Invalid, |r| r.verdict).word(),
+            verdict: result.map_or(Verdict::Invalid, |r| r.verdict),
             findings: json::findings(sources, findings),
             core: result.map(|r| r.core.clone()).unwrap_or_default(),
             matters: told
@@ -269,10 +269,10 @@ impl Assembly<'_> {
         };
         let examined = skills.map(|s| examine(s));
         let verdict = match &examined {
-            Some(examined) if is_failed(examined) => Verdict::InternalError.word(),
-            Some(examined) if has_errors(examined) => "contradictory",
-            Some(_) => "consistent",
-            None => "invalid",
+            Some(examined) if is_failed(examined) => SkillsVerdict::InternalError,
+            Some(examined) if has_errors(examined) => SkillsVerdict::Contradictory,
+            Some(_) => SkillsVerdict::Consistent,
+            None => SkillsVerdict::Invalid,
         };
         findings.extend(examined.unwrap_or_default());
         SkillsEntry {
@@ -330,9 +330,9 @@ impl Assembly<'_> {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
             verdict: match (failed, sound && fits) {
-                (true, _) => Verdict::InternalError.word(),
-                (false, true) => "valid",
-                (false, false) => "invalid",
+                (true, _) => Validity::InternalError,
+                (false, true) => Validity::Valid,
+                (false, false) => Validity::Invalid,
             },
             proof: verdict.filter(|_| fits),
             premises: proof.premises.into_iter().map(PremiseEntry::from).collect(),
@@ -392,7 +392,7 @@ impl Assembly<'_> {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
             codes: planned.map(|p| texts(&p.machine.codes)).unwrap_or_default(),
-            verdict: verdict.word(),
+            verdict,
             components: planned
                 .map(|p| {
                     let components = p.machine.components.iter().zip(&p.jobs);
@@ -400,7 +400,7 @@ impl Assembly<'_> {
                         .map(|(c, job)| ComponentEntry {
                             name: c.name.clone(),
                             contract: c.contract.clone(),
-                            verdict: self.checked[*job].verdict.word(),
+                            verdict: self.checked[*job].verdict,
                         })
                         .collect()
                 })
@@ -438,7 +438,7 @@ fn nameless(file: &str) -> ContractEntry {
         file: file.to_owned(),
         format: None,
         codes: Vec::new(),
-        verdict: Verdict::Invalid.word(),
+        verdict: Verdict::Invalid,
         findings: Vec::new(),
         core: Vec::new(),
         matters: Vec::new(),

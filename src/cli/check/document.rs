@@ -3,12 +3,15 @@
 use super::watch::Occasion;
 use crate::diagnostics::json;
 use crate::engine::findings::lost::Suggestion;
+use crate::engine::lines::LineVerdict;
 use crate::engine::machine::{ClosedEntry, RefinesEntry};
+use crate::engine::pipeline::Verdict;
 use crate::engine::statistics::Statistics;
 use crate::engine::words::DischargeEntry;
 use crate::line::calls::Premise;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// The JSON document.
 #[derive(Debug, Serialize)]
@@ -37,7 +40,7 @@ pub(super) struct ContractEntry {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) format: Option<&'static str>,
     pub(super) codes: Vec<String>,
-    pub(super) verdict: &'static str,
+    pub(super) verdict: Verdict,
     pub(super) findings: Vec<json::Finding>,
     pub(super) core: Vec<String>,
     /// For an unrealizable one: the assumptions that matter for the core.
@@ -107,12 +110,49 @@ pub(super) struct WellSeparation {
     pub(super) forced_ignoring_guarantees: [u64; 2],
 }
 
+/// Whether a line can be run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Validity {
+    /// It can.
+    Valid,
+    /// Something is wrong with it, or with one of its machines.
+    Invalid,
+    /// This program failed while it looked at it.
+    InternalError,
+}
+
+impl fmt::Display for Validity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
+}
+
+/// What is known of a set of skills.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum SkillsVerdict {
+    /// Its rules can be kept.
+    Consistent,
+    /// They allow nothing, or lead nowhere.
+    Contradictory,
+    /// It could not be understood.
+    Invalid,
+    /// This program failed while it looked at it.
+    InternalError,
+}
+
+impl fmt::Display for SkillsVerdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
+}
+
 #[derive(Debug, Serialize)]
 pub(super) struct SkillsEntry {
     pub(super) name: String,
     pub(super) file: String,
-    /// `consistent`; `contradictory`, when its rules allow nothing or lead nowhere; `invalid`; or `internal_error`.
-    pub(super) verdict: &'static str,
+    pub(super) verdict: SkillsVerdict,
     pub(super) skills: usize,
     pub(super) rules: usize,
     pub(super) findings: Vec<json::Finding>,
@@ -123,7 +163,7 @@ pub(super) struct MachineEntry {
     pub(super) name: String,
     pub(super) file: String,
     pub(super) codes: Vec<String>,
-    pub(super) verdict: &'static str,
+    pub(super) verdict: Verdict,
     pub(super) components: Vec<ComponentEntry>,
     /// How each assumption of a component is met, where the composition was checked.
     pub(super) discharges: Vec<DischargeEntry>,
@@ -140,19 +180,17 @@ pub(super) struct MachineEntry {
 pub(super) struct ComponentEntry {
     pub(super) name: String,
     pub(super) contract: String,
-    pub(super) verdict: &'static str,
+    pub(super) verdict: Verdict,
 }
 
 #[derive(Debug, Serialize)]
 pub(super) struct LineEntry {
     pub(super) name: String,
     pub(super) file: String,
-    /// `valid`, `invalid`, or `internal_error`.
-    pub(super) verdict: &'static str,
-    /// Of a valid one: `proved`; `safe`, when nothing gets lost or stuck in it, but it was not decided in time that everything goes on;
-    /// `open` or `gave_up`.
+    pub(super) verdict: Validity,
+    /// Of a valid one: whether parts move on in it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) proof: Option<&'static str>,
+    pub(super) proof: Option<LineVerdict>,
     /// Of a proved or safe one: what that rests on and the line itself does not show.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) premises: Vec<PremiseEntry>,

@@ -176,10 +176,10 @@ fn check(
         .contracts
         .iter()
         .map(|c| match c.verdict {
-            "unrealizable" | "invalid" => ExitCode::Findings,
-            "gave_up" => ExitCode::GaveUp,
-            "internal_error" => ExitCode::Internal,
-            _ => ExitCode::Success,
+            Verdict::Unrealizable | Verdict::Invalid => ExitCode::Findings,
+            Verdict::GaveUp => ExitCode::GaveUp,
+            Verdict::InternalError => ExitCode::Internal,
+            Verdict::Realizable => ExitCode::Success,
         })
         .fold(ExitCode::Success, ExitCode::and);
     let mut code = options.exit_code(&findings).and(verdicts);

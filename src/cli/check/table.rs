@@ -1,10 +1,13 @@
 //! The result of `check` as text: one line a contract, machine and line, and a summary.
 
-use super::document::Document;
-use crate::engine::words::DischargeEntry;
+use super::document::{Document, SkillsVerdict, Validity};
+use crate::engine::lines::LineVerdict;
+use crate::engine::machine::RefinementVerdict;
+use crate::engine::pipeline::Verdict;
+use crate::engine::words::{DischargeEntry, MetBy};
 use crate::taxonomy;
 use clap::builder::styling::{AnsiColor, Style};
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 
 const GOOD: Style = AnsiColor::Green.on_default().bold();
 const BAD: Style = AnsiColor::Red.on_default().bold();
@@ -13,9 +16,64 @@ const DIM: Style = Style::new().dimmed();
 
 const COLUMNS: usize = 8;
 
+/// How a line of the table begins.
+#[derive(Clone, Copy)]
+enum Mark {
+    Good,
+    Bad,
+    Open,
+    Failed,
+}
+
+impl Mark {
+    fn shown(self) -> (Style, char) {
+        match self {
+            Self::Good => (GOOD, '✓'),
+            Self::Bad => (BAD, '✗'),
+            Self::Open => (OPEN, '?'),
+            Self::Failed => (BAD, '!'),
+        }
+    }
+}
+
+impl From<Verdict> for Mark {
+    fn from(verdict: Verdict) -> Self {
+        match verdict {
+            Verdict::Realizable => Self::Good,
+            Verdict::Unrealizable => Self::Bad,
+            Verdict::GaveUp => Self::Open,
+            Verdict::Invalid | Verdict::InternalError => Self::Failed,
+        }
+    }
+}
+
+impl From<SkillsVerdict> for Mark {
+    fn from(verdict: SkillsVerdict) -> Self {
+        match verdict {
+            SkillsVerdict::Consistent => Self::Good,
+            SkillsVerdict::Contradictory => Self::Bad,
+            SkillsVerdict::Invalid | SkillsVerdict::InternalError => Self::Failed,
+        }
+    }
+}
+
+impl From<Validity> for Mark {
+    fn from(verdict: Validity) -> Self {
+        match verdict {
+            Validity::Valid => Self::Good,
+            Validity::Invalid | Validity::InternalError => Self::Failed,
+        }
+    }
+}
+
+/// A verdict in the table.
+fn in_words(verdict: impl fmt::Display) -> String {
+    verdict.to_string().replace('_', " ")
+}
+
 /// One line of the table, before the columns are aligned.
 struct Row {
-    verdict: &'static str,
+    mark: Mark,
     cells: Vec<String>,
 }
 
@@ -31,7 +89,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     };
     for c in &document.contracts {
         rows.push(Row {
-            verdict: c.verdict,
+            mark: c.verdict.into(),
             cells: vec![
                 c.name.clone(),
                 match c.format {
@@ -39,7 +97,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
                     None => term(&c.codes),
                 },
                 interface(c.input_bits, c.output_bits),
-                c.verdict.replace('_', " "),
+                in_words(c.verdict),
                 c.states.map(|n| count(n, "state")).unwrap_or_default(),
                 c.seconds.map(|s| format!("{s:.2} s")).unwrap_or_default(),
                 file(&c.file),
@@ -51,22 +109,22 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         let mut cells = vec![String::new(); COLUMNS];
         cells[0] = format!("skills {}", s.name);
         cells[2] = format!("{}, {}", count(s.skills, "skill"), count(s.rules, "rule"));
-        cells[3] = s.verdict.replace('_', " ");
+        cells[3] = in_words(s.verdict);
         cells[6] = file(&s.file);
         rows.push(Row {
-            verdict: s.verdict,
+            mark: s.verdict.into(),
             cells,
         });
     }
     for m in &document.machines {
         let empty = String::new;
         rows.push(Row {
-            verdict: m.verdict,
+            mark: m.verdict.into(),
             cells: vec![
                 format!("machine {}", m.name),
                 term(&m.codes),
                 count(m.components.len(), "component"),
-                m.verdict.replace('_', " "),
+                in_words(m.verdict),
                 empty(),
                 empty(),
                 file(&m.file),
@@ -77,18 +135,18 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     for l in &document.lines {
         let mut cells = vec![String::new(); COLUMNS];
         cells[0] = format!("line {}", l.name);
-        cells[3] = l.verdict.replace('_', " ");
+        cells[3] = in_words(l.verdict);
         cells[4] = match l.proof {
-            Some("proved") if l.premises.is_empty() => "proved".to_owned(),
-            Some("proved") => "proved, provided".to_owned(),
-            Some("safe") => "never stuck".to_owned(),
-            Some("open") => "not proved".to_owned(),
-            Some(_) => "not decided".to_owned(),
+            Some(LineVerdict::Proved) if l.premises.is_empty() => "proved".to_owned(),
+            Some(LineVerdict::Proved) => "proved, provided".to_owned(),
+            Some(LineVerdict::Safe) => "never stuck".to_owned(),
+            Some(LineVerdict::Open) => "not proved".to_owned(),
+            Some(LineVerdict::GaveUp) => "not decided".to_owned(),
             None => String::new(),
         };
         cells[6] = file(&l.file);
         rows.push(Row {
-            verdict: l.verdict,
+            mark: l.verdict.into(),
             cells,
         });
     }
@@ -151,7 +209,7 @@ fn align(rows: &[Row]) -> String {
     }
     let mut text = String::new();
     for row in rows {
-        let (style, mark) = mark(row.verdict);
+        let (style, mark) = row.mark.shown();
         let mut line = format!("{style}{mark}{style:#}");
         let mut space = String::from(" ");
         for (i, (cell, width)) in row.cells.iter().zip(widths).enumerate() {
@@ -182,15 +240,6 @@ fn align(rows: &[Row]) -> String {
         text.push('\n');
     }
     text
-}
-
-fn mark(verdict: &str) -> (Style, char) {
-    match verdict {
-        "realizable" | "valid" | "consistent" => (GOOD, '✓'),
-        "unrealizable" | "contradictory" => (BAD, '✗'),
-        "gave_up" => (OPEN, '?'),
-        _ => (BAD, '!'),
-    }
 }
 
 /// `vdi:Drehen Rotating`: the first code with its English term, and how many more there are.
@@ -240,12 +289,12 @@ fn discharges(document: &Document) -> String {
         for refined in &machine.refines {
             let (machine, contract) = (&machine.name, &refined.contract);
             let _ = match refined.verdict {
-                "refined" => writeln!(text, "\n{machine} refines {contract}"),
-                "broken" => writeln!(
+                RefinementVerdict::Refined => writeln!(text, "\n{machine} refines {contract}"),
+                RefinementVerdict::Broken => writeln!(
                     text,
                     "\n{machine} does not refine {contract}; what holds of it"
                 ),
-                _ => writeln!(
+                RefinementVerdict::GaveUp => writeln!(
                     text,
                     "\nwhether {machine} refines {contract} was not decided"
                 ),
@@ -259,10 +308,10 @@ fn discharges(document: &Document) -> String {
 fn discharged(discharges: &[DischargeEntry]) -> String {
     let name = |d: &DischargeEntry| format!("{}: {}", d.component, d.assumption);
     let how = |d: &DischargeEntry| match (d.rule, d.turn) {
-        ("induction", _) => "step by step".to_owned(),
-        ("exported", _) => "environment".to_owned(),
+        (MetBy::Induction, _) => "step by step".to_owned(),
+        (MetBy::Exported, _) => "environment".to_owned(),
         (rule, Some(turn)) => format!("{rule}, turn {turn}"),
-        (rule, None) => rule.to_owned(),
+        (rule, None) => rule.to_string(),
     };
     let width = |text: &dyn Fn(&DischargeEntry) -> String| {
         let widths = discharges.iter().map(|d| text(d).chars().count());

@@ -54,10 +54,22 @@ struct Document {
     programs: Vec<Entry>,
 }
 
+/// What is known of a program.
+#[derive(Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum ProgramVerdict {
+    /// It keeps the orders.
+    Accepted,
+    /// A call breaks one, or it ends too early.
+    Refused,
+    /// It could not be read.
+    Invalid,
+}
+
 #[derive(Serialize)]
 struct Entry {
     file: String,
-    verdict: &'static str,
+    verdict: ProgramVerdict,
     calls: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     violation: Option<ViolationEntry>,
@@ -104,7 +116,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     for (name, read) in programs {
         match one(name, read, &mut chosen, arguments) {
             Ok((entry, told, findings)) => {
-                if entry.verdict == "invalid" {
+                if entry.verdict == ProgramVerdict::Invalid {
                     code = code.and(ExitCode::CannotRun);
                 }
                 code = code.and(options.exit_code(&findings));
@@ -184,7 +196,7 @@ fn one(
 ) -> Result<Told, crate::order::bound::TooLarge> {
     let mut entry = Entry {
         file: name.to_owned(),
-        verdict: "invalid",
+        verdict: ProgramVerdict::Invalid,
         calls: 0,
         violation: None,
         completion: None,
@@ -212,7 +224,7 @@ fn one(
     let mut told = String::new();
     // Writing to a string cannot fail.
     if let Some(violation) = &checked.violation {
-        entry.verdict = "refused";
+        entry.verdict = ProgramVerdict::Refused;
         let span = program.spans[violation.step];
         let refused = words::refused(
             violation.call,
@@ -230,14 +242,14 @@ fn one(
             program.calls.len()
         );
     } else {
-        entry.verdict = "accepted";
+        entry.verdict = ProgramVerdict::Accepted;
         let _ = writeln!(told, "{name}: accepted, {calls} ({level})");
         let completion = checked.completion.as_ref().ok().and_then(Option::as_ref);
         entry.completion = completion.map(|c| names(skills, c));
         let last = program.spans.last().copied();
         if let Some(open) = unfinished(&checked, chosen, arguments.whole, last) {
             if arguments.whole {
-                entry.verdict = "refused";
+                entry.verdict = ProgramVerdict::Refused;
                 told = format!("{name}: refused at its end ({level})\n");
             }
             findings.push(open);

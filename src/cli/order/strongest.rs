@@ -47,11 +47,23 @@ struct Document {
     candidates: Vec<CandidateEntry>,
 }
 
+/// What became of a rule.
+#[derive(Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Outcome {
+    /// It stays at the stronger level.
+    Kept,
+    /// The intended program needs what it would forbid.
+    Needed,
+    /// It says nothing beside the others.
+    Dropped,
+}
+
 #[derive(Serialize)]
 struct CandidateEntry {
     rule: String,
     text: String,
-    verdict: &'static str,
+    verdict: Outcome,
     #[serde(skip_serializing_if = "Option::is_none")]
     lost: Option<LostEntry>,
 }
@@ -161,9 +173,9 @@ fn entries(found: &Strongest, skills: &Skills) -> Vec<CandidateEntry> {
         rule: c.rule.name.clone(),
         text: c.rule.text.clone(),
         verdict: match c.verdict {
-            Verdict::Kept => "kept",
-            Verdict::Needed { .. } => "needed",
-            Verdict::Dropped => "dropped",
+            Verdict::Kept => Outcome::Kept,
+            Verdict::Needed { .. } => Outcome::Needed,
+            Verdict::Dropped => Outcome::Dropped,
         },
         lost: match &c.verdict {
             Verdict::Needed { after, lost } => Some(LostEntry {

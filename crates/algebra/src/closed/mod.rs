@@ -33,10 +33,12 @@ use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, Promised};
 use linewright_solver::game::{Lasso, Limit, Limits, RuleKind};
 use linewright_solver::mealy::Controller;
+use serde::Serialize;
 use std::collections::BTreeSet;
 
 /// How a component takes part.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Form {
     /// As the table of its controller.
     Table,

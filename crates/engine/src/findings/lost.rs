@@ -46,13 +46,19 @@ pub fn finding(
         finding = finding.with_note(no_help(s, advice));
     }
     let suggestions = advice.map(|a| suggestions(s, a)).unwrap_or_default();
-    let of_kind = |kind: &str| -> Vec<&Suggestion> {
+    let of_kind = |kind: Change| -> Vec<&Suggestion> {
         suggestions.iter().filter(|x| x.kind == kind).collect()
     };
     let mut help = Vec::new();
     for (kind, heading) in [
-        ("assume", "is one of these true of your plant? Then add it:"),
-        ("weaken", "may a guarantee ask for less? Then change it:"),
+        (
+            Change::Assume,
+            "is one of these true of your plant? Then add it:",
+        ),
+        (
+            Change::Weaken,
+            "may a guarantee ask for less? Then change it:",
+        ),
     ] {
         let lines: Vec<String> = of_kind(kind)
             .into_iter()
@@ -113,11 +119,21 @@ fn spans(side: &Side, names: &[String]) -> Vec<Span> {
     spans
 }
 
+/// What a suggestion changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    /// An assumption is added.
+    Assume,
+    /// A guarantee asks for less.
+    Weaken,
+}
+
 /// A change that makes the contract realizable.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Suggestion {
-    /// `assume` or `weaken`.
-    pub kind: &'static str,
+    /// What it changes.
+    pub kind: Change,
     /// The line to be written.
     pub text: String,
     /// The guarantee that it takes the place of.
@@ -147,7 +163,7 @@ fn leave_out(s: &Specification, guarantees: &[GuaranteeRef]) -> Suggestion {
         }
     }
     Suggestion {
-        kind: "weaken",
+        kind: Change::Weaken,
         text: format!("leave out {}", list(&names)),
         replaces: None,
         share: 1.0,
@@ -165,7 +181,7 @@ fn assumption(s: &Specification, new: &NewAssumption) -> Suggestion {
         ),
     };
     Suggestion {
-        kind: "assume",
+        kind: Change::Assume,
         text: format!("assume {}", temporal(s, new.kind, &new.formula)),
         replaces: None,
         share: new.forbids,
@@ -201,7 +217,7 @@ fn weakening(s: &Specification, weaker: &Weakening) -> Suggestion {
         }
     };
     Suggestion {
-        kind: "weaken",
+        kind: Change::Weaken,
         text,
         replaces: Some(name.clone()),
         share: weaker.gives_up,

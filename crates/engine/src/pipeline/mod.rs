@@ -26,11 +26,14 @@ use linewright_interchange::{Inquiry, Reading, inquiries};
 use linewright_solver::game::{EnvironmentFindings, Heuristics, KernelChoice, Limits, Ranking};
 use linewright_solver::mealy;
 use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt;
 use std::sync::Arc;
 use task::Task;
 
 /// What is known of a contract.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// There is a controller.
     Realizable,
@@ -44,18 +47,14 @@ pub enum Verdict {
     InternalError,
 }
 
-impl Verdict {
-    /// The word in a JSON document.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Realizable => "realizable",
-            Self::Unrealizable => "unrealizable",
-            Self::GaveUp => "gave_up",
-            Self::Invalid => "invalid",
-            Self::InternalError => "internal_error",
-        }
+/// The word of the JSON documents.
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
     }
+}
 
+impl Verdict {
     /// The verdict on two things together: the worse one.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
