@@ -294,7 +294,7 @@ fn modules_use_only_those_before_them() {
 }
 
 /// Files that may know of clocks, and why none of them decides what a verdict, a finding or a table says.
-const CLOCKS: [(&str, &str); 11] = [
+const CLOCKS: [(&str, &str); 13] = [
     ("crates/core/src/deadline.rs", "`--timeout`"),
     ("src/cli/options.rs", "when a command began"),
     ("crates/solver/src/game/set_up.rs", "seconds for `--stats`"),
@@ -306,6 +306,11 @@ const CLOCKS: [(&str, &str); 11] = [
     ),
     ("crates/engine/src/simulation.rs", "seconds for the summary"),
     ("crates/engine/src/worker.rs", "a test of it"),
+    ("crates/solver/src/symbolic/tests.rs", "tests of it"),
+    (
+        "crates/station/src/toolchain/trial.rs",
+        "a compiler that hangs",
+    ),
     (
         "crates/station/src/toolchain/work.rs",
         "which folders of killed builds are old",

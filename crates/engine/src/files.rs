@@ -1,7 +1,7 @@
 //! Finds and reads source files: paths of the command line, imports, and the bundled library.
 //!
-//! A file is shown under one name however it was reached, since the resolver takes equal names for the same file: names are
-//! joined and cleaned as text (`a/../b.lw` is `b.lw`), and the library's begin with `std/`.
+//! A file has one name however it was reached ([`Names`]), since the resolver takes equal names for the same file. Names are
+//! joined and cleaned (`a/../b.lw` is `b.lw`), and the library's begin with `std/`.
 //!
 //! Files of other tools are told by their ending. They are read where they are named; in a folder, only `.lw` files are looked for.
 
@@ -99,6 +99,23 @@ impl StandardLibrary {
     }
 }
 
+/// The name of each place on the disk: that by which it was reached first. `../a/b.lw` in the folder `a` is `b.lw`, as is a link to it.
+#[derive(Debug, Default)]
+struct Names(BTreeMap<PathBuf, String>);
+
+impl Names {
+    /// The one name of the file that was reached by `name`.
+    fn of(&mut self, name: String, standard: &StandardLibrary) -> String {
+        if standard.folder.is_none() && name.starts_with("std/") {
+            return name;
+        }
+        match std::fs::canonicalize(standard.place(&name)) {
+            Ok(place) => self.0.entry(place).or_insert(name).clone(),
+            Err(_) => name,
+        }
+    }
+}
+
 /// The name of the file that an `import` names.
 fn imported(path: &str, importer: &str) -> String {
     if let Some(inner) = library_path(path) {
@@ -149,7 +166,14 @@ impl Loaded {
     }
 
     /// Reads another tool's file and what it imports, and makes a contract of it.
-    fn add_foreign(&mut self, format: Format, path: &str, text: String) {
+    fn add_foreign(
+        &mut self,
+        format: Format,
+        path: &str,
+        text: String,
+        names: &mut Names,
+        standard: &StandardLibrary,
+    ) {
         let stem = Path::new(path).file_stem().unwrap_or_default();
         let name = stem.to_string_lossy().into_owned();
         let text: Arc<str> = text.into();
@@ -164,6 +188,7 @@ impl Loaded {
                 let folder = Path::new(&sources.file(importer).name).parent();
                 let wanted = wanted.replace('\\', "/");
                 let name = clean(&folder.unwrap_or(Path::new("")).join(wanted));
+                let name = names.of(name, standard);
                 if let Some(id) = known.get(&name) {
                     return Ok((*id, Arc::clone(&sources.file(*id).text)));
                 }
@@ -202,14 +227,19 @@ impl Loaded {
 pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
     let mut loaded = Loaded::default();
     let mut files: Vec<(String, String)> = Vec::new();
+    let mut names = Names::default();
     let paths = given(paths, standard);
     if paths.is_empty() {
         (files, loaded.findings) = standard.files();
+        for (name, _) in &files {
+            names.of(name.clone(), standard);
+        }
     }
     for path in &paths {
         for found in collect(path, standard) {
             match found {
                 Ok((name, text)) => {
+                    let name = names.of(name, standard);
                     if files.iter().all(|f| f.0 != name) {
                         files.push((name, text));
                     }
@@ -225,20 +255,22 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
     let (foreign, own): (Vec<_>, Vec<_>) = files
         .into_iter()
         .partition(|(name, _)| Format::of_path(name).is_some());
-    let missing = RefCell::new(Vec::new());
+    let (missing, names) = (RefCell::new(Vec::new()), RefCell::new(names));
     let (library, findings) = contract::load(&own, &|path, importer| {
         let read = standard.import(path, importer);
         if read.is_err() {
             missing.borrow_mut().push(imported(path, importer));
         }
-        read
+        let (name, text) = read?;
+        Ok((names.borrow_mut().of(name, standard), text))
     });
     loaded.missing = missing.into_inner();
+    let mut names = names.into_inner();
     loaded.library = library;
     loaded.findings.extend(findings);
     for (name, text) in foreign {
         if let Some(format) = Format::of_path(&name) {
-            loaded.add_foreign(format, &name, text);
+            loaded.add_foreign(format, &name, text, &mut names, standard);
         }
     }
     loaded
@@ -409,7 +441,7 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
     .with_help("give the path of a .lw file (`check` and `synth` take .spc, .slugsin, .structuredslugs, .spectra and .tlsf, too), or of a folder that holds .lw files")
 }
 
-/// A path without `.` and, as far as possible, `..`, with slashes.
+/// A path without `.` and, as far as possible, `..`, with slashes. What lies above a link to a folder is not what stands before it.
 fn clean(path: &Path) -> String {
     use std::path::Component;
     let mut parts = PathBuf::new();
@@ -417,7 +449,8 @@ fn clean(path: &Path) -> String {
         match component {
             Component::CurDir => {}
             Component::ParentDir
-                if matches!(parts.components().next_back(), Some(Component::Normal(_))) =>
+                if matches!(parts.components().next_back(), Some(Component::Normal(_)))
+                    && !parts.is_symlink() =>
             {
                 parts.pop();
             }

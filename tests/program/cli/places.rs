@@ -1,7 +1,7 @@
 //! What lies on the disk and is no file of ours, and folders in which there is nothing.
 
 use super::session::Session;
-use crate::support::root;
+use crate::support::{linewright, root};
 #[cfg(unix)]
 use std::path::Path;
 #[cfg(unix)]
@@ -173,4 +173,47 @@ fn a_result_is_written_where_a_link_leads() {
     assert!(link.file_type().is_symlink());
     let text = std::fs::read_to_string(session.path("target.json")).expect("a text");
     assert!(text.contains("linewright/proof/1"), "{text}");
+}
+
+/// A file that is imported in two ways is one file, from whichever folder the program is called, also through links.
+#[test]
+fn a_file_is_one_file_however_it_is_reached() {
+    let session = Session::new();
+    let write = |name: &str, text: &str| {
+        let path = session.path(name);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        std::fs::write(path, text).expect("a file");
+    };
+    write(
+        "two/a/c.lw",
+        "contract C {\n    input a: bool\n    output b: bool\n    guarantee always (b <-> a)\n}\n",
+    );
+    write("two/b/z.lw", "import \"../a/c.lw\"\n");
+    write("two/a/main.lw", "import \"c.lw\"\nimport \"../b/z.lw\"\n");
+    let check = |folder: &str, files: &[&str]| {
+        let mut arguments = vec!["check", "--no-timing", "--format", "short"];
+        arguments.extend(files);
+        let output = linewright(&session.path(folder), &arguments);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{folder}: {text}");
+        text
+    };
+    assert_eq!(
+        check("two", &["a/main.lw"]),
+        "a/c.lw: contract C: realizable\n"
+    );
+    let own = "c.lw: contract C: realizable\n";
+    assert_eq!(check("two/a", &["main.lw"]), own);
+    assert_eq!(check("two/a", &["c.lw", "../a/c.lw", "main.lw"]), own);
+    let other = "../a/c.lw: contract C: realizable\n";
+    assert_eq!(check("two/b", &["../a/main.lw", "z.lw"]), other);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(".", session.path("two/a/self")).expect("a link");
+        write(
+            "two/a/links.lw",
+            "import \"c.lw\"\nimport \"self/main.lw\"\n",
+        );
+        assert_eq!(check("two/a", &["links.lw"]), own);
+    }
 }
