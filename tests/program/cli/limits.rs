@@ -1,7 +1,7 @@
 //! Limits end a run in time, whatever is being computed, and say what was reached.
 
 use super::session::Session;
-use crate::support::root;
+use crate::support::{linewright, root};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -110,7 +110,7 @@ fn proofs_are_limited_by_counted_work() {
     assert_eq!(busy("--timeout 3000"), whole);
 
     let little = run("--effort 0.00001");
-    let wanted = "the proof needed more than 20 nodes at once";
+    let wanted = "the proof needed more than 10 nodes at once";
     assert!(little.1.contains(wanted), "{}", little.1);
     assert!(little.1.contains("--effort 10"), "{}", little.1);
     assert_eq!(busy("--effort 0.00001 --timeout 3000"), little);
@@ -245,7 +245,7 @@ fn a_proof_of_a_large_line_ends_by_itself() {
     let session = Session::new();
     let file = root().join("tests/program/cli/rework.lw");
     std::fs::copy(file, session.path("rework.lw")).expect("a copy");
-    let printed = session.run("check rework.lw --no-timing --effort 0.05");
+    let printed = session.run("check rework.lw --no-timing --effort 0.1");
     assert_eq!(printed.code, 0, "{}{}", printed.out, printed.err);
     for wanted in [
         "parts cannot block one another in L, but whether everything goes on was not decided",
@@ -254,6 +254,17 @@ fn a_proof_of_a_large_line_ends_by_itself() {
     ] {
         assert!(printed.out.contains(wanted), "{}", printed.out);
     }
+}
+
+/// A small budget ends a proof: no operation on diagrams goes on and on because little is remembered of it.
+#[test]
+fn a_small_effort_ends_soon() {
+    let line = "examples/ice-lab/line.lw";
+    let arguments = ["check", line, "-v", "--no-timing", "--effort", "0.1"];
+    let output = linewright(root(), &[&arguments[..], &["--timeout", "300"]].concat());
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(text.contains("the proof took more than"), "{text}");
 }
 
 /// What a limit left undecided is no error: that the parts of this machine fit together takes more work than is allowed, and what its

@@ -59,13 +59,13 @@ pub struct Budget {
 }
 
 /// The default limits of work, all of them. A quiet computer does some 20 million units a second. What ships takes less than a
-/// quarter: the dearest question about the laboratory's line, what rests on what, 145 million. Who waits for `check` waits for the budget of
-/// a line, so it is half a minute's.
+/// quarter of the work, and half of the nodes: the dearest question about the laboratory's line, what rests on what, 145 million and less
+/// than 500,000. Who waits for `check` waits for the budget of a line, so it is half a minute's.
 impl Budget {
     /// Each question about a line: what is asked of its stations, whether parts move on, what rests on what.
     pub const LINE: Self = Self {
         work: 600_000_000,
-        nodes: 2_000_000,
+        nodes: 1_000_000,
     };
     /// The controllers of a machine put together.
     pub const CLOSED: Self = Self {

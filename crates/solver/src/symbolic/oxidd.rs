@@ -43,7 +43,7 @@ const FEWEST_NODES: u64 = 1 << 16;
 /// processor's caches.
 const LARGE_CACHE: usize = 1 << 18;
 
-/// Entries of the cache for up to [`FEW_PAIRS`].
+/// Entries of the cache for up to [`FEW_PAIRS`], where nothing but memory is limited.
 const SMALL_CACHE: usize = 1 << 17;
 
 /// See [`SMALL_CACHE`].
@@ -415,18 +415,20 @@ impl Kernel for OxiDd {
         let pairs = order.pairs().len();
         let most = limits.nodes(BYTES_PER_NODE, USUAL_NODES, MOST_NODES);
         let is_limited = limits.most_nodes.is_some() || limits.most_work.is_some();
-        let (room, capacity, ration) = if is_limited {
+        let (room, capacity, fit, ration) = if is_limited {
             let by_memory = Limits {
                 most_nodes: None,
                 ..*limits
             };
             let fit = by_memory.nodes(BYTES_PER_NODE, USUAL_NODES, MOST_NODES);
             let (room, most, ration) = Ration::new(most, fit);
-            (room, most, Some(ration))
+            (room, most, fit, Some(ration))
         } else {
-            (most, most, None)
+            (most, most, most, None)
         };
-        let cache = if pairs > FEW_PAIRS {
+        // An operation whose results the cache forgets may come to no end, and makes no node that a budget would count: a budget of
+        // nodes takes nothing from the cache.
+        let cache = if pairs > FEW_PAIRS || is_limited {
             LARGE_CACHE
         } else {
             SMALL_CACHE
@@ -434,7 +436,7 @@ impl Kernel for OxiDd {
         if room < FEWEST_NODES {
             return Err(Limit::Memory);
         }
-        let cache = cache.min(usize::try_from(capacity / 8).unwrap_or(cache));
+        let cache = cache.min(usize::try_from(fit / 8).unwrap_or(cache));
         let store = new_manager(room as usize, cache, 1);
         let variables = 2 * pairs as VarNo;
         store.with_manager_exclusive(|m| {
