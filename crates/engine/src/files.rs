@@ -1,6 +1,6 @@
 //! Finds and reads source files: paths of the command line, imports, and the bundled library.
 //!
-//! A file has one name however it was reached ([`Names`]), since the resolver takes equal names for the same file. Names are
+//! A file has one name however it was reached (`Names`), since the resolver takes equal names for the same file. Names are
 //! joined and cleaned (`a/../b.lw` is `b.lw`), and the library's begin with `std/`.
 //!
 //! Files of other tools are told by their ending. They are read where they are named; in a folder, only `.lw` files are looked for.
