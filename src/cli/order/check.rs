@@ -1,5 +1,6 @@
 //! `linewright order check`: a program of calls, before it is loaded.
 
+use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, Chosen};
 use super::{Choice, program, words};
 use crate::cli::exit::ExitCode;
@@ -91,7 +92,7 @@ struct ViolationEntry {
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     // Each is read once: it may be a pipe.
     let programs: Vec<(&str, Read)> = arguments
         .programs
@@ -100,35 +101,27 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .collect();
     let selection = match &arguments.rules {
         Some(rules) => rules.clone(),
-        None => match beside(&programs, options)? {
-            Ok(selection) => selection,
-            Err(code) => return Ok(code),
-        },
+        None => beside(&programs, options)?,
     };
-    let mut chosen = match rules::choose("order-check", &selection, &arguments.choice, options)? {
-        Ok(chosen) => chosen,
-        Err(code) => return Ok(code),
-    };
+    let mut chosen = rules::choose("order-check", &selection, &arguments.choice, options)?;
+    let too_large = EarlyExit::gave_up(Some("fewer skills in one call"));
     let mut entries = Vec::new();
     let mut text = String::new();
     let mut all = Vec::new();
     let mut code = ExitCode::Success;
     for (name, read) in programs {
-        match one(name, read, &mut chosen, arguments) {
-            Ok((entry, told, findings)) => {
-                if entry.verdict == ProgramVerdict::Invalid {
-                    code = code.and(ExitCode::CannotRun);
-                }
-                code = code.and(options.exit_code(&findings));
-                text += &told;
-                entries.push(Entry {
-                    findings: json::findings(&chosen.loaded.library.sources, &findings),
-                    ..entry
-                });
-                all.extend(findings);
-            }
-            Err(error) => return rules::gave_up(&error, Some("fewer skills in one call"), options),
+        let (entry, told, findings) =
+            one(name, read, &mut chosen, arguments).map_err(&too_large)?;
+        if entry.verdict == ProgramVerdict::Invalid {
+            code = code.and(ExitCode::CannotRun);
         }
+        code = code.and(options.exit_code(&findings));
+        text += &told;
+        entries.push(Entry {
+            findings: json::findings(&chosen.loaded.library.sources, &findings),
+            ..entry
+        });
+        all.extend(findings);
     }
     let console = options.console();
     let sources = &chosen.loaded.library.sources;
@@ -163,10 +156,7 @@ fn read(name: &str) -> Read {
 
 /// The rules beside the first program that can be read. Without one, or without rules, programs that cannot be read are told here, since
 /// they may be why.
-fn beside(
-    programs: &[(&str, Read)],
-    options: &GlobalOptions,
-) -> anyhow::Result<Result<Selection, ExitCode>> {
+fn beside(programs: &[(&str, Read)], options: &GlobalOptions) -> Result<Selection, EarlyExit> {
     let unreadable: Vec<Diagnostic> = programs
         .iter()
         .filter_map(|(_, read)| read.as_ref().err())
@@ -177,13 +167,13 @@ fn beside(
         options
             .console()
             .failed("order-check", &sources, &unreadable)?;
-        return Ok(Err(options.exit_code(&unreadable)));
+        return Err(EarlyExit::Reported(options.exit_code(&unreadable)));
     };
     let found = rules::beside(first);
     if found.is_err() {
         options.console().findings(&sources, &unreadable)?;
     }
-    found.map(Ok)
+    Ok(found?)
 }
 
 type Told = (Entry, String, Vec<Diagnostic>);

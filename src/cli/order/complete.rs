@@ -1,8 +1,9 @@
 //! `linewright order complete`: what may come next.
 
-use super::{Choice, program, rules, words};
+use super::early_exit::{EarlyExit, Outcome};
+use super::{Choice, answer, program, rules, words};
 use crate::cli::exit::ExitCode;
-use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::order::bound::TooLarge;
 use crate::order::fsm::calls;
@@ -58,71 +59,42 @@ struct RefusedEntry {
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let chosen = match rules::choose(
-        "order-complete",
-        &arguments.rules,
-        &arguments.choice,
-        options,
-    )? {
-        Ok(chosen) => chosen,
-        Err(code) => return Ok(code),
-    };
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
+    let command = "order-complete";
+    let chosen = rules::choose(command, &arguments.rules, &arguments.choice, options)?;
     let skills = &chosen.skills;
     let mut history = Vec::new();
     for text in &arguments.calls {
         let call = program::call(text, skills);
         history.push(call.map_err(|w| anyhow::anyhow!("{}: {}", w.message, w.help))?);
     }
-    let mut supervisor = match Supervisor::new(skills, chosen.options) {
-        Ok(supervisor) => supervisor,
-        Err(error) => {
-            return rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options);
-        }
-    };
+    let too_large = EarlyExit::gave_up(rules::fewer_at_once(arguments.at_once));
+    let mut supervisor = Supervisor::new(skills, chosen.options).map_err(&too_large)?;
     let mut state = supervisor.start();
     for call in &history {
-        match supervisor.call(&state, *call) {
-            Ok(Ok(after)) => state = after,
-            Ok(Err(refusal)) => {
+        match supervisor.call(&state, *call).map_err(&too_large)? {
+            Ok(after) => state = after,
+            Err(refusal) => {
                 let serialisation = chosen.options.serialisation;
                 let finding = words::refused(*call, &refusal, skills, serialisation, None);
-                let findings = [finding.with_help("give calls that the rules allow")];
-                let sources = &chosen.loaded.library.sources;
-                options
-                    .console()
-                    .failed("order-complete", sources, &findings)?;
-                return Ok(ExitCode::Findings);
-            }
-            Err(error) => {
-                return rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options);
+                let finding = finding.with_help("give calls that the rules allow");
+                return chosen.failed(command, finding, options);
             }
         }
     }
-    match next(&mut supervisor, &state, arguments) {
-        Ok((allowed, refused)) => {
-            let complete = supervisor.is_complete(&state);
-            let document = Document {
-                head: rules::Head::of("order-complete", skills, arguments.choice.level.level()),
-                situation: skills
-                    .components
-                    .iter()
-                    .zip(&state.situation)
-                    .filter_map(|(c, s)| Some((c.name.clone(), c.situations.get(*s)?.clone())))
-                    .collect(),
-                complete,
-                allowed: names(skills, &allowed),
-                refused,
-            };
-            if options.format == Format::Json {
-                options.console().document(&document)?;
-            } else {
-                options.console().result(&told(&document))?;
-            }
-            Ok(ExitCode::Success)
-        }
-        Err(error) => rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options),
-    }
+    let (allowed, refused) = next(&mut supervisor, &state, arguments).map_err(&too_large)?;
+    let situation = skills.components.iter().zip(&state.situation);
+    let document = Document {
+        head: rules::Head::of(command, skills, arguments.choice.level.level()),
+        situation: situation
+            .filter_map(|(c, s)| Some((c.name.clone(), c.situations.get(*s)?.clone())))
+            .collect(),
+        complete: supervisor.is_complete(&state),
+        allowed: names(skills, &allowed),
+        refused,
+    };
+    answer(&document, || told(&document), options)?;
+    Ok(ExitCode::Success)
 }
 
 /// What is allowed, and what is not.

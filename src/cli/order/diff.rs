@@ -1,10 +1,11 @@
 //! `linewright order diff`: the shortest calls that tell two sets of rules apart.
 
+use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, Chosen};
-use super::{Choice, LevelName, words};
+use super::{Choice, LevelName, answer, words};
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
-use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::fsm::calls;
@@ -67,11 +68,8 @@ struct Document {
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let first = match rules::choose("order-diff", &arguments.first, &arguments.choice, options)? {
-        Ok(chosen) => chosen,
-        Err(code) => return Ok(code),
-    };
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
+    let first = rules::choose("order-diff", &arguments.first, &arguments.choice, options)?;
     let other = Choice {
         level: arguments.other_level.unwrap_or(arguments.choice.level),
         rules: arguments.other_rules.clone(),
@@ -79,10 +77,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         paper: false,
         ..arguments.choice
     };
-    let second = match rules::choose("order-diff", &arguments.second, &other, options)? {
-        Ok(chosen) => chosen,
-        Err(code) => return Ok(code),
-    };
+    let second = rules::choose("order-diff", &arguments.second, &other, options)?;
     let renamed = in_the_order_of(&first.skills, &second.skills)?;
     let found = Supervisor::new(&first.skills, first.options).and_then(|a| {
         let b = Supervisor::new(&renamed, second.options)?;
@@ -94,14 +89,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         };
         difference(&a, &b, &calls, apart)
     });
-    let found = match found {
-        Ok(found) => found,
-        Err(error) => {
-            return rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options);
-        }
-    };
+    let besides = rules::fewer_at_once(arguments.at_once);
+    let found = found.map_err(EarlyExit::gave_up(besides))?;
     let titles = titles(&first, &second, arguments);
-    let console = options.console();
     let why = found.as_ref().map(|d| {
         let (skills, options) = if d.first_allows {
             (&renamed, second.options)
@@ -113,27 +103,27 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             None => "a program must not end there, in the middle of a sequence".to_owned(),
         }
     });
-    if options.format == Format::Json {
-        console.document(&Document {
-            schema: schema("order-diff"),
-            equal: found.is_none(),
-            calls: found.as_ref().map(|d| names(&first.skills, &d.calls)),
-            allowed_by: found
-                .as_ref()
-                .map(|d| if d.first_allows { "first" } else { "second" }),
-            why,
-            first: titles[0].clone(),
-            second: titles[1].clone(),
-        })?;
-    } else {
-        console.result(&told(
+    let document = Document {
+        schema: schema("order-diff"),
+        equal: found.is_none(),
+        calls: found.as_ref().map(|d| names(&first.skills, &d.calls)),
+        allowed_by: found
+            .as_ref()
+            .map(|d| if d.first_allows { "first" } else { "second" }),
+        why: why.clone(),
+        first: titles[0].clone(),
+        second: titles[1].clone(),
+    };
+    let text = || {
+        told(
             found.as_ref(),
             why.as_deref(),
             &titles,
             &first.skills,
             arguments.one_way,
-        ))?;
-    }
+        )
+    };
+    answer(&document, text, options)?;
     Ok(match found {
         None => ExitCode::Success,
         Some(_) => ExitCode::Findings,

@@ -1,5 +1,6 @@
 //! `linewright order fsm`: the automaton of the rules.
 
+use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, rules};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
@@ -126,11 +127,9 @@ struct RegionTransition {
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let chosen = match rules::choose("order-fsm", &arguments.rules, &arguments.choice, options)? {
-        Ok(chosen) => chosen,
-        Err(code) => return Ok(code),
-    };
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
+    let command = "order-fsm";
+    let chosen = rules::choose(command, &arguments.rules, &arguments.choice, options)?;
     let emit = arguments.emit.unwrap_or(match options.format {
         Format::Json | Format::Sarif => Emit::Json,
         Format::Human | Format::Short => Emit::Table,
@@ -147,17 +146,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             flat(skills, kept, &f, emit)
         })
     };
-    let text = match text {
-        Ok(text) => text,
-        Err(error) => {
-            let besides = if arguments.by_component {
-                None
-            } else {
-                Some("fewer skills at once (--at-once N), or each rule by itself (--by-component)")
-            };
-            return rules::gave_up(&error, besides, options);
-        }
-    };
+    let besides = (!arguments.by_component)
+        .then_some("fewer skills at once (--at-once N), or each rule by itself (--by-component)");
+    let text = text.map_err(EarlyExit::gave_up(besides))?;
     let console = options.console();
     if let Some(calls) = is_cut {
         let masks: Vec<u64> = calls.iter().map(|c| c.0).collect();
@@ -167,11 +158,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         None => console.result(&text)?,
         Some(path) => match output::write(path, &text) {
             Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
-            Err(finding) => {
-                let findings = [*finding];
-                console.failed("order-fsm", &chosen.loaded.library.sources, &findings)?;
-                return Ok(options.exit_code(&findings));
-            }
+            Err(finding) => return chosen.failed(command, *finding, options),
         },
     }
     Ok(ExitCode::Success)

@@ -3,6 +3,7 @@
 mod check;
 mod complete;
 mod diff;
+mod early_exit;
 mod fsm;
 mod monitor;
 pub mod program;
@@ -12,10 +13,11 @@ mod strongest;
 mod words;
 
 use super::exit::ExitCode;
-use super::options::GlobalOptions;
+use super::options::{Format, GlobalOptions};
 use crate::order::supervisor::Options;
 use crate::order::{Level, Serialisation};
 use clap::{Args, Subcommand, ValueEnum};
+use serde::Serialize;
 
 /// The arguments of `order`.
 #[derive(Debug, Args)]
@@ -105,7 +107,7 @@ impl Choice {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    match &arguments.command {
+    let outcome = match &arguments.command {
         Command::Check(a) => check::run(a, options),
         Command::Monitor(a) => monitor::run(a, options),
         Command::Fsm(a) => fsm::run(a, options),
@@ -113,5 +115,20 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Command::Diff(a) => diff::run(a, options),
         Command::Complete(a) => complete::run(a, options),
         Command::Strongest(a) => strongest::run(a, options),
+    };
+    outcome.or_else(|early| early.report(options))
+}
+
+/// Prints an answer: its document with `--format json`, else its text.
+fn answer(
+    document: &impl Serialize,
+    text: impl FnOnce() -> String,
+    options: &GlobalOptions,
+) -> anyhow::Result<()> {
+    let console = options.console();
+    if options.format == Format::Json {
+        console.document(document)
+    } else {
+        console.result(&text())
     }
 }

@@ -1,5 +1,6 @@
 //! `linewright order monitor`: calls watched as they come, and the monitor as C or Structured Text.
 
+use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, Chosen};
 use super::{Choice, program};
 use crate::cli::exit::ExitCode;
@@ -18,6 +19,9 @@ use clap::{Args, ValueEnum};
 use std::collections::HashMap;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
+
+/// What its documents and findings name it.
+const COMMAND: &str = "order-monitor";
 
 /// A line that is no call is looked at and answered with up to this.
 const LONGEST_CALL: usize = 1 << 12;
@@ -65,16 +69,8 @@ pub enum Emit {
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let chosen = match rules::choose(
-        "order-monitor",
-        &arguments.rules,
-        &arguments.choice,
-        options,
-    )? {
-        Ok(chosen) => chosen,
-        Err(code) => return Ok(code),
-    };
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
+    let chosen = rules::choose(COMMAND, &arguments.rules, &arguments.choice, options)?;
     // A monitor names the rules that it keeps, and no others.
     let kept = chosen.skills.rules.iter().enumerate();
     let kept: Vec<usize> = kept
@@ -96,16 +92,17 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
         (Ok((Ok(table), _)), None) if !is_cut => {
             let watching = Watching::Table(Monitor::new(&table));
-            watch(watching, &skills, arguments.stop, options)
+            Ok(watch(watching, &skills, arguments.stop, options)?)
         }
         // Without a table of all calls the rules themselves answer.
         (Ok((Ok(_) | Err(TooLarge::Count { .. }), supervisor)), None) => {
             let watching =
                 Watching::Rules(Unfolding::new(&supervisor, u32::from(arguments.at_once)));
-            watch(watching, &skills, arguments.stop, options)
+            Ok(watch(watching, &skills, arguments.stop, options)?)
         }
         (Err(error) | Ok((Err(error), _)), _) => {
-            rules::gave_up(&error, rules::fewer_at_once(arguments.at_once), options)
+            let besides = rules::fewer_at_once(arguments.at_once);
+            Err(EarlyExit::gave_up(besides)(error))
         }
     }
 }
@@ -140,7 +137,7 @@ fn emitted(
     out: Option<&Path>,
     chosen: &Chosen,
     options: &GlobalOptions,
-) -> anyhow::Result<ExitCode> {
+) -> Outcome {
     let files: Vec<(String, String)> = match emit {
         Emit::C => {
             let files = c::files(table);
@@ -168,9 +165,7 @@ fn emitted(
     for (name, text) in &files {
         let path = folder.join(name);
         if let Err(finding) = output::write(&path, text) {
-            let findings = [*finding];
-            console.failed("order-monitor", &chosen.loaded.library.sources, &findings)?;
-            return Ok(options.exit_code(&findings));
+            return chosen.failed(COMMAND, *finding, options);
         }
         console.remark(&format!("wrote {}\n", path.display()))?;
     }

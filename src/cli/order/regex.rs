@@ -1,8 +1,9 @@
 //! `linewright order regex`: what may be called, as a regular expression.
 
-use super::{Choice, rules};
+use super::early_exit::{EarlyExit, Outcome};
+use super::{Choice, answer, rules};
 use crate::cli::exit::ExitCode;
-use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::contract;
 use crate::diagnostics::Severity;
@@ -45,11 +46,8 @@ struct Document {
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let chosen = match rules::choose("order-regex", &arguments.rules, &arguments.choice, options)? {
-        Ok(chosen) => chosen,
-        Err(code) => return Ok(code),
-    };
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
+    let chosen = rules::choose("order-regex", &arguments.rules, &arguments.choice, options)?;
     let skills = &chosen.skills;
     let found = Fsm::of_words(skills, chosen.options, 1).and_then(|fsm| {
         let dfa = fsm.one_by_one();
@@ -61,23 +59,17 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         let regex = eliminate::regex(&dfa, chosen.options.until)?;
         Ok((regex, dfa.minimal().states()))
     });
-    let (found, states) = match found {
-        Ok(found) => found,
-        Err(error) => return rules::gave_up(&error, None, options),
-    };
+    let (found, states) = found.map_err(EarlyExit::gave_up(None))?;
     let console = options.console();
     let regex = found.text(skills);
     let kept_out = too_much(&regex, skills);
-    if options.format == Format::Json {
-        console.document(&Document {
-            head: rules::Head::of("order-regex", skills, arguments.choice.level.level()),
-            whole: arguments.whole,
-            regex,
-            states,
-        })?;
-    } else {
-        console.result(&format!("{regex}\n"))?;
-    }
+    let document = Document {
+        head: rules::Head::of("order-regex", skills, arguments.choice.level.level()),
+        whole: arguments.whole,
+        regex,
+        states,
+    };
+    answer(&document, || format!("{}\n", document.regex), options)?;
     if let Some(why) = kept_out {
         console.remark(&format!(
             "this expression cannot be put into a file as a `sequence`: {why}; fewer rules (--rule NAME, --no-rule NAME) make a shorter one\n"

@@ -1,13 +1,12 @@
 //! `FILE[::NAME]`: which set of rules is meant, and which of its rules.
 
 use super::Choice;
+use super::early_exit::{EarlyExit, Outcome};
 use crate::cli::console::schema;
-use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
-use crate::diagnostics::nearest;
+use crate::diagnostics::{Diagnostic, nearest};
 use crate::engine::files::{self, Loaded};
-use crate::order::bound::TooLarge;
 use crate::order::fsm::MOST_CALLS;
 use crate::order::supervisor::Options;
 use crate::order::{Level, Skills};
@@ -44,28 +43,36 @@ impl Head {
     }
 }
 
-/// Loads the one set of rules that is meant. Where the file has errors, they are printed as this command's and the exit code is given
-/// instead.
+impl Chosen {
+    /// Prints what keeps the command from its answer.
+    pub fn failed(&self, command: &str, finding: Diagnostic, options: &GlobalOptions) -> Outcome {
+        let findings = [finding];
+        let console = options.console();
+        console.failed(command, &self.loaded.library.sources, &findings)?;
+        Ok(options.exit_code(&findings))
+    }
+}
+
+/// Loads the one set of rules that is meant. Where the file has errors, they are printed as this command's.
 pub fn choose(
     command: &str,
     selection: &Selection,
     choice: &Choice,
     options: &GlobalOptions,
-) -> anyhow::Result<Result<Chosen, ExitCode>> {
-    let loaded = match selection.load_alone(command, options)? {
-        Ok(loaded) => loaded,
-        Err(code) => return Ok(Err(code)),
-    };
+) -> Result<Chosen, EarlyExit> {
+    let loaded = selection
+        .load_alone(command, options)?
+        .map_err(EarlyExit::Reported)?;
     let describe = |s: &Arc<Skills>| (s.name.clone(), s.span);
     let named: Vec<_> = loaded.library.skills.iter().map(describe).collect();
     let picked = selection.pick(&loaded, "set of skills", &named, |(n, s)| (n, *s))?;
     let [(name, span)] = picked.as_slice() else {
         let names: Vec<&str> = picked.iter().map(|(n, _)| n.as_str()).collect();
-        anyhow::bail!(
+        return Err(EarlyExit::Failed(anyhow::anyhow!(
             "{path} declares several sets of skills: write one of {} behind {path}::",
             names.join(", "),
             path = selection.path
-        );
+        )));
     };
     let skills = loaded
         .library
@@ -75,11 +82,11 @@ pub fn choose(
         .expect("it was picked from these");
     let skills = with_rules(skills, choice)?;
     let options = choice.options(options);
-    Ok(Ok(Chosen {
+    Ok(Chosen {
         loaded,
         skills,
         options,
-    }))
+    })
 }
 
 /// Only the rules that are asked for.
@@ -159,29 +166,4 @@ pub fn told_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
 /// What else helps a command that calls so many skills at once.
 pub fn fewer_at_once(most: u8) -> Option<&'static str> {
     (most > 1).then_some("fewer skills at once (--at-once N)")
-}
-
-/// What is said where an automaton is too large. Fewer rules help every command; `besides` says what else helps this one.
-pub fn gave_up(
-    error: &TooLarge,
-    besides: Option<&str>,
-    options: &GlobalOptions,
-) -> anyhow::Result<ExitCode> {
-    if *error == TooLarge::Late {
-        let advice = "--timeout SECONDS gives it more";
-        options
-            .console()
-            .remark(&format!("gave up: {error}; {advice}\n"))?;
-        return Ok(ExitCode::GaveUp);
-    }
-    let advice = match besides {
-        Some(besides) => {
-            format!("fewer rules (--rule NAME, --no-rule NAME), or {besides}, make it smaller")
-        }
-        None => "fewer rules (--rule NAME, --no-rule NAME) make it smaller".to_owned(),
-    };
-    options
-        .console()
-        .remark(&format!("gave up: {error}; {advice}\n"))?;
-    Ok(ExitCode::GaveUp)
 }

@@ -1,8 +1,9 @@
 //! `linewright order strongest`: the recalls and detours that can be left out.
 
-use super::{Choice, rules, words};
+use super::early_exit::{EarlyExit, Outcome};
+use super::{Choice, answer, rules, words};
 use crate::cli::exit::ExitCode;
-use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::fsm::Fsm;
@@ -50,7 +51,7 @@ struct Document {
 /// What became of a rule.
 #[derive(Clone, Copy, Serialize)]
 #[serde(rename_all = "snake_case")]
-enum Outcome {
+enum CandidateVerdict {
     /// It stays at the stronger level.
     Kept,
     /// The intended program needs what it would forbid.
@@ -63,7 +64,7 @@ enum Outcome {
 struct CandidateEntry {
     rule: String,
     text: String,
-    verdict: Outcome,
+    verdict: CandidateVerdict,
     #[serde(skip_serializing_if = "Option::is_none")]
     lost: Option<LostEntry>,
 }
@@ -77,16 +78,9 @@ struct LostEntry {
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    let chosen = match rules::choose(
-        "order-strongest",
-        &arguments.rules,
-        &arguments.choice,
-        options,
-    )? {
-        Ok(chosen) => chosen,
-        Err(code) => return Ok(code),
-    };
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
+    let command = "order-strongest";
+    let chosen = rules::choose(command, &arguments.rules, &arguments.choice, options)?;
     let skills = &chosen.skills;
     let useful = arguments.useful.iter().map(|u| pattern(u, skills));
     let request = Request {
@@ -99,31 +93,29 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         let fsm = Fsm::of(&found.skills, request.options, 1)?;
         Ok((found, fsm))
     });
-    let (found, fsm) = match found {
-        Ok(found) => found,
-        Err(error) => {
-            return rules::gave_up(&error, Some("shorter detours (--longest N)"), options);
-        }
+    let besides = Some("shorter detours (--longest N)");
+    let (found, fsm) = found.map_err(EarlyExit::gave_up(besides))?;
+    are_candidates(&arguments.drop, &found)?;
+    let document = Document {
+        head: rules::Head::of(command, skills, arguments.choice.level.level()),
+        states: fsm.states.len(),
+        transitions: fsm.transitions().len(),
+        candidates: entries(&found, skills),
     };
-    for name in &arguments.drop {
+    answer(&document, || told(&found, &fsm, skills), options)?;
+    Ok(ExitCode::Success)
+}
+
+/// Refuses to drop a rule that is no candidate.
+fn are_candidates(dropped: &[String], found: &Strongest) -> anyhow::Result<()> {
+    for name in dropped {
         let known = found.candidates.iter().any(|c| c.rule.name == *name);
         anyhow::ensure!(
             known,
             "there is no candidate `{name}` to drop: without --drop they are listed"
         );
     }
-    let console = options.console();
-    if options.format == Format::Json {
-        console.document(&Document {
-            head: rules::Head::of("order-strongest", skills, arguments.choice.level.level()),
-            states: fsm.states.len(),
-            transitions: fsm.transitions().len(),
-            candidates: entries(&found, skills),
-        })?;
-    } else {
-        console.result(&told(&found, &fsm, skills))?;
-    }
-    Ok(ExitCode::Success)
+    Ok(())
 }
 
 /// `left & down`: situations by their labels.
@@ -173,9 +165,9 @@ fn entries(found: &Strongest, skills: &Skills) -> Vec<CandidateEntry> {
         rule: c.rule.name.clone(),
         text: c.rule.text.clone(),
         verdict: match c.verdict {
-            Verdict::Kept => Outcome::Kept,
-            Verdict::Needed { .. } => Outcome::Needed,
-            Verdict::Dropped => Outcome::Dropped,
+            Verdict::Kept => CandidateVerdict::Kept,
+            Verdict::Needed { .. } => CandidateVerdict::Needed,
+            Verdict::Dropped => CandidateVerdict::Dropped,
         },
         lost: match &c.verdict {
             Verdict::Needed { after, lost } => Some(LostEntry {
