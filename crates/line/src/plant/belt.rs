@@ -13,7 +13,6 @@
 //! One belt can hand over only in its own step and take only in its own step, so there is a place between two belts.
 //! Whose turn it is at the next node is decided as for all others; see `flow.rs`.
 
-use super::flow::Request;
 use super::{BELT, Event, Place, Run};
 use crate::plant::part::PartIndex;
 use crate::trace::{End, What};
@@ -179,7 +178,7 @@ impl<'a> Run<'a> {
             Ok(moved) => moved,
             Err(message) => {
                 self.end = Some(End::PartLost);
-                self.findings.push(
+                self.journal.findings.push(
                     Diagnostic::error(codes::LINE_PART_LOST, self.line.nodes[node].span, message)
                         .with_help(
                             "The belt's contract must keep every part: see what it guarantees of each place in terms \
@@ -217,7 +216,7 @@ impl<'a> Run<'a> {
                     self.look_at(node);
                 }
                 Some(Next::Waiting(position)) => {
-                    if let Some(request) = self.waiting[node].remove(position) {
+                    if let Some(request) = self.queues.of_mut(node).remove(position) {
                         self.transfer(request.outlet);
                     }
                 }
@@ -264,12 +263,17 @@ impl<'a> Run<'a> {
         let Place::Belt(belt) = &self.places[node] else {
             return None;
         };
-        let waiting = self.waiting[node].iter().enumerate().find(|(_, request)| {
-            !matches!(
-                self.places[self.outlets[request.outlet].node],
-                Place::Belt(_)
-            )
-        });
+        let waiting = self
+            .queues
+            .of(node)
+            .iter()
+            .enumerate()
+            .find(|(_, request)| {
+                !matches!(
+                    self.places[self.outlets[request.outlet].node],
+                    Place::Belt(_)
+                )
+            });
         match (belt.inlet, waiting) {
             (Some((_, order)), Some((position, request))) if request.order < order => {
                 Some(Next::Waiting(position))
@@ -339,16 +343,7 @@ impl<'a> Run<'a> {
         let Some(to) = self.outlets[outlet].to else {
             return;
         };
-        let Some(at) = self.waiting[to].iter().position(|r| r.outlet == outlet) else {
-            return;
-        };
-        if let Some(request) = self.waiting[to].remove(at) {
-            self.order += 1;
-            self.waiting[to].push_back(Request {
-                order: self.order,
-                declined: true,
-                ..request
-            });
+        if self.queues.decline(to, outlet) {
             self.look_at(to);
         }
     }
@@ -364,7 +359,9 @@ impl<'a> Run<'a> {
         }
         self.belt(node).kept = 0;
         if let Some(to) = self.outlets[outlet].to {
-            self.waiting[to].retain(|request: &Request| request.outlet != outlet);
+            self.queues
+                .of_mut(to)
+                .retain(|request| request.outlet != outlet);
             self.transfer(outlet);
             // Those behind it in the queue stood back for it.
             self.look_at(to);
@@ -382,8 +379,7 @@ impl<'a> Run<'a> {
     pub(super) fn belt_arrival(&mut self, from: usize, node: usize, part: PartIndex) {
         self.record(node, Some(part), What::Arrived);
         if matches!(self.places[from], Place::Belt(_)) {
-            self.order += 1;
-            let order = self.order;
+            let order = self.queues.next_number();
             self.belt(node).inlet = Some((part, order));
             self.wake(node);
         } else {

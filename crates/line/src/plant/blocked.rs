@@ -30,7 +30,7 @@ impl Run<'_> {
         let chain = self.chain();
         if let (Some(horizon), None) = (self.setup.horizon, self.setup.target)
             && !chain.as_ref().is_some_and(|chain| chain.circle)
-            && self.wayless.is_empty()
+            && self.journal.wayless.is_empty()
         {
             if let Some(chain) = chain {
                 let message = format!(
@@ -38,7 +38,7 @@ impl Run<'_> {
                     self.moment(),
                     chain.texts.join(", ")
                 );
-                self.findings.push(
+                self.journal.findings.push(
                     Diagnostic::note(codes::LINE_BLOCKED, self.line.span, message)
                         .with_help(self.advice(&chain)),
                 );
@@ -47,7 +47,10 @@ impl Run<'_> {
             return End::Time;
         }
         let progress = match self.setup.target {
-            Some(target) => format!(", with {} of {target} products made", self.products),
+            Some(target) => format!(
+                ", with {} of {target} products made",
+                self.counters.products
+            ),
             None => String::new(),
         };
         let (why, help) = match &chain {
@@ -75,7 +78,7 @@ impl Run<'_> {
             let declared = &self.line.nodes[node];
             finding = finding.with_label(declared.span, format!("{} is here", declared.name));
         }
-        self.findings.push(finding);
+        self.journal.findings.push(finding);
         End::Blocked
     }
 
@@ -96,6 +99,7 @@ impl Run<'_> {
     /// How many rejected parts were not ordered again, if any.
     fn not_replaced(&self) -> String {
         match self
+            .counters
             .rejects
             .iter()
             .filter(|(_, ordered)| *ordered == 0)
@@ -115,7 +119,7 @@ impl Run<'_> {
                 NodeKind::Conveyor { .. } | NodeKind::Buffer { .. }
             )
         });
-        if !chain.circle && !self.wayless.is_empty() {
+        if !chain.circle && !self.journal.wayless.is_empty() {
             return "Give every part a way onward from every node it can come to.".to_owned();
         }
         match (chain.circle, roomy) {
@@ -305,10 +309,12 @@ impl Run<'_> {
                             format!("{name} has made all {} of its limit", source.made())
                         }
                         _ => match most {
-                            Some(most) if self.in_line[*part] >= u64::from(*most) => format!(
-                                "{name} makes no more while {most} {} are in the line",
-                                self.type_name(*part)
-                            ),
+                            Some(most) if self.counters.in_line[*part] >= u64::from(*most) => {
+                                format!(
+                                    "{name} makes no more while {most} {} are in the line",
+                                    self.type_name(*part)
+                                )
+                            }
                             _ => format!("{name} makes more, but not for here"),
                         },
                     });

@@ -136,7 +136,7 @@ impl Run<'_> {
     pub(super) fn reopen_later(&mut self, node: usize) {
         let now = self.now;
         let (places, _) = self.belt_of(node);
-        if self.waiting[node].is_empty() {
+        if self.queues.of(node).is_empty() {
             return;
         }
         let Place::Conveyor(conveyor) = &mut self.places[node] else {

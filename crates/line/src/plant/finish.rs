@@ -60,22 +60,22 @@ impl Run<'_> {
             }
         }
         let parts = self.count_parts();
-        self.count_repeated_violations();
+        self.journal.count_repeated_violations();
         let mut trace = Trace {
             seed: self.seed,
             end,
             seconds: now,
             events: self.events,
-            products: self.products,
-            stored: self.stored,
-            makespan: self.makespan,
+            products: self.counters.products,
+            stored: self.counters.stored,
+            makespan: self.counters.makespan,
             throughput_per_hour: if now > 0.0 {
-                self.products as f64 * 3600.0 / now
+                self.counters.products as f64 * 3600.0 / now
             } else {
                 0.0
             },
             parts,
-            lead_time: self.lead_times.summary(),
+            lead_time: self.counters.lead_times.summary(),
             // The sum of no numbers is -0.
             joules: 0.0
                 + stations.iter().map(|s| s.joules).sum::<f64>()
@@ -85,6 +85,7 @@ impl Run<'_> {
             stations,
             conveyors,
             rejects: self
+                .counters
                 .rejects
                 .iter()
                 .enumerate()
@@ -95,11 +96,11 @@ impl Run<'_> {
                     reordered,
                 })
                 .collect(),
-            violations: self.violations,
-            violation_count: self.violation_count,
+            violations: self.journal.violations,
+            violation_count: self.journal.violation_count,
             requirements: Vec::new(),
-            findings: self.findings,
-            log: self.log,
+            findings: self.journal.findings,
+            log: self.journal.log,
         };
         metric::check(self.line, &mut trace);
         trace
@@ -112,10 +113,10 @@ impl Run<'_> {
             .filter(|&part| self.parts[part].entered)
             .count() as u64;
         let counts = PartCounts {
-            entered: self.entered,
-            finished: self.finished,
-            rejected: self.rejects.iter().map(|(count, _)| count).sum(),
-            consumed: self.consumed,
+            entered: self.counters.entered,
+            finished: self.counters.finished,
+            rejected: self.counters.rejects.iter().map(|(count, _)| count).sum(),
+            consumed: self.counters.consumed,
             in_progress,
         };
         assert_eq!(
@@ -125,19 +126,6 @@ impl Run<'_> {
         );
         counts
     }
-
-    /// Says in the finding of each rule how often it was broken.
-    fn count_repeated_violations(&mut self) {
-        for &(finding, count) in self.violation_kinds.values() {
-            if count > 1 {
-                self.findings[finding].message += &times(count);
-            }
-        }
-    }
-}
-
-fn times(count: u64) -> String {
-    format!(" ({count} times in all; this was the first)")
 }
 
 /// The figures of stations and contracted belts, machine by machine.

@@ -17,8 +17,9 @@
 //! queue, and is passed over until something changes at the node. So as long as a node has room that some request waits for, either it will be
 //! looked at, or a belt with its turn will be stepped, or all who could come have had their turn and did not.
 
+use super::part::PartIndex;
+use super::queue::Request;
 use super::{Place, Run};
-use crate::plant::part::PartIndex;
 use crate::trace::{End, What};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, NodeKind};
@@ -36,19 +37,6 @@ pub(super) struct Outlet {
     pub part: Option<PartIndex>,
     /// Where to; `None` where no route takes it on.
     pub to: Option<usize>,
-}
-
-/// An outlet that waits for a node.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Request {
-    /// The outlet.
-    pub outlet: usize,
-    /// Its part's type.
-    pub kind: usize,
-    /// When it began to wait, as a running number.
-    pub order: u64,
-    /// A belt that had its turn and did not hand over; until the node is looked at.
-    pub declined: bool,
 }
 
 /// The routes, by node and part type.
@@ -127,21 +115,17 @@ impl Run<'_> {
 
     /// The node is to be looked at again.
     pub(super) fn look_at(&mut self, node: usize) {
-        if !std::mem::replace(&mut self.in_work[node], true) {
-            self.work.push_back(node as u32);
-        }
+        self.agenda.push(node);
     }
 
     /// Looks at nodes until nothing moves any more at this instant.
     pub(super) fn settle(&mut self) {
         while self.end.is_none()
-            && let Some(node) = self.work.pop_front()
+            && let Some(node) = self.agenda.pop()
         {
-            let node = node as usize;
-            self.in_work[node] = false;
             self.hand_on(node);
             self.serve(node);
-            if self.stands_still() {
+            if self.progress.stands_still() {
                 break;
             }
         }
@@ -150,7 +134,9 @@ impl Run<'_> {
     /// Brings a node's next parts to its outlets.
     fn hand_on(&mut self, node: usize) {
         for outlet in self.outlets_of(node) {
-            while self.outlets[outlet].part.is_none() && self.end.is_none() && !self.stands_still()
+            while self.outlets[outlet].part.is_none()
+                && self.end.is_none()
+                && !self.progress.stands_still()
             {
                 let next = match &self.places[node] {
                     Place::Source(_) => self.make(node),
@@ -192,13 +178,7 @@ impl Run<'_> {
 
     /// The outlet waits for a node from now on.
     pub(super) fn request(&mut self, outlet: usize, to: usize, kind: usize) {
-        self.order += 1;
-        self.waiting[to].push_back(Request {
-            outlet,
-            kind,
-            order: self.order,
-            declined: false,
-        });
+        self.queues.push(to, outlet, kind);
         match self.places[to] {
             Place::Conveyor(_) => self.reopen_later(to),
             Place::Belt(_) => self.wake(to),
@@ -223,15 +203,15 @@ impl Run<'_> {
             return Some(*to);
         }
         let (kind, number) = (part.kind, part.number);
-        if !self.wayless.contains(&(node, kind)) {
-            self.wayless.push((node, kind));
+        if !self.journal.wayless.contains(&(node, kind)) {
+            self.journal.wayless.push((node, kind));
             let name = self.type_name(kind);
             let message = format!(
                 "{name} {number} has no way onward from {} at {}",
                 self.name(node),
                 self.moment()
             );
-            self.findings.push(
+            self.journal.findings.push(
                 Diagnostic::error(codes::LINE_ROUTE, self.line.nodes[node].span, message)
                     .with_help(format!(
                         "Add a route for {name} without a condition, after those that have one."
@@ -261,7 +241,8 @@ impl Run<'_> {
 
     /// Whether someone who has waited longer for a node than outlet `own` (or than a newcomer) could go there now.
     pub(super) fn others_first(&self, node: usize, own: Option<usize>) -> bool {
-        self.waiting[node]
+        self.queues
+            .of(node)
             .iter()
             .take_while(|request| Some(request.outlet) != own)
             .any(|request| self.admits(node, request.kind, self.outlets[request.outlet].node))
@@ -270,22 +251,22 @@ impl Run<'_> {
     /// Lets in whoever waits for a node, as long as there is room; see [Turns](self#turns).
     fn serve(&mut self, node: usize) {
         let mut next = 0;
-        while let Some(&Request { outlet, kind, .. }) = self.waiting[node].get(next) {
-            if self.end.is_some() || self.stands_still() {
+        while let Some(&Request { outlet, kind, .. }) = self.queues.of(node).get(next) {
+            if self.end.is_some() || self.progress.stands_still() {
                 return;
             }
             let from = self.outlets[outlet].node;
             if !self.admits(node, kind, from) {
                 next += 1;
             } else if matches!(self.places[from], Place::Belt(_)) {
-                if std::mem::take(&mut self.waiting[node][next].declined) {
+                if std::mem::take(&mut self.queues.of_mut(node)[next].declined) {
                     next += 1;
                     continue;
                 }
                 self.wake(from);
                 break;
             } else {
-                self.waiting[node].remove(next);
+                self.queues.of_mut(node).remove(next);
                 self.transfer(outlet);
                 next = 0;
             }
@@ -301,7 +282,7 @@ impl Run<'_> {
         let (Some(part), Some(to)) = (part, to) else {
             return;
         };
-        self.at_instant += 1;
+        self.progress.count_movement();
         self.outlets[outlet].part = None;
         self.outlets[outlet].to = None;
         self.enter(node, part);
@@ -345,7 +326,7 @@ impl Run<'_> {
         if !entering.entered {
             entering.entered = true;
             entering.birth = now;
-            self.entered += 1;
+            self.counters.entered += 1;
             self.record(node, Some(part), What::Entered);
         }
     }
@@ -353,16 +334,15 @@ impl Run<'_> {
     /// A part leaves the line as it should; an end product may be the last that was wanted.
     pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), What::Finished);
-        self.finished += 1;
+        self.counters.finished += 1;
         self.count_out(self.parts[part].kind);
         if self.parts[part].kind == self.line.product {
-            self.products += 1;
-            self.stored += u64::from(matches!(self.places[node], Place::Store(_)));
-            self.makespan = self.now;
-            self.events_at_product = self.events;
-            self.violations_at_product = self.violation_count;
-            self.lead_times.add(self.now - self.parts[part].birth);
-            if self.setup.target == Some(self.products) {
+            let stored = matches!(self.places[node], Place::Store(_));
+            self.counters
+                .count_product(self.now, self.parts[part].birth, stored);
+            self.progress
+                .count_product(self.events, self.journal.violation_count);
+            if self.setup.target == Some(self.counters.products) {
                 self.end = Some(End::Products);
             }
         }
@@ -373,7 +353,7 @@ impl Run<'_> {
     pub(super) fn reject(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
         self.record(node, Some(part), What::Rejected);
         let kind = self.parts[part].kind;
-        self.rejects[kind].0 += 1;
+        self.counters.rejects[kind].0 += 1;
         self.count_out(kind);
         self.parts.remove(part);
         if let Some(source) = reorder {
@@ -382,7 +362,7 @@ impl Run<'_> {
             };
             let count = self.setup.content(kind, ordered);
             self.order(source, count);
-            self.rejects[kind].1 += count;
+            self.counters.rejects[kind].1 += count;
         }
     }
 

@@ -7,37 +7,36 @@
 mod belt;
 mod blocked;
 mod conveyor;
+mod counters;
 mod finish;
 mod flow;
+mod journal;
 mod part;
+mod progress;
+mod queue;
 mod station;
 mod supply;
 
 use super::calendar::Calendar;
 use super::random::Stream;
-use super::statistics::LeadTimes;
-use super::trace::{End, LogEntry, MAX_VIOLATIONS, Trace, Violation, What};
+use super::trace::{End, Trace};
 use super::{Options, validate};
 use belt::BeltState;
 use conveyor::Conveyor;
-use flow::{Outlet, Request, Ways};
+use counters::Counters;
+use flow::{Outlet, Ways};
+use journal::Journal;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Limit, Line, NodeKind, Shift};
-use linewright_station::{CallError, Controller, ErrorCode};
+use linewright_station::Controller;
 use part::{PartIndex, Parts};
+use progress::Progress;
+use queue::{Agenda, Queues};
 use station::Station;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use supply::{Source, Store};
 
-/// More than so many movements and events at one instant, and time is taken to stand still for good.
-const MAX_AT_ONE_INSTANT: u64 = 1_000_000;
-/// More than so many violations at one instant, likewise; each may cost a whole operation.
-const MAX_VIOLATIONS_AT_ONE_INSTANT: u64 = 10_000;
-/// More than so many events since the last end product, and a run that waits for products is taken to make none any more.
-const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
-/// More than so many violations since the last end product, likewise.
-const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;
 /// The real clock is looked at every so many events.
 const EVENTS_A_LOOK: u64 = 16;
 
@@ -114,39 +113,12 @@ struct Run<'a> {
     parts: Parts,
     places: Vec<Place>,
     outlets: Vec<Outlet>,
-    /// Who waits for each node.
-    waiting: Vec<VecDeque<Request>>,
-    /// The nodes to look at again, each at most once.
-    work: VecDeque<u32>,
-    in_work: Vec<bool>,
-    /// Numbers requests and complete bills in their order.
-    order: u64,
+    queues: Queues,
+    agenda: Agenda,
     end: Option<End>,
-    // Counters.
-    products: u64,
-    stored: u64,
-    makespan: f64,
-    lead_times: LeadTimes,
-    entered: u64,
-    finished: u64,
-    consumed: u64,
-    /// By type: how many have been made or given out and have not left the line, by themselves or joined to others.
-    in_line: Vec<u64>,
-    rejects: Vec<(u64, u64)>,
-    violations: Vec<Violation>,
-    violation_count: u64,
-    /// The number of violations by node, rule and code, for one finding each.
-    violation_kinds: BTreeMap<(usize, Option<String>, i32), (usize, u64)>,
-    log: Vec<LogEntry>,
-    findings: Vec<Diagnostic>,
-    /// Nodes and types for which there was no way onward.
-    wayless: Vec<(usize, usize)>,
-    // Guards against standing still.
-    instant: f64,
-    at_instant: u64,
-    violations_at_instant: u64,
-    events_at_product: u64,
-    violations_at_product: u64,
+    counters: Counters,
+    journal: Journal,
+    progress: Progress,
 }
 
 impl Plant {
@@ -292,31 +264,12 @@ impl<'a> Run<'a> {
             parts: Parts::default(),
             places,
             outlets: setup.outlets.clone(),
-            waiting: line.nodes.iter().map(|_| VecDeque::new()).collect(),
-            work: VecDeque::new(),
-            in_work: vec![false; line.nodes.len()],
-            order: 0,
+            queues: Queues::new(line.nodes.len()),
+            agenda: Agenda::new(line.nodes.len()),
             end: None,
-            products: 0,
-            stored: 0,
-            makespan: 0.0,
-            lead_times: LeadTimes::new(seed),
-            entered: 0,
-            finished: 0,
-            consumed: 0,
-            in_line: vec![0; line.parts.len()],
-            rejects: vec![(0, 0); line.parts.len()],
-            violations: Vec::new(),
-            violation_count: 0,
-            violation_kinds: BTreeMap::new(),
-            log: Vec::new(),
-            findings: Vec::new(),
-            wayless: Vec::new(),
-            instant: 0.0,
-            at_instant: 0,
-            violations_at_instant: 0,
-            events_at_product: 0,
-            violations_at_product: 0,
+            counters: Counters::new(line.parts.len(), seed),
+            journal: Journal::default(),
+            progress: Progress::default(),
         }
     }
 
@@ -411,80 +364,6 @@ impl<'a> Run<'a> {
         self.schedule_shift();
     }
 
-    /// Notices when the run no longer gets anywhere.
-    fn guard(&mut self) {
-        if self.now > self.instant {
-            self.instant = self.now;
-            self.at_instant = 0;
-            self.violations_at_instant = 0;
-        } else {
-            self.at_instant += 1;
-        }
-        if self.end.is_some() {
-            return;
-        }
-        if self.stands_still() {
-            self.end = Some(End::Blocked);
-            let message = format!(
-                "the line makes no progress: at {} parts move on and on, and no time passes",
-                self.moment()
-            );
-            self.findings.push(
-                Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message).with_help(
-                    "Look for a source without a time, a circle of routes without a station, or a station whose \
-                     every part breaks a rule and is ordered again.",
-                ),
-            );
-        } else if self.setup.horizon.is_none() && self.is_barren() {
-            self.end = Some(End::Blocked);
-            let refused = self.violation_count - self.violations_at_product;
-            let since = if refused > MAX_VIOLATIONS_WITHOUT_PRODUCT {
-                format!("while rules were broken {refused} times")
-            } else {
-                format!("in the last {MAX_EVENTS_WITHOUT_PRODUCT} events")
-            };
-            let message = format!(
-                "the line makes no progress: it has made {} of {} products, and none {since}",
-                self.products,
-                self.setup.target.unwrap_or(0),
-            );
-            self.findings.push(
-                Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message).with_help(
-                    "See which rule refuses the parts, or why every part is rejected; --until ends a run at a time.",
-                ),
-            );
-        }
-    }
-
-    /// Whether a run that waits for products has stopped making any.
-    fn is_barren(&self) -> bool {
-        self.events - self.events_at_product > MAX_EVENTS_WITHOUT_PRODUCT
-            || self.violation_count - self.violations_at_product > MAX_VIOLATIONS_WITHOUT_PRODUCT
-    }
-
-    /// Gives up when the deadline of the real clock is reached.
-    fn look_at_clock(&mut self) {
-        if self.end.is_some() || !self.setup.options.deadline.is_past() {
-            return;
-        }
-        self.end = Some(End::GaveUp);
-        let message = format!(
-            "the run was not over when the time limit was reached: it has come to {}, with {} products",
-            self.moment(),
-            self.products
-        );
-        self.findings.push(
-            Diagnostic::error(codes::GAVE_UP, self.line.span, message)
-                .with_help("give it more time with --timeout SECONDS, or end it earlier with --parts or --until"),
-        );
-    }
-
-    /// Whether too much has happened since the clock last moved.
-    fn stands_still(&self) -> bool {
-        self.at_instant > MAX_AT_ONE_INSTANT
-            || self.violations_at_instant > MAX_VIOLATIONS_AT_ONE_INSTANT
-    }
-
     /// The time as a person reads it.
     fn moment(&self) -> String {
         super::trace::clock(self.now)
@@ -496,79 +375,6 @@ impl<'a> Run<'a> {
 
     fn type_name(&self, part_type: usize) -> &'a str {
         &self.line.parts[part_type].name
-    }
-
-    fn record(&mut self, node: usize, part: Option<PartIndex>, what: What) {
-        if self.setup.options.log {
-            self.log.push(LogEntry {
-                time: self.now,
-                node,
-                part: part.map(|part| (self.parts[part].number, self.parts[part].kind)),
-                what,
-            });
-        }
-    }
-
-    /// A controller answered with an error.
-    fn violate(&mut self, node: usize, part: Option<PartIndex>, error: CallError) {
-        self.violation_count += 1;
-        self.violations_at_instant += 1;
-        let part = part.map(|part| (self.parts[part].number, self.parts[part].kind));
-        let kind = (node, error.rule.clone(), error.code as i32);
-        if let Some((_, count)) = self.violation_kinds.get_mut(&kind) {
-            *count += 1;
-        } else {
-            let code = match error.code {
-                ErrorCode::Assumption
-                | ErrorCode::Guarantee
-                | ErrorCode::Limit
-                | ErrorCode::Order
-                | ErrorCode::Domain => codes::LINE_VIOLATION,
-                _ => codes::LIBRARY_CALL,
-            };
-            let rule = match (&error.rule, error.code) {
-                (Some(rule), ErrorCode::Assumption) => {
-                    format!("the assumption \"{rule}\" was broken")
-                }
-                (Some(rule), ErrorCode::Guarantee) => {
-                    format!("the guarantee \"{rule}\" was broken")
-                }
-                (Some(rule), _) => format!("\"{rule}\" was broken"),
-                (None, ErrorCode::Assumption) => "no inputs keep its assumptions".to_owned(),
-                (None, ErrorCode::Limit) => "the operation did not end".to_owned(),
-                (None, ErrorCode::Domain) => "a value is outside its domain".to_owned(),
-                (None, _) => "the controller refused a call".to_owned(),
-            };
-            let work = part.map_or(String::new(), |(number, kind)| {
-                format!(", at work on {} {number}", self.type_name(kind))
-            });
-            let message = format!(
-                "{}: {rule} at {}{work}: {}",
-                self.name(node),
-                self.moment(),
-                error.message
-            );
-            self.violation_kinds.insert(kind, (self.findings.len(), 1));
-            self.findings.push(
-                Diagnostic::error(code, self.line.nodes[node].span, message).with_help(
-                    if error.code == ErrorCode::Order {
-                        "Let the station's operations come in an order that the rule allows, or mend what calls the skills: `linewright order complete` says what may come next."
-                    } else {
-                        "Compare what the rule asks for with the part's properties and the machine's bindings."
-                    },
-                ),
-            );
-        }
-        if self.violations.len() < MAX_VIOLATIONS {
-            self.violations.push(Violation {
-                time: self.now,
-                node,
-                part,
-                code: error.code,
-                rule: error.rule,
-                message: error.message,
-            });
-        }
     }
 }
 

@@ -252,7 +252,6 @@ impl Run<'_> {
     pub(super) fn station_arrival(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), What::Arrived);
         let kind = self.parts[part].kind;
-        let order = self.order + 1;
         let station = self.station(node);
         station.visited = true;
         if let Some((task, line)) = station.component_place(kind) {
@@ -263,8 +262,8 @@ impl Run<'_> {
                 .iter()
                 .all(|(_, count, there)| there.len() == *count)
             {
-                bill.complete = Some(order);
-                self.order = order;
+                let order = self.queues.next_number();
+                self.station(node).bills[task].complete = Some(order);
                 self.look_at(node);
             }
         } else if let Some(task) = station.plain_task(kind) {
@@ -290,7 +289,7 @@ impl Run<'_> {
         let Some((order, task)) = complete else {
             return;
         };
-        let older = self.waiting[node].iter().any(|request| {
+        let older = self.queues.of(node).iter().any(|request| {
             request.order < order
                 && station.component_place(request.kind).is_none()
                 && station.plain_task(request.kind).is_some()
@@ -324,13 +323,13 @@ impl Run<'_> {
         for component in components() {
             self.record(node, Some(component), What::Consumed);
             self.parts.remove(component);
-            self.consumed += 1;
+            self.counters.consumed += 1;
         }
         self.parts[part].birth = birth;
         self.parts[part].entered = true;
-        self.entered += 1;
+        self.counters.entered += 1;
         // What it was joined from stays in the line, in it.
-        self.in_line[kind] += 1;
+        self.counters.in_line[kind] += 1;
         self.record(node, Some(part), What::Entered);
         if !self.refuse_misfit(node, part) {
             self.begin(node, task, part);

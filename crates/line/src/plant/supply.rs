@@ -108,7 +108,7 @@ impl Run<'_> {
         let Place::Source(source) = &mut self.places[node] else {
             return None;
         };
-        let full = most.is_some_and(|most| self.in_line[part] >= u64::from(most));
+        let full = most.is_some_and(|most| self.counters.in_line[part] >= u64::from(most));
         if !source.due || source.exhausted() || full {
             return None;
         }
@@ -128,20 +128,20 @@ impl Run<'_> {
                 self.schedule(time, WORK, Event::Due(node as u32));
             }
         }
-        self.in_line[part] += 1;
+        self.counters.in_line[part] += 1;
         Some(self.parts.create(self.line, part, |_| None))
     }
 
     /// A part is in the line from now on, or kept to go into it, with all that it was joined from.
     fn count_in(&mut self, kind: usize) {
-        for (part, count) in self.in_line.iter_mut().enumerate() {
+        for (part, count) in self.counters.in_line.iter_mut().enumerate() {
             *count += self.setup.contents[kind * self.line.parts.len() + part];
         }
     }
 
     /// A part has left the line: a source that has waited for that may go on.
     pub(super) fn count_out(&mut self, kind: usize) {
-        for (part, count) in self.in_line.iter_mut().enumerate() {
+        for (part, count) in self.counters.in_line.iter_mut().enumerate() {
             let content = self.setup.contents[kind * self.line.parts.len() + part];
             *count = count.saturating_sub(content);
         }

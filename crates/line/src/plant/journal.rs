@@ -1,0 +1,117 @@
+//! What a run notes down: the log, violations, and findings.
+
+use super::Run;
+use super::part::PartIndex;
+use crate::trace::{LogEntry, MAX_VIOLATIONS, Violation, What};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_station::{CallError, ErrorCode};
+use std::collections::BTreeMap;
+
+/// What one run notes down.
+#[derive(Debug, Default)]
+pub(super) struct Journal {
+    /// Every movement and operation, if the options ask for it.
+    pub log: Vec<LogEntry>,
+    /// The first violations, up to [`MAX_VIOLATIONS`].
+    pub violations: Vec<Violation>,
+    /// How many there were in all.
+    pub violation_count: u64,
+    /// By node, rule and code: the finding of the first violation, and how many there were; one finding each.
+    violation_kinds: BTreeMap<(usize, Option<String>, i32), (usize, u64)>,
+    /// The findings of the run.
+    pub findings: Vec<Diagnostic>,
+    /// Nodes and types for which there was no way onward.
+    pub wayless: Vec<(usize, usize)>,
+}
+
+impl Journal {
+    /// Says in the finding of each rule how often it was broken.
+    pub(super) fn count_repeated_violations(&mut self) {
+        for &(finding, count) in self.violation_kinds.values() {
+            if count > 1 {
+                self.findings[finding].message += &times(count);
+            }
+        }
+    }
+}
+
+impl Run<'_> {
+    pub(super) fn record(&mut self, node: usize, part: Option<PartIndex>, what: What) {
+        if self.setup.options.log {
+            self.journal.log.push(LogEntry {
+                time: self.now,
+                node,
+                part: part.map(|part| (self.parts[part].number, self.parts[part].kind)),
+                what,
+            });
+        }
+    }
+
+    /// A controller answered with an error.
+    pub(super) fn violate(&mut self, node: usize, part: Option<PartIndex>, error: CallError) {
+        self.journal.violation_count += 1;
+        self.progress.violations_at_instant += 1;
+        let part = part.map(|part| (self.parts[part].number, self.parts[part].kind));
+        let kind = (node, error.rule.clone(), error.code as i32);
+        if let Some((_, count)) = self.journal.violation_kinds.get_mut(&kind) {
+            *count += 1;
+        } else {
+            let code = match error.code {
+                ErrorCode::Assumption
+                | ErrorCode::Guarantee
+                | ErrorCode::Limit
+                | ErrorCode::Order
+                | ErrorCode::Domain => codes::LINE_VIOLATION,
+                _ => codes::LIBRARY_CALL,
+            };
+            let rule = match (&error.rule, error.code) {
+                (Some(rule), ErrorCode::Assumption) => {
+                    format!("the assumption \"{rule}\" was broken")
+                }
+                (Some(rule), ErrorCode::Guarantee) => {
+                    format!("the guarantee \"{rule}\" was broken")
+                }
+                (Some(rule), _) => format!("\"{rule}\" was broken"),
+                (None, ErrorCode::Assumption) => "no inputs keep its assumptions".to_owned(),
+                (None, ErrorCode::Limit) => "the operation did not end".to_owned(),
+                (None, ErrorCode::Domain) => "a value is outside its domain".to_owned(),
+                (None, _) => "the controller refused a call".to_owned(),
+            };
+            let work = part.map_or(String::new(), |(number, kind)| {
+                format!(", at work on {} {number}", self.type_name(kind))
+            });
+            let message = format!(
+                "{}: {rule} at {}{work}: {}",
+                self.name(node),
+                self.moment(),
+                error.message
+            );
+            self.journal
+                .violation_kinds
+                .insert(kind, (self.journal.findings.len(), 1));
+            self.journal.findings.push(
+                Diagnostic::error(code, self.line.nodes[node].span, message).with_help(
+                    if error.code == ErrorCode::Order {
+                        "Let the station's operations come in an order that the rule allows, or mend what calls the skills: `linewright order complete` says what may come next."
+                    } else {
+                        "Compare what the rule asks for with the part's properties and the machine's bindings."
+                    },
+                ),
+            );
+        }
+        if self.journal.violations.len() < MAX_VIOLATIONS {
+            self.journal.violations.push(Violation {
+                time: self.now,
+                node,
+                part,
+                code: error.code,
+                rule: error.rule,
+                message: error.message,
+            });
+        }
+    }
+}
+
+fn times(count: u64) -> String {
+    format!(" ({count} times in all; this was the first)")
+}

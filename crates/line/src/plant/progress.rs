@@ -1,0 +1,127 @@
+//! Whether a run still gets anywhere: guards against a livelock, and against work that leads to no product.
+
+use super::Run;
+use crate::trace::End;
+use linewright_core::diagnostics::{Diagnostic, codes};
+
+/// More than so many movements and events at one instant, and time is taken to stand still for good.
+const MAX_AT_ONE_INSTANT: u64 = 1_000_000;
+/// More than so many violations at one instant, likewise; each may cost a whole operation.
+const MAX_VIOLATIONS_AT_ONE_INSTANT: u64 = 10_000;
+/// More than so many events since the last end product, and a run that waits for products is taken to make none any more.
+const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
+/// More than so many violations since the last end product, likewise.
+const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;
+
+/// What has happened since time last passed, and since the last end product.
+#[derive(Debug, Default)]
+pub(super) struct Progress {
+    /// When time last passed, in seconds.
+    instant: f64,
+    /// Movements and events since then.
+    at_instant: u64,
+    /// Violations since then.
+    pub violations_at_instant: u64,
+    /// Events up to the last end product.
+    events_at_product: u64,
+    /// Violations up to the last end product.
+    violations_at_product: u64,
+}
+
+impl Progress {
+    /// An event has been dealt with at `now`.
+    fn advance(&mut self, now: f64) {
+        if now > self.instant {
+            self.instant = now;
+            self.at_instant = 0;
+            self.violations_at_instant = 0;
+        } else {
+            self.at_instant += 1;
+        }
+    }
+
+    /// A part has moved.
+    pub(super) fn count_movement(&mut self) {
+        self.at_instant += 1;
+    }
+
+    /// An end product is complete, after this many events and violations.
+    pub(super) fn count_product(&mut self, events: u64, violations: u64) {
+        self.events_at_product = events;
+        self.violations_at_product = violations;
+    }
+
+    /// Whether too much has happened since the clock last moved.
+    pub(super) fn stands_still(&self) -> bool {
+        self.at_instant > MAX_AT_ONE_INSTANT
+            || self.violations_at_instant > MAX_VIOLATIONS_AT_ONE_INSTANT
+    }
+
+    /// Whether a run that waits for products has stopped making any.
+    fn is_barren(&self, events: u64, violations: u64) -> bool {
+        events - self.events_at_product > MAX_EVENTS_WITHOUT_PRODUCT
+            || violations - self.violations_at_product > MAX_VIOLATIONS_WITHOUT_PRODUCT
+    }
+}
+
+impl Run<'_> {
+    /// Notices when the run no longer gets anywhere.
+    pub(super) fn guard(&mut self) {
+        self.progress.advance(self.now);
+        if self.end.is_some() {
+            return;
+        }
+        if self.progress.stands_still() {
+            self.end = Some(End::Blocked);
+            let message = format!(
+                "the line makes no progress: at {} parts move on and on, and no time passes",
+                self.moment()
+            );
+            self.journal.findings.push(
+                Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message).with_help(
+                    "Look for a source without a time, a circle of routes without a station, or a station whose \
+                     every part breaks a rule and is ordered again.",
+                ),
+            );
+        } else if self.setup.horizon.is_none()
+            && self
+                .progress
+                .is_barren(self.events, self.journal.violation_count)
+        {
+            self.end = Some(End::Blocked);
+            let refused = self.journal.violation_count - self.progress.violations_at_product;
+            let since = if refused > MAX_VIOLATIONS_WITHOUT_PRODUCT {
+                format!("while rules were broken {refused} times")
+            } else {
+                format!("in the last {MAX_EVENTS_WITHOUT_PRODUCT} events")
+            };
+            let message = format!(
+                "the line makes no progress: it has made {} of {} products, and none {since}",
+                self.counters.products,
+                self.setup.target.unwrap_or(0),
+            );
+            self.journal.findings.push(
+                Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message).with_help(
+                    "See which rule refuses the parts, or why every part is rejected; --until ends a run at a time.",
+                ),
+            );
+        }
+    }
+
+    /// Gives up when the deadline of the real clock is reached.
+    pub(super) fn look_at_clock(&mut self) {
+        if self.end.is_some() || !self.setup.options.deadline.is_past() {
+            return;
+        }
+        self.end = Some(End::GaveUp);
+        let message = format!(
+            "the run was not over when the time limit was reached: it has come to {}, with {} products",
+            self.moment(),
+            self.counters.products
+        );
+        self.journal.findings.push(
+            Diagnostic::error(codes::GAVE_UP, self.line.span, message)
+                .with_help("give it more time with --timeout SECONDS, or end it earlier with --parts or --until"),
+        );
+    }
+}

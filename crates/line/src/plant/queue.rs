@@ -1,0 +1,110 @@
+//! Who waits for a node, in which order, and which nodes are to be looked at again.
+
+use std::collections::VecDeque;
+
+/// An outlet that waits for a node.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Request {
+    /// The outlet.
+    pub outlet: usize,
+    /// Its part's type.
+    pub kind: usize,
+    /// When it began to wait, as a running number.
+    pub order: u64,
+    /// A belt that had its turn and did not hand over; until the node is looked at.
+    pub declined: bool,
+}
+
+/// The requests to each node, oldest first, and the numbers that order them.
+#[derive(Debug)]
+pub(super) struct Queues {
+    waiting: Vec<VecDeque<Request>>,
+    /// The last number given to a request or a complete bill.
+    last: u64,
+}
+
+impl Queues {
+    /// Empty queues for this many nodes.
+    pub(super) fn new(nodes: usize) -> Self {
+        Self {
+            waiting: vec![VecDeque::new(); nodes],
+            last: 0,
+        }
+    }
+
+    /// The next number in the order of requests and complete bills.
+    pub(super) fn next_number(&mut self) -> u64 {
+        self.last += 1;
+        self.last
+    }
+
+    /// The requests to a node, oldest first.
+    pub(super) fn of(&self, node: usize) -> &VecDeque<Request> {
+        &self.waiting[node]
+    }
+
+    /// The requests to a node, oldest first.
+    pub(super) fn of_mut(&mut self, node: usize) -> &mut VecDeque<Request> {
+        &mut self.waiting[node]
+    }
+
+    /// An outlet, whose part has this type, waits for a node from now on.
+    pub(super) fn push(&mut self, node: usize, outlet: usize, kind: usize) {
+        let order = self.next_number();
+        self.waiting[node].push_back(Request {
+            outlet,
+            kind,
+            order,
+            declined: false,
+        });
+    }
+
+    /// The outlet had its turn at a node and goes to the end of the queue; whether it was in it.
+    pub(super) fn decline(&mut self, node: usize, outlet: usize) -> bool {
+        let queue = &mut self.waiting[node];
+        let Some(at) = queue.iter().position(|request| request.outlet == outlet) else {
+            return false;
+        };
+        let Some(request) = queue.remove(at) else {
+            return false;
+        };
+        self.last += 1;
+        queue.push_back(Request {
+            order: self.last,
+            declined: true,
+            ..request
+        });
+        true
+    }
+}
+
+/// The nodes to look at again, first come, first served, each at most once.
+#[derive(Debug)]
+pub(super) struct Agenda {
+    nodes: VecDeque<u32>,
+    listed: Vec<bool>,
+}
+
+impl Agenda {
+    /// An empty list, for this many nodes.
+    pub(super) fn new(nodes: usize) -> Self {
+        Self {
+            nodes: VecDeque::new(),
+            listed: vec![false; nodes],
+        }
+    }
+
+    /// Adds a node, unless it is listed already.
+    pub(super) fn push(&mut self, node: usize) {
+        if !std::mem::replace(&mut self.listed[node], true) {
+            self.nodes.push_back(node as u32);
+        }
+    }
+
+    /// Takes the next node off the list.
+    pub(super) fn pop(&mut self) -> Option<usize> {
+        let node = self.nodes.pop_front()? as usize;
+        self.listed[node] = false;
+        Some(node)
+    }
+}
