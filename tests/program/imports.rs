@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The crates below the command line, each with those that it uses.
-const CRATES: [(&str, &[&str]); 9] = [
+const CRATES: [(&str, &[&str]); 10] = [
     ("core", &[]),
-    ("language", &["core"]),
+    ("automata", &["core"]),
+    ("language", &["automata", "core"]),
     ("interchange", &["core", "language"]),
     ("solver", &["core"]),
     ("algebra", &["core", "language", "solver"]),
@@ -32,7 +33,7 @@ const CRATES: [(&str, &[&str]); 9] = [
 ];
 
 /// Crates of several modules, where a module may use those before it.
-const ORDER: [(&str, &[&str]); 3] = [
+const ORDER: [(&str, &[&str]); 4] = [
     (
         "core",
         &[
@@ -44,6 +45,7 @@ const ORDER: [(&str, &[&str]); 3] = [
             "gr1",
         ],
     ),
+    ("automata", &["bound", "search", "partition", "dfa"]),
     ("language", &["syntax", "order", "contract"]),
     ("solver", &["symbolic", "game", "mealy"]),
 ];

@@ -183,7 +183,7 @@ fn one(
     read: Read,
     chosen: &mut Chosen,
     arguments: &Arguments,
-) -> Result<Told, crate::order::bound::TooLarge> {
+) -> Result<Told, crate::automata::bound::TooLarge> {
     let mut entry = Entry {
         file: name.to_owned(),
         verdict: ProgramVerdict::Invalid,

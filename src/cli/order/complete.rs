@@ -2,10 +2,10 @@
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, program, rules, words};
+use crate::automata::bound::TooLarge;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
-use crate::order::bound::TooLarge;
 use crate::order::fsm::calls;
 use crate::order::picture::names;
 use crate::order::program::{MOST_SOUGHT, detour};

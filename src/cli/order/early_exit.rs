@@ -1,9 +1,9 @@
 //! How the commands of `order` end before they have an answer. They all do it alike: the rules cannot be loaded, or the automaton is too
 //! large.
 
+use crate::automata::bound::TooLarge;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
-use crate::order::bound::TooLarge;
 
 /// What a command of `order` returns.
 pub type Outcome = Result<ExitCode, EarlyExit>;

@@ -3,12 +3,12 @@
 use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, Chosen};
 use super::{Choice, program};
+use crate::automata::bound::TooLarge;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::cli::select::Selection;
 use crate::engine::output;
 use crate::order::Skills;
-use crate::order::bound::TooLarge;
 use crate::order::fsm::{calls, is_cut};
 use crate::order::monitor::{Monitor, Unfolding, Verdict};
 use crate::order::supervisor::Supervisor;

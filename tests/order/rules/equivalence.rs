@@ -4,12 +4,12 @@
 use super::naive::{Letter, Naive};
 use super::random::{Size, options, skills, two_sets};
 use super::units::{any, at_most, unit};
-use linewright::order::dfa::{Dfa, REFUSED};
+use linewright::automata::dfa::{Dfa, REFUSED};
 use linewright::order::fsm::Fsm;
 use linewright::order::rule::MOST_STATES;
 use linewright::order::supervisor::Options;
 use linewright::order::{eliminate, regex};
-use linewright::{deadline::Deadline, order::bound::TooLarge};
+use linewright::{automata::bound::TooLarge, deadline::Deadline};
 use proptest::prelude::{ProptestConfig, prop_assert, prop_assert_eq, proptest};
 
 const SIZE: Size = Size {
@@ -172,7 +172,7 @@ proptest! {
                 all.filter(|to| *to != REFUSED).map(|to| ((), to)).collect()
             };
             let whole = |state: &u32| trimmed.is_complete(*state);
-            prop_assert!(linewright::order::dfa::shortest(state, successors, whole).is_some());
+            prop_assert!(linewright::automata::search::shortest(state, successors, whole).is_some());
         }
     }
 

@@ -2,8 +2,8 @@
 
 use super::naive::{Letter, Naive};
 use super::random::{Size, program, skills};
+use linewright::automata::dfa::REFUSED;
 use linewright::deadline::Deadline;
-use linewright::order::dfa::REFUSED;
 use linewright::order::rule::Alphabet;
 use linewright::order::serial::Serial;
 use linewright::order::supervisor::{Call, Options, Refusal, State, Supervisor};

@@ -6,7 +6,7 @@ use super::units::{
     DOWN, GRIP, LEFT, RELEASE, RIGHT, UP, any, at_most, before, loose_sequence, never_twice,
     only_after, pick_and_place_sequence, transport, trays, unit,
 };
-use linewright::order::dfa::REFUSED;
+use linewright::automata::dfa::REFUSED;
 use linewright::order::fsm::Fsm;
 use linewright::order::supervisor::Options;
 use linewright::order::{Kind, Serialisation, Skills};

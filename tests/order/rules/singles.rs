@@ -6,8 +6,8 @@ use super::units::{
     DOWN, GRIP, LEFT, RELEASE, RIGHT, UP, after, any, at_most, before, loose_sequence, never_twice,
     only_after, pick_and_place_sequence, together, transport, trays, unit, unit_at, word,
 };
+use linewright::automata::dfa::{Dfa, REFUSED};
 use linewright::deadline::Deadline;
-use linewright::order::dfa::{Dfa, REFUSED};
 use linewright::order::fsm::Fsm;
 use linewright::order::rule::MOST_STATES;
 use linewright::order::supervisor::Options;

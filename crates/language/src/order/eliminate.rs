@@ -6,10 +6,10 @@
 //! given regular language", 2004). What comes out is turned into an automaton again and compared.
 
 use super::Regex;
-use super::bound::{Bound, TooLarge};
-use super::dfa::{Dfa, REFUSED};
 use super::regex::automaton;
 use super::rule::MOST_STATES;
+use linewright_automata::bound::{Bound, TooLarge};
+use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_core::deadline::Deadline;
 
 /// With so many states at most, all orders are tried.

@@ -3,12 +3,12 @@
 //! The rules that are to blame are found by leaving out one after the other for as long as the fault stays (deletion, as for the cores of
 //! contracts): none of those that are named can be left out.
 
-use super::bound::TooLarge;
-use super::dfa::REFUSED;
 use super::fsm::{Fsm, telling};
 use super::program::{self, Apart};
 use super::supervisor::{Call, Options, Supervisor};
 use super::{Kind, Level, Skills};
+use linewright_automata::bound::TooLarge;
+use linewright_automata::dfa::REFUSED;
 use linewright_core::deadline::Deadline;
 use linewright_core::diagnostics::{Diagnostic, codes};
 

@@ -1,9 +1,10 @@
 //! The automaton of a set of rules: all situations, what is known of the rules in them, and what may be called.
 
 use super::Skills;
-use super::bound::{Bound, TooLarge};
-use super::dfa::{Dfa, REFUSED, shortest};
 use super::supervisor::{Call, Options, State, Supervisor};
+use linewright_automata::bound::{Bound, TooLarge};
+use linewright_automata::dfa::{Dfa, REFUSED};
+use linewright_automata::search::shortest;
 use std::collections::BTreeMap;
 
 /// So many columns an automaton has at most: calls of one skill or of several at once.
@@ -183,10 +184,7 @@ impl Fsm {
     /// Never: the first columns are the single skills.
     pub fn one_by_one(&self) -> Dfa {
         let singles = self.calls.iter().filter(|c| c.0.is_power_of_two()).count();
-        let step = |state: &u32, skill: usize| {
-            let to = self.dfa.next(*state, skill);
-            (to != REFUSED).then_some(to)
-        };
+        let step = |state: &u32, skill: usize| self.dfa.step(*state, skill);
         Dfa::explore(singles, 0, self.states.len(), step, |s| {
             self.dfa.is_complete(*s)
         })

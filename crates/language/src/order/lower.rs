@@ -6,11 +6,11 @@
 //! formulas that define it step by step, and one formula that the rule is. A set of skills called in one step is one call: it is looked
 //! up in the automaton over sets that [`super::serial`] makes, so that every order of them has to be allowed.
 
-use super::bound::TooLarge;
 use super::rule::{self, Alphabet};
 use super::serial::{Known, Serial};
 use super::strongest::recall;
 use super::{Level, Rule, Serialisation, Skills};
+use linewright_automata::bound::TooLarge;
 use linewright_core::deadline::Deadline;
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Time, VarId, Variable};
 

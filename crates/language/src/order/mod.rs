@@ -22,8 +22,6 @@
 //!
 //! Nothing here knows of syntax, contracts or machines.
 
-pub mod bound;
-pub mod dfa;
 pub mod eliminate;
 pub mod findings;
 pub mod fsm;

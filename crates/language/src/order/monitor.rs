@@ -2,10 +2,10 @@
 //!
 //! It is an interlock: a call that is refused changes nothing, as if it had not been made. No call allocates.
 
-use super::bound::TooLarge;
 use super::layout::Layout;
 use super::supervisor::{Call, Refusal as Refused, State, Supervisor};
 use super::table::{Cited, Table};
+use linewright_automata::bound::TooLarge;
 
 /// Why a call is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

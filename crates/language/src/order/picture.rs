@@ -4,12 +4,12 @@
 //! By component every component and every rule is a region of its own, side by side (Harel, "Statecharts", 1987). That is the sum of their
 //! states and not the product: a call is allowed where every region allows it.
 
-use super::bound::TooLarge;
-use super::dfa::REFUSED;
 use super::fsm::Fsm;
 use super::rule::{self, Alphabet};
 use super::supervisor::{Call, Options};
 use super::{Level, Skills};
+use linewright_automata::bound::TooLarge;
+use linewright_automata::dfa::REFUSED;
 use linewright_core::drawing::{Edge, Graph, Region};
 use std::collections::BTreeMap;
 

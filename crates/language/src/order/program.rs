@@ -1,9 +1,9 @@
 //! A program of calls, checked before it is loaded: the first call that is refused, why, and how it could go on.
 
-use super::bound::TooLarge;
-use super::dfa::{Found, way};
 use super::fsm::{MOST_ENTRIES, calls};
 use super::supervisor::{Call, Refusal, State, Supervisor};
+use linewright_automata::bound::TooLarge;
+use linewright_automata::search::{Found, way};
 use rustc_hash::FxHashSet;
 
 /// For one way on so many calls are looked at.

@@ -3,9 +3,9 @@
 //! An expression becomes a nondeterministic automaton with empty moves (Thompson, "Regular expression search algorithm", 1968), and that a
 //! deterministic one by sets of its states.
 
-use super::bound::{Bound, TooLarge};
-use super::dfa::Dfa;
 use super::{Regex, Skills};
+use linewright_automata::bound::{Bound, TooLarge};
+use linewright_automata::dfa::Dfa;
 
 /// So many places an expression may have when its repetitions are written out.
 pub const MOST_PLACES: usize = 1 << 16;

@@ -4,10 +4,10 @@
 //! the letters `Left`, `Down` and `Left & Down` come in any order. Only what is in a row goes by the skills alone: `Left & Down` is there
 //! where the two follow each other in one call, so that nothing comes between it and what it follows.
 
-use super::bound::{Bound, TooLarge};
-use super::dfa::Dfa;
 use super::standing::{Window, standing};
 use super::{Event, Kind, Regex, Rule, Skills, regex};
+use linewright_automata::bound::{Bound, TooLarge};
+use linewright_automata::dfa::Dfa;
 use linewright_core::deadline::Deadline;
 use std::hash::Hash;
 
@@ -346,8 +346,7 @@ fn sequence(
         if letter >= count {
             return Some(*state);
         }
-        let to = dfa.next(*state, letter);
-        (to != super::dfa::REFUSED).then_some(to)
+        dfa.step(*state, letter)
     };
     let dfa = Dfa::explore(letters, 0, MOST_STATES, step, |s| dfa.is_complete(*s))?;
     Ok(Automaton::of_letters(dfa, vec![0]))

@@ -5,9 +5,9 @@
 //! problems", 1962). Since orders may end in different states, what is known of a rule is a set of states.
 
 use super::Serialisation;
-use super::bound::TooLarge;
-use super::dfa::{Dfa, REFUSED};
 use super::rule::Automaton;
+use linewright_automata::bound::TooLarge;
+use linewright_automata::dfa::{Dfa, REFUSED};
 use rustc_hash::FxHashMap;
 
 /// So many letters, those that a rule does not tell apart left out, may come at once.

@@ -15,11 +15,12 @@
 //!
 //! The engineer may say that a candidate is to be dropped, and which situations are useful; the rest is found anew.
 
-use super::bound::TooLarge;
-use super::dfa::{Dfa, REFUSED, shortest};
 use super::fsm::Fsm;
 use super::supervisor::{Call, Options};
 use super::{Event, Kind, Level, Rule, Skills};
+use linewright_automata::bound::TooLarge;
+use linewright_automata::dfa::{Dfa, REFUSED};
+use linewright_automata::search::shortest;
 use std::collections::BTreeSet;
 
 /// A part of a situation: (component, situation), by which useful ones are told.

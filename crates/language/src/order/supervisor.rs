@@ -4,11 +4,11 @@
 //! control of a class of discrete event processes" (1987): it allows and forbids, and calls nothing itself. It works out states as they
 //! are asked for; [`super::fsm`] works out all of them.
 
-use super::bound::TooLarge;
-use super::dfa::{Dfa, REFUSED};
 use super::rule::{self, Alphabet, Automaton};
 use super::serial::{Known, Serial};
 use super::{Level, Serialisation, Skills, standing};
+use linewright_automata::bound::TooLarge;
+use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_core::deadline::Deadline;
 
 /// One skill or several called at once, as a mask over [`Skills::skills`]. Never 0.

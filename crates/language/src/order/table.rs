@@ -1,10 +1,10 @@
 //! The joint automaton of some rules as a plain table: what monitors are made of, in this process, in C and in Structured Text.
 
 use super::Rule;
-use super::bound::TooLarge;
-use super::dfa::{self};
 use super::fsm::Fsm;
 use super::supervisor::{Call, Refusal, Supervisor};
+use linewright_automata::bound::TooLarge;
+use linewright_automata::dfa;
 
 /// An entry of [`Table::next`]: the call is refused.
 pub const REFUSED: u32 = u32::MAX;

@@ -1,4 +1,4 @@
-//! How far a question about orders is looked into: so many states, and no longer than until some time.
+//! How far an automaton is looked into: so many states, and no longer than until some time.
 
 use linewright_core::deadline::{Deadline, Late};
 

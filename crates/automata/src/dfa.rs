@@ -3,8 +3,10 @@
 //! Breadth-first exploration of whatever can be stepped, partition refinement for the smallest automaton (Hopcroft, "An n log n algorithm for
 //! minimizing states in a finite automaton", 1971), the product for comparing two.
 
-use super::bound::{Bound, TooLarge};
-use rustc_hash::{FxHashMap, FxHashSet};
+use crate::bound::{Bound, TooLarge};
+use crate::partition::Partition;
+use crate::search::shortest;
+use rustc_hash::FxHashMap;
 use std::hash::Hash;
 
 /// After so many states it is asked whether the time is over.
@@ -61,10 +63,36 @@ impl Dfa {
         mut step: impl FnMut(&S, usize) -> Option<S>,
         complete: impl Fn(&S) -> bool,
     ) -> Result<Explored<S>, TooLarge> {
+        let step = |state: &S, letter: usize| Ok(step(state, letter));
+        Self::explore_within(letters, starts, bound.into(), step, complete)
+    }
+
+    /// The same from one start, with a step that may be too large itself.
+    ///
+    /// # Errors
+    /// When a step is too large, when there are more states than `bound` allows, or the time is over.
+    pub fn try_explore<S: Clone + Eq + Hash>(
+        letters: usize,
+        start: S,
+        bound: impl Into<Bound>,
+        step: impl FnMut(&S, usize) -> Result<Option<S>, TooLarge>,
+        complete: impl Fn(&S) -> bool,
+    ) -> Result<Self, TooLarge> {
+        let found = Self::explore_within(letters, &[start], bound.into(), step, complete)?;
+        Ok(found.dfa)
+    }
+
+    fn explore_within<S: Clone + Eq + Hash>(
+        letters: usize,
+        starts: &[S],
+        bound: Bound,
+        mut step: impl FnMut(&S, usize) -> Result<Option<S>, TooLarge>,
+        complete: impl Fn(&S) -> bool,
+    ) -> Result<Explored<S>, TooLarge> {
         let Bound {
             states: limit,
             until,
-        } = bound.into();
+        } = bound;
         let mut numbers: FxHashMap<S, u32> = FxHashMap::default();
         let mut states: Vec<S> = Vec::new();
         let mut number = |state: S, states: &mut Vec<S>| match numbers.get(&state) {
@@ -93,7 +121,7 @@ impl Dfa {
                 until.check()?;
             }
             for letter in 0..letters {
-                next.push(match step(&states[at], letter) {
+                next.push(match step(&states[at], letter)? {
                     Some(to) => number(to, &mut states)?,
                     None => REFUSED,
                 });
@@ -127,6 +155,12 @@ impl Dfa {
         self.next[state as usize * self.letters + letter]
     }
 
+    /// The state after a letter, or `None` where that is refused.
+    pub fn step(&self, state: u32, letter: usize) -> Option<u32> {
+        let to = self.next(state, letter);
+        (to != REFUSED).then_some(to)
+    }
+
     /// Whether a word may end in this state.
     pub fn is_complete(&self, state: u32) -> bool {
         self.complete[state as usize]
@@ -134,10 +168,8 @@ impl Dfa {
 
     /// The state after a word, or `None` where a letter of it is refused.
     pub fn run(&self, word: &[usize]) -> Option<u32> {
-        word.iter().try_fold(0, |state, letter| {
-            let to = self.next(state, *letter);
-            (to != REFUSED).then_some(to)
-        })
+        word.iter()
+            .try_fold(0, |state, letter| self.step(state, *letter))
     }
 
     /// Whether a letter leaves every state as it is.
@@ -160,7 +192,8 @@ impl Dfa {
     ///
     /// # Panics
     /// When there is no letter.
-    pub(super) fn without_last_letter(self) -> (Self, Vec<u32>) {
+    #[must_use]
+    pub fn without_last_letter(self) -> (Self, Vec<u32>) {
         let letters = self.letters.checked_sub(1).expect("there is a letter");
         let rows = self.next.chunks_exact(self.letters);
         let dfa = Self {
@@ -205,10 +238,8 @@ impl Dfa {
                 }
             }
         }
-        let step = |state: &u32, letter: usize| {
-            let to = self.next(*state, letter);
-            (to != REFUSED && alive[to as usize]).then_some(to)
-        };
+        let step =
+            |state: &u32, letter: usize| self.step(*state, letter).filter(|to| alive[*to as usize]);
         Self::explore(self.letters, 0, states, step, |s| self.is_complete(*s))
             .expect("no more states than before; please report this")
     }
@@ -223,8 +254,8 @@ impl Dfa {
             member[class[state] as usize] = state as u32;
         }
         let step = |c: &u32, letter: usize| {
-            let to = self.next(member[*c as usize], letter);
-            (to != REFUSED).then(|| class[to as usize])
+            let to = self.step(member[*c as usize], letter);
+            to.map(|to| class[to as usize])
         };
         let complete = |c: &u32| self.is_complete(member[*c as usize]);
         Self::explore(self.letters, class[0], states, step, complete)
@@ -265,7 +296,7 @@ impl Dfa {
             Some(complete) => usize::from(*complete),
         };
         let mut partition = Partition::new(places, kind);
-        let mut waiting: Vec<u32> = (0..partition.blocks.len() as u32).collect();
+        let mut waiting: Vec<u32> = (0..partition.count() as u32).collect();
         let mut waits = vec![true; waiting.len()];
         while let Some(splitter) = waiting.pop() {
             waits[splitter as usize] = false;
@@ -292,10 +323,10 @@ impl Dfa {
             }
         }
         // By their least states.
-        let mut numbers: Vec<Option<u32>> = vec![None; partition.blocks.len()];
+        let mut numbers: Vec<Option<u32>> = vec![None; partition.count()];
         let mut count = 0;
         let class = (0..states).map(|state| {
-            let block = partition.block_of[state] as usize;
+            let block = partition.block_of(state) as usize;
             *numbers[block].get_or_insert_with(|| {
                 count += 1;
                 count - 1
@@ -334,126 +365,6 @@ impl Dfa {
             complete(self, a) != complete(other, b)
         })
     }
-}
-
-/// Elements in blocks that are split.
-struct Partition {
-    /// The elements, block by block; those of a block that are marked come first.
-    elements: Vec<u32>,
-    /// Where each element stands.
-    place: Vec<u32>,
-    block_of: Vec<u32>,
-    /// Where each block begins and ends, and how many of it are marked.
-    blocks: Vec<[u32; 3]>,
-    /// Blocks with marked elements.
-    touched: Vec<u32>,
-}
-
-impl Partition {
-    /// One block for each kind that there is.
-    fn new(elements: usize, kind: impl Fn(usize) -> usize) -> Self {
-        let mut order: Vec<u32> = (0..elements as u32).collect();
-        order.sort_by_key(|e| kind(*e as usize));
-        let mut partition = Self {
-            place: vec![0; elements],
-            block_of: vec![0; elements],
-            blocks: Vec::new(),
-            touched: Vec::new(),
-            elements: order,
-        };
-        let mut last = None;
-        for at in 0..elements {
-            let element = partition.elements[at] as usize;
-            if last != Some(kind(element)) {
-                last = Some(kind(element));
-                partition.blocks.push([at as u32, at as u32, 0]);
-            }
-            let block = partition.blocks.len() - 1;
-            partition.blocks[block][1] = at as u32 + 1;
-            partition.block_of[element] = block as u32;
-            partition.place[element] = at as u32;
-        }
-        partition
-    }
-
-    fn members(&self, block: u32) -> &[u32] {
-        let [begin, end, _] = self.blocks[block as usize];
-        &self.elements[begin as usize..end as usize]
-    }
-
-    fn mark(&mut self, element: u32) {
-        let number = self.block_of[element as usize];
-        let [begin, _, marked] = &mut self.blocks[number as usize];
-        let (at, to) = (self.place[element as usize], *begin + *marked);
-        if at < to {
-            return;
-        }
-        if *marked == 0 {
-            self.touched.push(number);
-        }
-        *marked += 1;
-        let other = self.elements[to as usize];
-        self.elements.swap(at as usize, to as usize);
-        self.place[element as usize] = to;
-        self.place[other as usize] = at;
-    }
-
-    /// Splits blocks of which some are marked and some are not; the marked ones become a block of their own. Nothing is marked then. `seen` is
-    /// told of the old block, the new one, and whether that is the smaller half.
-    fn split(&mut self, mut seen: impl FnMut(u32, u32, bool)) {
-        for old in std::mem::take(&mut self.touched) {
-            let [begin, end, marked] = self.blocks[old as usize];
-            self.blocks[old as usize][2] = 0;
-            if begin + marked == end {
-                continue;
-            }
-            let new = self.blocks.len() as u32;
-            self.blocks[old as usize][0] = begin + marked;
-            self.blocks.push([begin, begin + marked, 0]);
-            for at in begin..begin + marked {
-                self.block_of[self.elements[at as usize] as usize] = new;
-            }
-            seen(old, new, marked <= end - begin - marked);
-        }
-    }
-}
-
-/// A state that a search found, with where from and by which label; nothing for the start.
-pub type Found<S, L> = (S, Option<(usize, L)>);
-
-/// The labels on the way from the start to what stands at a place.
-pub fn way<S, L: Copy>(found: &[Found<S, L>], mut at: usize) -> Vec<L> {
-    let mut way = Vec::new();
-    while let Some((from, label)) = found[at].1 {
-        way.push(label);
-        at = from;
-    }
-    way.reverse();
-    way
-}
-
-/// The labels of a shortest way from `start` to a state that is `wanted`; the least one where labels are given in ascending order.
-pub fn shortest<S: Clone + Eq + Hash, L: Copy>(
-    start: S,
-    successors: impl Fn(&S) -> Vec<(L, S)>,
-    wanted: impl Fn(&S) -> bool,
-) -> Option<Vec<L>> {
-    let mut order = vec![(start.clone(), None)];
-    let mut seen = FxHashSet::from_iter([start]);
-    let mut at = 0;
-    while at < order.len() {
-        let state = order[at].0.clone();
-        if wanted(&state) {
-            return Some(way(&order, at));
-        }
-        for (label, to) in successors(&state) {
-            if seen.insert(to.clone()) {
-                order.push((to, Some((at, label))));
-            }
-        }
-        at += 1;
-    }
-    None
 }
 
 #[cfg(test)]

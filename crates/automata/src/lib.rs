@@ -1,0 +1,6 @@
+//! Finite automata.
+
+pub mod bound;
+pub mod dfa;
+mod partition;
+pub mod search;

@@ -1,0 +1,42 @@
+//! Breadth-first search: shortest ways in whatever can be stepped.
+
+use rustc_hash::FxHashSet;
+use std::hash::Hash;
+
+/// A state that a search found, with where from and by which label; nothing for the start.
+pub type Found<S, L> = (S, Option<(usize, L)>);
+
+/// The labels on the way from the start to what stands at a place.
+pub fn way<S, L: Copy>(found: &[Found<S, L>], mut at: usize) -> Vec<L> {
+    let mut way = Vec::new();
+    while let Some((from, label)) = found[at].1 {
+        way.push(label);
+        at = from;
+    }
+    way.reverse();
+    way
+}
+
+/// The labels of a shortest way from `start` to a state that is `wanted`; the least one where labels are given in ascending order.
+pub fn shortest<S: Clone + Eq + Hash, L: Copy>(
+    start: S,
+    successors: impl Fn(&S) -> Vec<(L, S)>,
+    wanted: impl Fn(&S) -> bool,
+) -> Option<Vec<L>> {
+    let mut order = vec![(start.clone(), None)];
+    let mut seen = FxHashSet::from_iter([start]);
+    let mut at = 0;
+    while at < order.len() {
+        let state = order[at].0.clone();
+        if wanted(&state) {
+            return Some(way(&order, at));
+        }
+        for (label, to) in successors(&state) {
+            if seen.insert(to.clone()) {
+                order.push((to, Some((at, label))));
+            }
+        }
+        at += 1;
+    }
+    None
+}
