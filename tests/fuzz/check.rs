@@ -8,13 +8,14 @@ mod generate;
 
 pub use solve::Solved;
 
+use linewright::automata::eliminate;
 use linewright::contract::{Library, load};
 use linewright::deadline::Deadline;
 use linewright::diagnostics::{Diagnostic, codes, has_errors};
 use linewright::interchange::{Format, Target, contract, read, write};
 use linewright::order::fsm::Fsm;
 use linewright::order::supervisor::Options;
-use linewright::order::{self, Skills, eliminate};
+use linewright::order::{self, Skills};
 use linewright::source::FileId;
 use std::sync::Arc;
 

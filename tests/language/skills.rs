@@ -1,10 +1,11 @@
 //! Skills and their orders, from text to what automata are made of. Mistakes are in `cases/`, the layout in `format/`.
 
 use crate::support;
+use linewright::automata::regex::Regex;
 use linewright::contract::machine::Machine;
 use linewright::contract::{Library, load};
 use linewright::diagnostics::{Diagnostic, has_errors};
-use linewright::order::{Deletion, Event, Kind, Level, Regex, Rule, Skills};
+use linewright::order::{Deletion, Event, Kind, Level, Rule, Skills};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -189,7 +190,7 @@ fn every_form_of_an_order_is_what_it_says() {
 
 #[test]
 fn regular_expressions_are_what_they_say() {
-    use Regex::{AnyBut, AnyOrder, Concat, Either, Empty, Repeat, Skill};
+    use Regex::{AnyBut, AnyOrder, Concat, Either, Empty, Letter, Repeat};
     let repeat = |of: Regex, low: u32, high: Option<u32>| Repeat {
         of: Box::new(of),
         low,
@@ -197,22 +198,22 @@ fn regular_expressions_are_what_they_say() {
     };
     for (text, regex) in [
         ("()", Empty),
-        ("(Left)", Skill(LEFT)),
-        ("((Left))*", repeat(Skill(LEFT), 0, None)),
-        ("(Left+)", repeat(Skill(LEFT), 1, None)),
-        ("(Left)?", repeat(Skill(LEFT), 0, Some(1))),
-        ("(Left{3})", repeat(Skill(LEFT), 3, Some(3))),
-        ("(Left{3,})", repeat(Skill(LEFT), 3, None)),
-        ("(Left{2,1000})", repeat(Skill(LEFT), 2, Some(1000))),
-        ("(Left Right)", Concat(vec![Skill(LEFT), Skill(RIGHT)])),
-        ("(Left, Right)", Concat(vec![Skill(LEFT), Skill(RIGHT)])),
+        ("(Left)", Letter(LEFT)),
+        ("((Left))*", repeat(Letter(LEFT), 0, None)),
+        ("(Left+)", repeat(Letter(LEFT), 1, None)),
+        ("(Left)?", repeat(Letter(LEFT), 0, Some(1))),
+        ("(Left{3})", repeat(Letter(LEFT), 3, Some(3))),
+        ("(Left{3,})", repeat(Letter(LEFT), 3, None)),
+        ("(Left{2,1000})", repeat(Letter(LEFT), 2, Some(1000))),
+        ("(Left Right)", Concat(vec![Letter(LEFT), Letter(RIGHT)])),
+        ("(Left, Right)", Concat(vec![Letter(LEFT), Letter(RIGHT)])),
         (
             "(Left Right | Up)",
-            Either(vec![Concat(vec![Skill(LEFT), Skill(RIGHT)]), Skill(UP)]),
+            Either(vec![Concat(vec![Letter(LEFT), Letter(RIGHT)]), Letter(UP)]),
         ),
         (
             "(Left (Right | Up))",
-            Concat(vec![Skill(LEFT), Either(vec![Skill(RIGHT), Skill(UP)])]),
+            Concat(vec![Letter(LEFT), Either(vec![Letter(RIGHT), Letter(UP)])]),
         ),
         ("(.*)", repeat(AnyBut(Vec::new()), 0, None)),
         ("(not Up)", AnyBut(vec![UP])),
@@ -221,7 +222,7 @@ fn regular_expressions_are_what_they_say() {
         ("(Grip & Left)", AnyOrder(vec![LEFT, GRIP])),
         (
             "(Grip & Left Up)",
-            Concat(vec![AnyOrder(vec![LEFT, GRIP]), Skill(UP)]),
+            Concat(vec![AnyOrder(vec![LEFT, GRIP]), Letter(UP)]),
         ),
     ] {
         let rule = rule(&format!("order: sequence {text}"));

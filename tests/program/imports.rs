@@ -45,7 +45,10 @@ const ORDER: [(&str, &[&str]); 4] = [
             "gr1",
         ],
     ),
-    ("automata", &["bound", "search", "partition", "dfa"]),
+    (
+        "automata",
+        &["bound", "search", "partition", "dfa", "regex", "eliminate"],
+    ),
     ("language", &["syntax", "order", "contract"]),
     ("solver", &["symbolic", "game", "mealy"]),
 ];

@@ -2,6 +2,9 @@
 
 use linewright_core::deadline::{Deadline, Late};
 
+/// An automaton may have so many states where nothing else is said.
+pub const MOST_STATES: usize = 1 << 16;
+
 /// It would take too much.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TooLarge {

@@ -2,13 +2,15 @@
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, rules};
+use crate::automata::eliminate;
+use crate::automata::regex::Regex;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::contract;
 use crate::diagnostics::Severity;
+use crate::order::Skills;
 use crate::order::fsm::Fsm;
-use crate::order::{Regex, Skills, eliminate};
 use clap::Args;
 use serde::Serialize;
 
@@ -61,7 +63,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     });
     let (found, states) = found.map_err(EarlyExit::gave_up(None))?;
     let console = options.console();
-    let regex = found.text(skills);
+    let regex = skills.expression(&found);
     let kept_out = too_much(&regex, skills);
     let document = Document {
         head: rules::Head::of("order-regex", skills, arguments.choice.level.level()),

@@ -4,12 +4,12 @@
 use super::naive::{Letter, Naive};
 use super::random::{Size, options, skills, two_sets};
 use super::units::{any, at_most, unit};
+use linewright::automata::bound::{MOST_STATES, TooLarge};
 use linewright::automata::dfa::{Dfa, REFUSED};
+use linewright::automata::{eliminate, regex};
+use linewright::deadline::Deadline;
 use linewright::order::fsm::Fsm;
-use linewright::order::rule::MOST_STATES;
 use linewright::order::supervisor::Options;
-use linewright::order::{eliminate, regex};
-use linewright::{automata::bound::TooLarge, deadline::Deadline};
 use proptest::prelude::{ProptestConfig, prop_assert, prop_assert_eq, proptest};
 
 const SIZE: Size = Size {

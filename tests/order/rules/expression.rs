@@ -1,12 +1,12 @@
 //! Regular expressions over skills, matched by recursion over the positions of a word. Sets of positions are masks.
 
-use linewright::order::Regex;
+use linewright::automata::regex::Regex;
 
 /// Whether there is a word at all.
 fn has_words(regex: &Regex, skills: usize) -> bool {
     match regex {
         Regex::Nothing => false,
-        Regex::Empty | Regex::Skill(_) | Regex::AnyOrder(_) => true,
+        Regex::Empty | Regex::Letter(_) | Regex::AnyOrder(_) => true,
         Regex::AnyBut(but) => (0..skills).any(|s| !but.contains(&s)),
         Regex::Concat(parts) => parts.iter().all(|p| has_words(p, skills)),
         Regex::Either(parts) => parts.iter().any(|p| has_words(p, skills)),
@@ -39,7 +39,7 @@ impl Word<'_> {
         match regex {
             Regex::Nothing => 0,
             Regex::Empty => 1 << at,
-            Regex::Skill(skill) => one(here == Some(skill)),
+            Regex::Letter(skill) => one(here == Some(skill)),
             Regex::AnyBut(but) => one(here.is_some_and(|s| !but.contains(s))),
             Regex::AnyOrder(skills) => {
                 let end = at + skills.len();
@@ -81,7 +81,7 @@ impl Word<'_> {
         let rest = &self.called[at..];
         match regex {
             Regex::Nothing | Regex::Empty => false,
-            Regex::Skill(skill) => rest == [*skill],
+            Regex::Letter(skill) => rest == [*skill],
             Regex::AnyBut(but) => rest.len() == 1 && !but.contains(&rest[0]),
             Regex::AnyOrder(skills) => left_of(skills, rest).is_some(),
             Regex::Concat(parts) => {

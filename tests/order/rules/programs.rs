@@ -4,9 +4,10 @@
 use super::naive::Naive;
 use super::random::{Size, options, program, skills, two_sets};
 use super::units::{LEFT, RIGHT, unit, word};
+use linewright::automata::regex::Regex;
 use linewright::order::program::{Apart, Difference, check, difference};
 use linewright::order::supervisor::{Call, Options, Refusal, Supervisor};
-use linewright::order::{Kind, Regex, Serialisation, Skills, fsm};
+use linewright::order::{Kind, Serialisation, Skills, fsm};
 use proptest::prelude::*;
 
 const SIZE: Size = Size {
@@ -216,7 +217,7 @@ proptest! {
 /// After `Left` only a call tells them apart, after `Right` already that a program may end.
 #[test]
 fn an_end_is_found_before_a_longer_difference() {
-    let one = |skill| Regex::Skill(skill);
+    let one = |skill| Regex::Letter(skill);
     let twice = |skill| word([one(skill), one(skill)]);
     let sequence = |parts: Vec<Regex>| unit([Kind::Sequence(Regex::Either(parts))]);
     let first = sequence(vec![one(LEFT), twice(LEFT), twice(RIGHT)]);

@@ -1,8 +1,9 @@
 //! Random skills and rules of all kinds.
 
 use super::units::{component, rule, skill};
+use linewright::automata::regex::Regex;
 use linewright::order::supervisor::Options;
-use linewright::order::{Component, Event, Kind, Level, Regex, Rule, Serialisation, Skill, Skills};
+use linewright::order::{Component, Event, Kind, Level, Rule, Serialisation, Skill, Skills};
 use linewright::source::Span;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -102,7 +103,7 @@ impl Layout {
         let count = self.skills.len();
         let all: Vec<usize> = (0..count).collect();
         let leaf = prop_oneof![
-            8 => (0..count).prop_map(Regex::Skill),
+            8 => (0..count).prop_map(Regex::Letter),
             3 => subsequence(all.clone(), 0..=count.min(2)).prop_map(Regex::AnyBut),
             2 => subsequence(all, 1..=count.min(3)).prop_map(Regex::AnyOrder),
             1 => Just(Regex::Empty),

@@ -6,12 +6,14 @@ use super::units::{
     DOWN, GRIP, LEFT, RELEASE, RIGHT, UP, after, any, at_most, before, loose_sequence, never_twice,
     only_after, pick_and_place_sequence, together, transport, trays, unit, unit_at, word,
 };
+use linewright::automata::bound::MOST_STATES;
 use linewright::automata::dfa::{Dfa, REFUSED};
+use linewright::automata::eliminate;
+use linewright::automata::regex::{self, Regex};
 use linewright::deadline::Deadline;
 use linewright::order::fsm::Fsm;
-use linewright::order::rule::MOST_STATES;
 use linewright::order::supervisor::Options;
-use linewright::order::{Kind, Level, Regex, Serialisation, Skills, eliminate, regex};
+use linewright::order::{Kind, Level, Serialisation, Skills};
 
 /// What the paper speaks of, and what refuses much, is counted through up to here.
 const FULL: usize = 8;
@@ -248,8 +250,8 @@ fn sequences() {
     valid(FULL, [Kind::Sequence(loose_sequence())]);
     let ends_up = word([
         super::units::repeat(Regex::AnyBut(Vec::new()), 0, None),
-        Regex::Skill(DOWN),
-        Regex::Skill(UP),
+        Regex::Letter(DOWN),
+        Regex::Letter(UP),
     ]);
     valid(FULL, [Kind::Sequence(ends_up), trays()]);
     // Two at a time: some words of each lead nowhere in the other.

@@ -1,6 +1,7 @@
 //! The paper's pick-and-place unit, and the rule sets that are counted through over it.
 
-use linewright::order::{Component, Deletion, Event, Kind, Level, Regex, Rule, Skill, Skills};
+use linewright::automata::regex::Regex;
+use linewright::order::{Component, Deletion, Event, Kind, Level, Rule, Skill, Skills};
 use linewright::source::Span;
 
 pub const LEFT: usize = 0;
@@ -152,7 +153,7 @@ pub fn repeat(of: Regex, low: u32, high: Option<u32>) -> Regex {
 /// The intended sequence of the paper, as often as one likes: Right, Down, Grip, Up, Left, Down, Release, Up.
 pub fn pick_and_place_sequence() -> Regex {
     let skills = [RIGHT, DOWN, GRIP, UP, LEFT, DOWN, RELEASE, UP];
-    repeat(word(skills.map(Regex::Skill)), 0, None)
+    repeat(word(skills.map(Regex::Letter)), 0, None)
 }
 
 /// A cycle that leaves some freedom: down and grip in any order or not at all, at most two other calls, and up.
@@ -160,8 +161,8 @@ pub fn loose_sequence() -> Regex {
     let optional = repeat(Regex::AnyOrder(vec![DOWN, GRIP]), 0, Some(1));
     let others = repeat(Regex::AnyBut(vec![DOWN, GRIP, UP]), 1, Some(2));
     let close = Regex::Either(vec![
-        Regex::Skill(UP),
-        word([Regex::Skill(GRIP), Regex::Skill(UP)]),
+        Regex::Letter(UP),
+        word([Regex::Letter(GRIP), Regex::Letter(UP)]),
     ]);
     repeat(word([optional, others, close]), 0, None)
 }

@@ -22,7 +22,7 @@
 //!
 //! Nothing here knows of syntax, contracts or machines.
 
-pub mod eliminate;
+mod expression;
 pub mod findings;
 pub mod fsm;
 pub mod layout;
@@ -30,7 +30,6 @@ pub mod lower;
 pub mod monitor;
 pub mod picture;
 pub mod program;
-pub mod regex;
 mod renumber;
 pub mod rule;
 pub mod serial;
@@ -39,6 +38,7 @@ pub mod strongest;
 pub mod supervisor;
 pub mod table;
 
+use linewright_automata::regex::Regex;
 use linewright_core::source::Span;
 
 /// So many skills a set has at most: a call is a mask of 64 bits.
@@ -214,34 +214,6 @@ pub enum Kind {
     InARow(Vec<Vec<Vec<Event>>>),
     /// `sequence (...)`: what is called is the beginning of a word of this regular expression.
     Sequence(Regex),
-}
-
-/// A regular expression over skills.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Regex {
-    /// No word at all.
-    Nothing,
-    /// The empty word.
-    Empty,
-    /// One skill.
-    Skill(usize),
-    /// Any skill but these; `.` is any.
-    AnyBut(Vec<usize>),
-    /// Several skills, in any order.
-    AnyOrder(Vec<usize>),
-    /// One after the other.
-    Concat(Vec<Regex>),
-    /// One of them.
-    Either(Vec<Regex>),
-    /// From `low` to `high` times; without an end where `high` is `None`.
-    Repeat {
-        /// What is repeated.
-        of: Box<Regex>,
-        /// How often at least.
-        low: u32,
-        /// How often at most.
-        high: Option<u32>,
-    },
 }
 
 /// Transitions from some situations to others, by the components that are spoken of: (component, situation).

@@ -1,6 +1,6 @@
 //! Skills in another order, so that two sets can be compared call by call.
 
-use super::{Event, Kind, Regex, Skills};
+use super::{Event, Kind, Skills};
 
 impl Skills {
     /// The same with skill `i` at `places[i]`.
@@ -62,26 +62,5 @@ fn renumber(events: &mut [Event], places: &[usize]) {
             *skill = places[*skill];
         }
         event.0.sort_unstable();
-    }
-}
-
-impl Regex {
-    fn renumber(&mut self, places: &[usize]) {
-        match self {
-            Self::Nothing | Self::Empty => {}
-            Self::Skill(skill) => *skill = places[*skill],
-            Self::AnyBut(skills) | Self::AnyOrder(skills) => {
-                for skill in skills.iter_mut() {
-                    *skill = places[*skill];
-                }
-                skills.sort_unstable();
-            }
-            Self::Concat(parts) | Self::Either(parts) => {
-                for part in parts {
-                    part.renumber(places);
-                }
-            }
-            Self::Repeat { of, .. } => of.renumber(places),
-        }
     }
 }

@@ -5,14 +5,12 @@
 //! where the two follow each other in one call, so that nothing comes between it and what it follows.
 
 use super::standing::{Window, standing};
-use super::{Event, Kind, Regex, Rule, Skills, regex};
-use linewright_automata::bound::{Bound, TooLarge};
+use super::{Event, Kind, Rule, Skills};
+use linewright_automata::bound::{Bound, MOST_STATES, TooLarge};
 use linewright_automata::dfa::Dfa;
+use linewright_automata::regex::{self, Regex};
 use linewright_core::deadline::Deadline;
 use std::hash::Hash;
-
-/// A rule's automaton has so many states at most.
-pub const MOST_STATES: usize = 1 << 16;
 
 /// The letters of a set of skills.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,9 +4,8 @@
 //! the other closes may stand open or not. Several windows are not independent of one another there: what one order leads to for each of
 //! them is found from its end, skill by skill.
 
-use super::rule::MOST_STATES;
 use super::{Event, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::{MOST_STATES, TooLarge};
 use std::collections::BTreeSet;
 
 /// The skills among these that stand at the start, as a mask. Events of several skills are left out: where components stand does not say

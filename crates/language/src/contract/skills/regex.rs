@@ -1,8 +1,8 @@
 //! Regular expressions over skills: names looked up, and their size bounded, since whoever makes an automaton of one writes it out.
 
 use super::Resolver;
-use crate::order::Regex;
 use crate::syntax::ast::{self, RegexKind, Times};
+use linewright_automata::regex::Regex;
 use linewright_core::diagnostics::codes;
 use linewright_core::source::Span;
 
@@ -31,7 +31,7 @@ impl Resolver<'_> {
     fn regex(&mut self, regex: &ast::Regex) -> Option<Regex> {
         Some(match &regex.kind {
             RegexKind::Empty => Regex::Empty,
-            RegexKind::Skill(name) => Regex::Skill(self.find(name)?),
+            RegexKind::Skill(name) => Regex::Letter(self.find(name)?),
             RegexKind::Any => Regex::AnyBut(Vec::new()),
             RegexKind::AnyBut(names) => {
                 let found: Vec<_> = names.iter().map(|n| self.find(n)).collect();
@@ -91,7 +91,7 @@ impl Resolver<'_> {
 fn size(regex: &Regex) -> u64 {
     match regex {
         Regex::Nothing | Regex::Empty => 0,
-        Regex::Skill(_) | Regex::AnyBut(_) => 1,
+        Regex::Letter(_) | Regex::AnyBut(_) => 1,
         // Each set of skills that have been called goes on with each of the others.
         Regex::AnyOrder(skills) => {
             let sets = 1_u64.checked_shl(skills.len().saturating_sub(1) as u32);

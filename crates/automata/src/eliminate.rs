@@ -5,11 +5,9 @@
 //! through which the least text would be copied goes first (Delgado and Morais, "Approximation to the smallest regular expression for a
 //! given regular language", 2004). What comes out is turned into an automaton again and compared.
 
-use super::Regex;
-use super::regex::automaton;
-use super::rule::MOST_STATES;
-use linewright_automata::bound::{Bound, TooLarge};
-use linewright_automata::dfa::{Dfa, REFUSED};
+use crate::bound::{Bound, MOST_STATES, TooLarge};
+use crate::dfa::{Dfa, REFUSED};
+use crate::regex::{Regex, automaton};
 use linewright_core::deadline::Deadline;
 
 /// With so many states at most, all orders are tried.
@@ -38,7 +36,7 @@ impl Graph {
             for letter in 0..dfa.letters() {
                 let to = dfa.next(from as u32, letter);
                 if to != REFUSED {
-                    classes[from * states + to as usize].push(Regex::Skill(letter));
+                    classes[from * states + to as usize].push(Regex::Letter(letter));
                 }
             }
             if dfa.is_complete(from as u32) {
@@ -107,7 +105,7 @@ impl Graph {
 
 /// One of several letters; said by what it is not where that is shorter.
 fn class(parts: Vec<Regex>, letters: usize) -> Regex {
-    let is = |letter: &usize| parts.contains(&Regex::Skill(*letter));
+    let is = |letter: &usize| parts.contains(&Regex::Letter(*letter));
     let missing: Vec<usize> = (0..letters).filter(|l| !is(l)).collect();
     if parts.len() > 2 && missing.len() + 1 < parts.len() && !parts.contains(&Regex::Empty) {
         return Regex::AnyBut(missing);
@@ -189,33 +187,4 @@ fn lightest_first(
         }
     }
     Ok(graph.result().clone())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::order::fsm::Fsm;
-    use crate::order::fsm::tests::pick_and_place;
-    use crate::order::supervisor::Options;
-
-    fn text_of(rules: &[usize]) -> String {
-        let mut skills = pick_and_place();
-        skills.rules = rules.iter().map(|r| skills.rules[*r].clone()).collect();
-        let fsm = Fsm::of(&skills, Options::default(), 1).expect("it is small");
-        let regex = regex(&fsm.one_by_one(), Deadline::NONE).expect("it is short");
-        regex.text(&skills)
-    }
-
-    #[test]
-    fn the_papers_rules_are_short_expressions() {
-        insta::assert_snapshot!(
-            [&[][..], &[0], &[1], &[0, 1]].map(text_of).join("\n"),
-            @r"
-        .*
-        (not Down)* (Down ((Up (not Down)*)? Down | Release | Grip)* (Up (not Down)*)?)?
-        (not (Down | Release) | Down (not Up)* Up)* (Down (not Up)*)?
-        (not (Down | Release) | Down (Down | Release | Grip)* Up)* (Down (Down | Release | Grip)*)?
-        "
-        );
-    }
 }
