@@ -3,10 +3,10 @@
 //! Maoz and Ringert (GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015) took the patterns of Dwyer, Avrunin and
 //! Corbett (Patterns in Property Specifications for Finite-State Verification, ICSE 1999) and gave each an automaton whose state
 //! infinitely often says that the formula holds. Names, parameters and formulas are theirs; the automata are made here, from the
-//! formulas, by [`ltl`](super::ltl). As in their translation, also a pattern that a finite run can break is asked for by justice only.
+//! formulas, by [`ltl`]. As in their translation, also a pattern that a finite run can break is asked for by justice only.
 
-use super::automaton::Automaton;
-use super::ltl::{self, Ltl};
+use linewright_automata::ltl::{self, Formula, Formulas, Node};
+use linewright_automata::symbolic::Automaton;
 
 /// The published file, by its name.
 pub(super) const FILE: &str = "DwyerPatterns.spectra";
@@ -257,9 +257,10 @@ impl Published {
         let mut reader = Letters {
             parameters: self.parameters,
             rest: self.formula.as_bytes(),
+            formulas: Formulas::default(),
         };
         let formula = reader.implication()?;
-        ltl::automaton(&formula, self.parameters.len())
+        ltl::buchi(&reader.formulas, formula, self.parameters.len()).ok()
     }
 }
 
@@ -267,6 +268,7 @@ impl Published {
 struct Letters {
     parameters: &'static str,
     rest: &'static [u8],
+    formulas: Formulas,
 }
 
 impl Letters {
@@ -281,53 +283,62 @@ impl Letters {
         }
     }
 
-    fn implication(&mut self) -> Option<Ltl> {
+    fn implication(&mut self) -> Option<Node> {
         let left = self.disjunction()?;
         if self.take("->") {
-            return Some(left.implies(self.implication()?));
+            let right = self.implication()?;
+            return Some(self.formulas.implies(left, right));
         }
         Some(left)
     }
 
-    fn disjunction(&mut self) -> Option<Ltl> {
+    fn disjunction(&mut self) -> Option<Node> {
         let mut left = self.conjunction()?;
         while self.take("|") {
-            left = left.or(self.conjunction()?);
+            let right = self.conjunction()?;
+            left = self.formulas.node(Formula::Or(vec![left, right]));
         }
         Some(left)
     }
 
-    fn conjunction(&mut self) -> Option<Ltl> {
+    fn conjunction(&mut self) -> Option<Node> {
         let mut left = self.until()?;
         while self.take("&") {
-            left = left.and(self.until()?);
+            let right = self.until()?;
+            left = self.formulas.node(Formula::And(vec![left, right]));
         }
         Some(left)
     }
 
-    fn until(&mut self) -> Option<Ltl> {
+    fn until(&mut self) -> Option<Node> {
         let left = self.unary()?;
         if self.take("U") {
-            return Some(left.until(self.until()?));
+            let right = self.until()?;
+            return Some(self.formulas.node(Formula::Until(left, right)));
         }
         if self.take("W") {
-            return Some(left.unless(self.until()?));
+            let right = self.until()?;
+            return Some(self.formulas.node(Formula::Weak(left, right)));
         }
         Some(left)
     }
 
-    fn unary(&mut self) -> Option<Ltl> {
+    fn unary(&mut self) -> Option<Node> {
         if self.take("!") {
-            return Some(self.unary()?.not());
+            let inner = self.unary()?;
+            return Some(self.formulas.not(inner));
         }
         if self.take("X") {
-            return Some(self.unary()?.next());
+            let inner = self.unary()?;
+            return Some(self.formulas.node(Formula::Next(inner)));
         }
         if self.take("F") {
-            return Some(self.unary()?.eventually());
+            let inner = self.unary()?;
+            return Some(self.formulas.eventually(inner));
         }
         if self.take("G") {
-            return Some(self.unary()?.always());
+            let inner = self.unary()?;
+            return Some(self.formulas.always(inner));
         }
         if self.take("(") {
             let inner = self.implication()?;
@@ -336,6 +347,6 @@ impl Letters {
         let (letter, rest) = self.rest.split_first()?;
         let place = self.parameters.bytes().position(|p| p == *letter)?;
         self.rest = rest;
-        Some(Ltl::Atom(place, true))
+        Some(self.formulas.node(Formula::Atom(place, true)))
     }
 }

@@ -30,7 +30,6 @@ pub(super) mod dwyer;
 mod evaluate;
 mod import;
 mod initial;
-mod ltl;
 mod membership;
 mod parser;
 mod past;

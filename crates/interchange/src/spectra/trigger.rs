@@ -10,10 +10,11 @@
 //! Where r matches the empty word, 1 takes no step. Where e does, nothing is asked. `GF regexp(r)` is `trig true* |=> true* r`:
 //! again and again some steps match r. `G regexp(r)` is `trig true* |=> r`: the run is cut into pieces that match r.
 
-use super::automaton::{Automaton, Tree};
 use super::reader::Reader;
-use super::regexp::Re;
 use super::syntax::{Regexp, When};
+use super::value::Value;
+use linewright_automata::derivative::ExtendedRegex as Re;
+use linewright_automata::symbolic::{Automaton, Decision};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::Owner;
 use linewright_core::source::Span;
@@ -52,10 +53,10 @@ impl Reader {
         side: Owner,
         from: &Re,
         to: &Re,
-        atoms: &[super::value::Value],
+        atoms: &[Value],
         span: Span,
     ) -> Option<()> {
-        let (Some(from), Some(to)) = (from.automaton(), to.automaton()) else {
+        let (Ok(from), Ok(to)) = (from.automaton(), to.automaton()) else {
             self.too_many_states(span);
             return None;
         };
@@ -75,7 +76,7 @@ pub(super) fn chained(from: &Automaton, to: &Automaton) -> Option<Automaton> {
     let at_once = from.accepting[0];
     let count = if at_once { 1 } else { from.steps.len() };
     let in_effect = |s: usize| if to.accepting[s] { 0 } else { count + s };
-    let mut steps: Vec<Tree> = if at_once {
+    let mut steps: Vec<Decision> = if at_once {
         vec![to.steps[0].renamed(&in_effect)]
     } else {
         let in_cause = |s: usize| if from.accepting[s] { count } else { s };

@@ -34,7 +34,6 @@ mod parts;
 mod past;
 mod refusal;
 mod report;
-mod states;
 mod target;
 mod value;
 

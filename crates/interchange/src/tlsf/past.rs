@@ -142,10 +142,10 @@ impl Classifier<'_> {
             let formulas = &*self.formulas;
             automaton::of(formulas, f, &|g| Self::state(formulas, g))?
         };
-        let count = automaton.steps.len();
+        let count = automaton.states();
         let (ok, index) = (
-            |t: Option<usize>| i64::from(t.is_some()),
-            |t: Option<usize>| t.unwrap_or(0) as i64,
+            |t: Option<u32>| i64::from(t.is_some()),
+            |t: Option<u32>| i64::from(t.unwrap_or(0)),
         );
         if count == 1 {
             return Some(automaton.by_state(&|_| Expr::TRUE, &ok));

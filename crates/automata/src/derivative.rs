@@ -1,0 +1,219 @@
+//! Regular expressions with complement and intersection over steps, as deterministic automata over finite words.
+//!
+//! By derivatives (Brzozowski, "Derivatives of regular expressions", 1964), which take complement and intersection as they come: the
+//! derivative of r after a step is what may follow that step. A state is an expression; equal ones are found because sums and
+//! intersections are sets.
+
+use crate::bound::TooLarge;
+use crate::symbolic::{Automaton, Values};
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+/// An extended regular expression; steps are numbered conditions.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ExtendedRegex {
+    /// No word at all.
+    Never,
+    /// The empty word.
+    Empty,
+    /// One step, whatever holds in it.
+    Any,
+    /// One step in which a condition holds.
+    Step(usize),
+    /// Every word that does not match.
+    Not(Rc<ExtendedRegex>),
+    /// One after the other.
+    Sequence(Rc<ExtendedRegex>, Rc<ExtendedRegex>),
+    /// As often as one likes, or not at all.
+    Star(Rc<ExtendedRegex>),
+    /// All of them.
+    And(BTreeSet<ExtendedRegex>),
+    /// One of them.
+    Or(BTreeSet<ExtendedRegex>),
+}
+
+impl ExtendedRegex {
+    /// Every word that it does not match.
+    #[must_use]
+    #[expect(clippy::should_implement_trait, reason = "as the other operators")]
+    pub fn not(self) -> Self {
+        match self {
+            Self::Not(inner) => (*inner).clone(),
+            other => Self::Not(Rc::new(other)),
+        }
+    }
+
+    /// One after the other.
+    #[must_use]
+    pub fn then(self, next: Self) -> Self {
+        match (self, next) {
+            (Self::Never, _) | (_, Self::Never) => Self::Never,
+            (Self::Empty, r) | (r, Self::Empty) => r,
+            // To the right, so that equal ones look alike.
+            (Self::Sequence(a, b), next) => Self::Sequence(a, Rc::new((*b).clone().then(next))),
+            (a, b) => Self::Sequence(Rc::new(a), Rc::new(b)),
+        }
+    }
+
+    /// As often as one likes, or not at all.
+    #[must_use]
+    pub fn star(self) -> Self {
+        match self {
+            Self::Never | Self::Empty => Self::Empty,
+            star @ Self::Star(_) => star,
+            other => Self::Star(Rc::new(other)),
+        }
+    }
+
+    fn is_all(&self) -> bool {
+        matches!(self, Self::Not(inner) if **inner == Self::Never)
+            || matches!(self, Self::Star(inner) if **inner == Self::Any)
+    }
+
+    /// One of them.
+    pub fn or(parts: impl IntoIterator<Item = Self>) -> Self {
+        let mut set = BTreeSet::new();
+        for part in parts {
+            match part {
+                Self::Never => {}
+                Self::Or(inner) => set.extend(inner),
+                part if part.is_all() => return part,
+                part => {
+                    set.insert(part);
+                }
+            }
+        }
+        match set.len() {
+            0 => Self::Never,
+            1 => set.pop_first().unwrap_or(Self::Never),
+            _ => Self::Or(set),
+        }
+    }
+
+    /// All of them.
+    pub fn and(parts: impl IntoIterator<Item = Self>) -> Self {
+        let mut set = BTreeSet::new();
+        for part in parts {
+            match part {
+                Self::Never => return Self::Never,
+                Self::And(inner) => set.extend(inner),
+                part if part.is_all() => {}
+                part => {
+                    set.insert(part);
+                }
+            }
+        }
+        match set.len() {
+            0 => Self::Never.not(),
+            1 => set.pop_first().unwrap_or(Self::Never),
+            _ => Self::And(set),
+        }
+    }
+
+    /// Whether it matches the empty word.
+    pub fn matches_empty(&self) -> bool {
+        match self {
+            Self::Never | Self::Any | Self::Step(_) => false,
+            Self::Empty | Self::Star(_) => true,
+            Self::Not(r) => !r.matches_empty(),
+            Self::Sequence(a, b) => a.matches_empty() && b.matches_empty(),
+            Self::And(set) => set.iter().all(Self::matches_empty),
+            Self::Or(set) => set.iter().any(Self::matches_empty),
+        }
+    }
+
+    /// The conditions that matter for the next step.
+    fn heads(&self, found: &mut BTreeSet<usize>) {
+        match self {
+            Self::Never | Self::Empty | Self::Any => {}
+            Self::Step(atom) => {
+                found.insert(*atom);
+            }
+            Self::Not(r) | Self::Star(r) => r.heads(found),
+            Self::Sequence(a, b) => {
+                a.heads(found);
+                if a.matches_empty() {
+                    b.heads(found);
+                }
+            }
+            Self::And(set) | Self::Or(set) => set.iter().for_each(|r| r.heads(found)),
+        }
+    }
+
+    /// What may follow a step in which the conditions have these values.
+    fn after(&self, values: &Values) -> Self {
+        match self {
+            Self::Any => Self::Empty,
+            Self::Step(atom) if values.get(atom) == Some(&true) => Self::Empty,
+            Self::Never | Self::Empty | Self::Step(_) => Self::Never,
+            Self::Not(r) => r.after(values).not(),
+            Self::Star(r) => r.after(values).then(self.clone()),
+            Self::Sequence(a, b) => {
+                let first = a.after(values).then((**b).clone());
+                if a.matches_empty() {
+                    Self::or([first, b.after(values)])
+                } else {
+                    first
+                }
+            }
+            Self::And(set) => Self::and(set.iter().map(|r| r.after(values))),
+            Self::Or(set) => Self::or(set.iter().map(|r| r.after(values))),
+        }
+    }
+
+    /// The automaton that is in an accepting state after the words that match.
+    ///
+    /// # Errors
+    /// When it is too large for [`Automaton::explore`].
+    pub fn automaton(&self) -> Result<Automaton, TooLarge> {
+        let heads = |state: &Self| {
+            let mut heads = BTreeSet::new();
+            state.heads(&mut heads);
+            heads.into_iter().collect()
+        };
+        let step = |state: &Self, values: &Values| Ok(state.after(values));
+        let found = Automaton::explore(self.clone(), heads, step, Self::matches_empty)?;
+        Ok(found.minimal())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::symbolic::Decision;
+
+    /// Whether an automaton over condition 0 accepts these steps.
+    fn accepts(automaton: &Automaton, word: &[bool]) -> bool {
+        let mut state = 0;
+        for holds in word {
+            let mut decision = &automaton.steps[state];
+            while let Decision::If(_, yes, no) = decision {
+                decision = if *holds { yes } else { no };
+            }
+            if let Decision::To(next) = decision {
+                state = *next;
+            }
+        }
+        automaton.accepting[state]
+    }
+
+    #[test]
+    fn complement_and_intersection_are_taken_as_they_come() {
+        use ExtendedRegex as R;
+        let all = || R::Any.star();
+        let some = all().then(R::Step(0)).then(all());
+        let even = R::Any.then(R::Any).star();
+        let both = R::and([even.clone(), some.clone().not()]);
+        let automaton = both.automaton().expect("it is small");
+        for length in 0..6 {
+            for bits in 0..1_u32 << length {
+                let word: Vec<bool> = (0..length).map(|i| bits >> i & 1 == 1).collect();
+                let wanted = length % 2 == 0 && bits == 0;
+                assert_eq!(accepts(&automaton, &word), wanted, "{word:?}");
+            }
+        }
+        // De Morgan's law, by the least automata.
+        let other = R::or([even.not(), some]).not();
+        assert_eq!(other.automaton(), Ok(automaton));
+    }
+}

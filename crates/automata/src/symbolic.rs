@@ -1,0 +1,219 @@
+//! Deterministic automata over the conditions that hold in a step: each state decides by those that matter to it.
+//!
+//! Conditions are numbered, and asked in rising order (Akers, "Binary decision diagrams", 1978, without sharing). Every step has a successor.
+//! What *accepting* means is left to whoever made the automaton: that a word may end, or that such a state comes again and again
+//! (Büchi).
+
+use crate::bound::TooLarge;
+use std::collections::BTreeMap;
+
+/// An automaton may have so many states before it is made minimal.
+pub const MAX_STATES: usize = 2000;
+/// So many conditions may decide one transition.
+pub const MAX_CONDITIONS: usize = 12;
+
+/// Which of some conditions hold in a step.
+pub type Values = BTreeMap<usize, bool>;
+
+/// The state that comes after these values.
+type Successor<'a> = dyn FnMut(&Values) -> Result<usize, TooLarge> + 'a;
+
+/// A decision between successors, conditions in rising order.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Decision {
+    /// This state is next.
+    To(usize),
+    /// By a condition: where it holds, and where it does not.
+    If(usize, Box<Decision>, Box<Decision>),
+}
+
+impl Decision {
+    /// The decision by some conditions, in rising order, whose successors are `to`.
+    fn over(conditions: &[usize], to: &mut Successor<'_>) -> Result<Self, TooLarge> {
+        fn grow(
+            conditions: &[usize],
+            values: &mut Values,
+            to: &mut Successor<'_>,
+        ) -> Result<Decision, TooLarge> {
+            let [condition, rest @ ..] = conditions else {
+                return to(values).map(Decision::To);
+            };
+            values.insert(*condition, true);
+            let yes = grow(rest, values, to)?;
+            values.insert(*condition, false);
+            let no = grow(rest, values, to)?;
+            values.remove(condition);
+            Ok(Decision::by(*condition, yes, no))
+        }
+        grow(conditions, &mut Values::new(), to)
+    }
+
+    fn by(condition: usize, yes: Self, no: Self) -> Self {
+        if yes == no {
+            yes
+        } else {
+            Self::If(condition, Box::new(yes), Box::new(no))
+        }
+    }
+
+    /// The same with other successors.
+    #[must_use]
+    pub fn renamed(&self, to: &dyn Fn(usize) -> usize) -> Self {
+        match self {
+            Self::To(state) => Self::To(to(*state)),
+            Self::If(condition, yes, no) => Self::by(*condition, yes.renamed(to), no.renamed(to)),
+        }
+    }
+}
+
+/// An automaton; it begins in state 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Automaton {
+    /// For every state what comes after it.
+    pub steps: Vec<Decision>,
+    /// Whether a state is accepting.
+    pub accepting: Vec<bool>,
+}
+
+impl Automaton {
+    /// Everything that can be reached from `start`, which becomes state 0. `conditions` says what decides a state's step, in rising order;
+    /// `step` gives the state after it.
+    ///
+    /// # Errors
+    /// When there are more than [`MAX_STATES`] states, or more than [`MAX_CONDITIONS`] conditions decide a step, or where `step` says so.
+    pub fn explore<S: Clone + Ord>(
+        start: S,
+        conditions: impl Fn(&S) -> Vec<usize>,
+        mut step: impl FnMut(&S, &Values) -> Result<S, TooLarge>,
+        accepting: impl Fn(&S) -> bool,
+    ) -> Result<Self, TooLarge> {
+        let mut states = vec![start.clone()];
+        let mut numbers = BTreeMap::from([(start, 0)]);
+        let mut steps = Vec::new();
+        while let Some(state) = states.get(steps.len()).cloned() {
+            let deciding = conditions(&state);
+            at_most(MAX_CONDITIONS, deciding.len(), "conditions in one step")?;
+            let decision = Decision::over(&deciding, &mut |values| {
+                let next = step(&state, values)?;
+                if let Some(known) = numbers.get(&next) {
+                    return Ok(*known);
+                }
+                at_most(MAX_STATES, states.len() + 1, "states")?;
+                numbers.insert(next.clone(), states.len());
+                states.push(next);
+                Ok(states.len() - 1)
+            })?;
+            steps.push(decision);
+        }
+        Ok(Self {
+            steps,
+            accepting: states.iter().map(accepting).collect(),
+        })
+    }
+
+    /// The same without states that no run reaches.
+    #[must_use]
+    pub fn reached(&self) -> Self {
+        let (mut order, mut at) = (vec![0], 0);
+        while at < order.len() {
+            let mut open = vec![&self.steps[order[at]]];
+            while let Some(decision) = open.pop() {
+                match decision {
+                    Decision::To(state) if !order.contains(state) => order.push(*state),
+                    Decision::To(_) => {}
+                    Decision::If(_, yes, no) => open.extend([&**no, &**yes]),
+                }
+            }
+            at += 1;
+        }
+        let place = |s: usize| order.iter().position(|o| *o == s).unwrap_or(0);
+        Self {
+            steps: order
+                .iter()
+                .map(|s| self.steps[*s].renamed(&place))
+                .collect(),
+            accepting: order.iter().map(|s| self.accepting[*s]).collect(),
+        }
+    }
+
+    /// The same without states that nothing tells apart (Moore, "Gedanken-experiments on sequential machines", 1956: decisions are compared
+    /// as a whole, so that no letter is written out).
+    #[must_use]
+    pub fn minimal(&self) -> Self {
+        let mut class: Vec<usize> = self.accepting.iter().map(|a| usize::from(*a)).collect();
+        let mut count = 0;
+        loop {
+            let mut known = BTreeMap::new();
+            let next: Vec<usize> = (0..class.len())
+                .map(|s| {
+                    let key = (class[s], self.steps[s].renamed(&|t| class[t]));
+                    let new = known.len();
+                    *known.entry(key).or_insert(new)
+                })
+                .collect();
+            class = next;
+            if known.len() == count {
+                break;
+            }
+            count = known.len();
+        }
+        // Classes are numbered by their first states, so the first one stays state 0.
+        let first: Vec<usize> = (0..count)
+            .filter_map(|c| class.iter().position(|d| *d == c))
+            .collect();
+        Self {
+            steps: first
+                .iter()
+                .map(|s| self.steps[*s].renamed(&|t| class[t]))
+                .collect(),
+            accepting: first.iter().map(|s| self.accepting[*s]).collect(),
+        }
+    }
+}
+
+fn at_most(limit: usize, count: usize, what: &'static str) -> Result<(), TooLarge> {
+    if count > limit {
+        return Err(TooLarge::Count { what, limit });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Counts the steps in which condition 7 holds up to `most`; accepting where the count is a multiple of `n`.
+    fn counting(n: usize, most: usize) -> Result<Automaton, TooLarge> {
+        let step = |count: &usize, values: &Values| Ok((count + usize::from(values[&7])) % most);
+        Automaton::explore(0, |_| vec![7], step, |count| count.is_multiple_of(n))
+    }
+
+    #[test]
+    fn states_that_nothing_tells_apart_are_one() {
+        let minimal = counting(3, 12).expect("it is small").minimal();
+        assert_eq!(minimal, counting(3, 3).expect("it is small"));
+    }
+
+    #[test]
+    fn what_no_run_reaches_is_left_out() {
+        let mut automaton = counting(2, 2).expect("it is small");
+        let reached = automaton.clone();
+        automaton.steps.insert(1, Decision::To(0));
+        automaton.accepting.insert(1, true);
+        let moved = |s: usize| if s == 1 { 2 } else { s };
+        automaton.steps[0] = automaton.steps[0].renamed(&moved);
+        automaton.steps[2] = automaton.steps[2].renamed(&moved);
+        assert_eq!(automaton.reached(), reached);
+    }
+
+    #[test]
+    fn a_limit_is_kept() {
+        assert!(counting(1, MAX_STATES).is_ok());
+        let limit = MAX_STATES;
+        let too_large = Err(TooLarge::Count {
+            what: "states",
+            limit,
+        });
+        assert_eq!(counting(1, MAX_STATES + 1), too_large);
+    }
+}
