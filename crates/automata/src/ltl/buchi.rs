@@ -6,8 +6,8 @@
 //!
 //! That is right for formulas in which no `until` holds a `weak` or a `release`.
 
+use super::formula::{Formulas, Node};
 use super::progression::{Condition, Progression, Reading};
-use super::{Formulas, Node};
 use crate::bound::TooLarge;
 use crate::symbolic::{Automaton, Values};
 
@@ -40,7 +40,8 @@ pub fn buchi(formulas: &Formulas, formula: Node, atoms: usize) -> Result<Automat
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Formula, Limits, safety};
+    use super::super::formula::Formula;
+    use super::super::safety::{Limits, safety};
     use super::*;
     use crate::symbolic::Decision;
     use std::collections::BTreeSet;

@@ -1,6 +1,6 @@
 //! What a step leaves of a formula.
 
-use super::{Formula, Formulas, Node};
+use super::formula::{Formula, Formulas, Node};
 use crate::antichain::Antichain;
 use crate::bound::TooLarge;
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! A safety formula as a deterministic automaton that refuses its bad prefixes.
 
+use super::formula::{Formulas, Node};
 use super::progression::{Progression, Reading};
-use super::{Formulas, Node};
 use crate::bound::TooLarge;
 use crate::dfa::Dfa;
 

@@ -1,6 +1,6 @@
 //! Expressions put together without what changes nothing.
 
-use super::Regex;
+use super::tree::Regex;
 
 impl Regex {
     /// One after the other, without what changes nothing.

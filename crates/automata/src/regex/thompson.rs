@@ -3,7 +3,7 @@
 //! It becomes a nondeterministic automaton with empty moves (Thompson, "Regular expression search algorithm", 1968), and that a deterministic
 //! one by sets of its states.
 
-use super::Regex;
+use super::tree::Regex;
 use crate::bound::{Bound, TooLarge};
 use crate::dfa::Dfa;
 use std::collections::BTreeSet;

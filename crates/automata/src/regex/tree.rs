@@ -1,0 +1,75 @@
+//! Expressions as trees.
+
+/// A regular expression over letters.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Regex {
+    /// No word at all.
+    Nothing,
+    /// The empty word.
+    Empty,
+    /// One letter.
+    Letter(usize),
+    /// Any letter but these; `.` is any.
+    AnyBut(Vec<usize>),
+    /// Several letters, each once, in any order.
+    AnyOrder(Vec<usize>),
+    /// One after the other.
+    Concat(Vec<Regex>),
+    /// One of them.
+    Either(Vec<Regex>),
+    /// From `low` to `high` times; without an end where `high` is `None`.
+    Repeat {
+        /// What is repeated.
+        of: Box<Regex>,
+        /// How often at least.
+        low: u32,
+        /// How often at most.
+        high: Option<u32>,
+    },
+}
+
+impl Regex {
+    /// Whether the empty word is one of its words.
+    pub fn has_empty(&self) -> bool {
+        match self {
+            Self::Empty => true,
+            Self::Nothing | Self::Letter(_) | Self::AnyBut(_) => false,
+            Self::AnyOrder(letters) => letters.is_empty(),
+            Self::Concat(parts) => parts.iter().all(Self::has_empty),
+            Self::Either(parts) => parts.iter().any(Self::has_empty),
+            Self::Repeat { of, low, .. } => *low == 0 || of.has_empty(),
+        }
+    }
+
+    /// How long it is: the letters and operators in it.
+    pub fn size(&self) -> usize {
+        match self {
+            Self::Nothing | Self::Empty | Self::Letter(_) => 1,
+            Self::AnyBut(letters) => 1 + letters.len(),
+            Self::AnyOrder(letters) => letters.len(),
+            Self::Concat(parts) => parts.iter().map(Self::size).sum(),
+            Self::Either(parts) => parts.iter().map(|p| p.size() + 1).sum(),
+            Self::Repeat { of, .. } => of.size() + 1,
+        }
+    }
+
+    /// Puts letter `i` at `places[i]`.
+    pub fn renumber(&mut self, places: &[usize]) {
+        match self {
+            Self::Nothing | Self::Empty => {}
+            Self::Letter(letter) => *letter = places[*letter],
+            Self::AnyBut(letters) | Self::AnyOrder(letters) => {
+                for letter in letters.iter_mut() {
+                    *letter = places[*letter];
+                }
+                letters.sort_unstable();
+            }
+            Self::Concat(parts) | Self::Either(parts) => {
+                for part in parts {
+                    part.renumber(places);
+                }
+            }
+            Self::Repeat { of, .. } => of.renumber(places),
+        }
+    }
+}
