@@ -321,3 +321,11 @@ pub(super) fn balanced(op: BinaryOp, mut operands: Vec<Expr>) -> Expr {
         _ => Expr::TRUE,
     })
 }
+
+/// The negation, without one before another.
+pub(super) fn negated(e: &Expr) -> Expr {
+    match e.simplify() {
+        Expr::Unary(UnaryOp::Not, inner) => *inner,
+        e => e.not().simplify(),
+    }
+}

@@ -5,15 +5,15 @@
 //!
 //! | construct | file |
 //! |---|---|
-//! | `import` | `import`, `scope` |
+//! | `import` | `import`, `lookup` |
 //! | `type`, arrays, `.all .any .sum .prod .min .max` | `types`, `array` |
 //! | comparisons, also of enumerations | `comparison` |
 //! | `define`, `predicate` | `evaluate`, `array`, `predicate` |
 //! | `forall`, `exists`, `in {..}` | `quantifier`, `membership` |
 //! | `PREV ONCE HISTORICALLY SINCE TRIGGERED` | `past` |
 //! | `monitor`, `counter` | `statement`, `counter` |
-//! | `pattern`, the published patterns | `pattern`, `dwyer`, `ltl` |
-//! | `trig`, `regexp` | `trigger`, `regexp` |
+//! | `pattern`, the published patterns | `pattern`, `dwyer`, `automata::ltl` |
+//! | `trig`, `regexp` | `trigger`, `regexp`, `automata::derivative` |
 //! | `ini`, `G`, `alw`, `GF` | `statement`, `initial` |
 //!
 //! What counts weights (an energy objective) or asks for the existence of runs has no place in GR(1): the former is ignored with a note, the
@@ -30,6 +30,7 @@ pub(super) mod dwyer;
 mod evaluate;
 mod import;
 mod initial;
+mod lookup;
 mod membership;
 mod parser;
 mod past;

@@ -1,10 +1,10 @@
 //! INITIALLY and PRESET.
 
 use super::ast::Section;
-use super::classify::Piece;
+use super::classify::{Piece, Refusal};
+use super::found::{Found, Wish, formula};
 use super::ltl::{F, Formulas, Op};
-use super::meaning::{Found, Meaning, Sides, Wish, formula};
-use super::refusal::Refusal;
+use super::meaning::{Meaning, Sides};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Owner, Time, VarId};
 

@@ -14,9 +14,7 @@
 //! | a disjunction of these | what holds in the long run: `G F p` or `F G q` |
 
 use super::ltl::{F, Formulas, Op};
-use super::past::negated;
-use super::refusal::Refusal;
-use crate::terms::balanced;
+use crate::terms::{balanced, negated};
 use linewright_core::gr1::monitors::{Monitors, Origin, Pattern, Scope};
 use linewright_core::gr1::{BinaryOp, Expr, VarId};
 use std::collections::BTreeMap;
@@ -36,6 +34,14 @@ pub(super) enum Piece {
     Persistent(Expr),
     /// If the first ones hold again and again, then so does the last. The formulas are those that the first ones deny.
     Pair(Vec<(F, Expr)>, Expr),
+}
+
+/// Why a formula is none of GR(1).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Refusal {
+    pub at: F,
+    pub why: String,
+    pub help: String,
 }
 
 pub(super) struct Classifier<'f> {

@@ -2,8 +2,8 @@
 
 use super::ast::{File, Section, Shape};
 use super::expand::{Expander, Globals};
+use super::found::Wish;
 use super::ltl::{Op, Place};
-use super::meaning::Wish;
 use super::report::Report;
 use super::value::Value;
 use crate::names::quoted;

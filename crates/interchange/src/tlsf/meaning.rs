@@ -29,36 +29,13 @@
 //! kept so far is assumed again and again.
 
 use super::ast::Section;
-use super::classify::{Classifier, Piece};
+use super::classify::{Classifier, Piece, Refusal};
 use super::expand::Site;
-use super::ltl::F;
-use super::pairs::under_assumptions;
-use super::past::negated;
-use super::refusal::Refusal;
+use super::found::{Found, Wish, formula, is_safety, only_in_vain, under_assumptions};
 use super::report::Report;
+use crate::terms::negated;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_core::gr1::monitors::Origin;
 use linewright_core::gr1::{Expr, Formula, Owner, Side, Time, Timing, VarId, Variable};
-use std::ops::Range;
-
-/// A formula of a section, expanded.
-#[derive(Debug, Clone)]
-pub(super) struct Wish {
-    pub section: Section,
-    pub name: String,
-    /// Where the name of its section stands.
-    pub heading: Range<usize>,
-    pub formula: F,
-}
-
-/// A piece and where it comes from.
-pub(super) struct Found {
-    pub piece: Piece,
-    pub at: F,
-    pub origin: Origin,
-    /// Where the name of its section stands.
-    pub heading: Range<usize>,
-}
 
 pub(super) struct Meaning<'c, 'f, 'r> {
     pub classifier: &'c mut Classifier<'f>,
@@ -386,41 +363,10 @@ fn keep(found: &Found, late: bool, released: &[Expr], sides: &mut Sides) {
     }
 }
 
-/// Constants among what is assumed or promised: what says nothing is left out, and what nothing can keep is as well asked again and again.
-fn only_in_vain(list: &mut Vec<Found>) {
-    let constant = |f: &Found| match f.piece {
-        Piece::Initial(Expr::Const(value)) | Piece::Invariant(Expr::Const(value)) => Some(value),
-        _ => None,
-    };
-    list.retain(|f| constant(f).is_none_or(|value| value == 0));
-    for found in list {
-        if constant(found).is_some() {
-            found.piece = Piece::Recurrent(Expr::FALSE);
-        }
-    }
-}
-
 fn is_in(list: &[Found], found: &Found) -> bool {
     list.iter().any(|f| std::ptr::eq(f, found))
 }
 
-pub(super) fn is_safety(piece: &Piece) -> bool {
-    matches!(
-        piece,
-        Piece::Initial(_) | Piece::Invariant(_) | Piece::Step(_)
-    )
-}
-
 fn excuse(e: Expr, excused: &[Expr]) -> Expr {
     excused.iter().fold(e, |e, x| e.or(x.clone())).simplify()
-}
-
-pub(super) fn formula(found: &Found, expr: &Expr) -> Formula {
-    Formula {
-        name: found.origin.name.clone(),
-        requirement: None,
-        expr: expr.simplify(),
-        span: found.origin.span,
-        text: found.origin.text.clone(),
-    }
 }

@@ -1,9 +1,9 @@
 //! Promises of the form "if again and again, then again and again": Streett pairs.
 
-use super::classify::Piece;
+use super::classify::{Piece, Refusal};
+use super::found::{Found, formula};
 use super::ltl::{F, Op};
-use super::meaning::{Found, Meaning, formula};
-use super::refusal::Refusal;
+use super::meaning::Meaning;
 use linewright_core::gr1::{Expr, Formula};
 
 impl Meaning<'_, '_, '_> {
@@ -88,26 +88,5 @@ fn pair(found: &Found, why: &str) -> Refusal {
         at,
         why: format!("a promise depends on this happening again and again, and {why}: a Streett pair beyond GR(1)"),
         help: "GR(1) is one implication, from all assumptions `G F a` to all promises `G F b`: put the condition under ASSUME, if all may depend on it".to_owned(),
-    }
-}
-
-/// "If again and again c, then" says nothing where c is assumed to happen again and again.
-pub(super) fn under_assumptions(require: &[Found], assume: &[Found], promises: &mut [Found]) {
-    let known: Vec<&Expr> = require
-        .iter()
-        .chain(assume)
-        .filter_map(|f| match &f.piece {
-            Piece::Recurrent(e) => Some(e),
-            _ => None,
-        })
-        .collect();
-    for found in promises {
-        let Piece::Pair(when, then) = &mut found.piece else {
-            continue;
-        };
-        when.retain(|(_, e)| !known.contains(&e));
-        if when.is_empty() {
-            found.piece = Piece::Recurrent(then.clone());
-        }
     }
 }

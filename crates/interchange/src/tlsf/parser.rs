@@ -1,8 +1,8 @@
 //! Reads the sections of a file.
 
 use super::ast::{Entry, File, Section, Shape, Signal};
-use super::expression::is_reserved;
 use super::lexer::{Token, Word};
+use super::operators::is_reserved;
 use super::report::Report;
 use crate::names::quoted;
 use std::ops::Range;

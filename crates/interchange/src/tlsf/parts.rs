@@ -1,9 +1,10 @@
 //! The formulas of a section as parts, each with its name and its place.
 
 use super::ast::Section;
+use super::found::{Found, Wish, is_safety};
 use super::lexer::one_line;
 use super::ltl::{F, Op};
-use super::meaning::{Found, Meaning, Wish, is_safety};
+use super::meaning::Meaning;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::monitors::Origin;
 use linewright_core::source::Span;

@@ -3,17 +3,9 @@
 use super::automaton;
 use super::classify::{Classifier, Piece};
 use super::ltl::{F, Formulas, Op};
-use crate::terms::balanced;
-use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, UnaryOp, VarId};
+use crate::terms::{balanced, negated};
+use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, VarId};
 use std::collections::BTreeMap;
-
-/// The negation, without one before another.
-pub(super) fn negated(e: &Expr) -> Expr {
-    match e.simplify() {
-        Expr::Unary(UnaryOp::Not, inner) => *inner,
-        e => e.not().simplify(),
-    }
-}
 
 impl Classifier<'_> {
     /// A formula about one step, `None` for any other. The recursion is as deep as the formula.

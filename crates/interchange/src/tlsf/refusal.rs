@@ -1,15 +1,7 @@
 //! What is refused, at its smallest part, and the equivalence that is missing.
 
-use super::classify::Classifier;
+use super::classify::{Classifier, Refusal};
 use super::ltl::{F, Formulas, Op};
-
-/// Why a formula is none of GR(1).
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Refusal {
-    pub at: F,
-    pub why: String,
-    pub help: String,
-}
 
 impl Classifier<'_> {
     /// The smallest temporal formula in one that stands where none can.

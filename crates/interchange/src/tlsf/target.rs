@@ -5,8 +5,8 @@
 //! where the formula reads it behind `X` only. Either way the file has the verdict of its own semantics.
 
 use super::ast::Semantics;
+use super::found::Wish;
 use super::ltl::{F, Formulas, Op};
-use super::meaning::Wish;
 use linewright_core::gr1::{Owner, VarId, Variable};
 
 /// The formulas for the machine that is wanted, where they were written for the other one.
