@@ -5,9 +5,9 @@
 
 use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
+use super::reference::{AssumptionRef, GuaranteeKind, GuaranteeRef};
 use super::relation::Relation;
 use super::structure;
-use super::{AssumptionRef, GuaranteeKind, GuaranteeRef};
 use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
 use linewright_core::gr1::{Expr, Formula, Owner, Side, Specification, Time, Timing, VarId};
 use std::collections::BTreeSet;

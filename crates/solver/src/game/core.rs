@@ -11,8 +11,8 @@
 
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};
+use super::reference::{AssumptionRef, GuaranteeRef};
 use super::set_up::SPLIT;
-use super::{AssumptionRef, GuaranteeRef};
 use crate::symbolic::{Kernel, Limit};
 
 /// A minimal unrealizable set of guarantees of an unrealizable specification.

@@ -22,7 +22,7 @@
 
 use super::arena::Arena;
 use super::heuristics::Heuristic;
-use super::solver::Statistics;
+use super::statistics::Statistics;
 use crate::symbolic::{Kernel, Limit};
 use std::sync::atomic::{AtomicU64, Ordering};
 

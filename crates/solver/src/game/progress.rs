@@ -4,7 +4,7 @@
 //! the solver, but reads here what it had reached, and leaves it.
 
 use super::fixpoint::Iterations;
-use super::solver::Statistics;
+use super::statistics::Statistics;
 use std::fmt;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -5,7 +5,7 @@
 //! input always gives the same machine.
 
 use super::arena::{Arena, Formulas, first_order};
-use super::attack::{self, Attack};
+use super::attack::{self, Attack, Play};
 use super::core;
 use super::explore::{self, Explicit};
 use super::findings::shape::{self, Shape};
@@ -13,15 +13,16 @@ use super::findings::{self, EnvironmentFindings};
 use super::fixpoint::winning_region;
 use super::functions::{self, Controls};
 use super::heuristics::Heuristics;
+use super::outcome::{Game, Lost, Outcome, Won};
 use super::progress::{Phase, Progress};
 use super::ranking::{self, Ranking};
+use super::reference::GuaranteeRef;
 use super::repair::{self, Advice};
 use super::set_up;
+use super::statistics::Statistics;
 use super::strategy::{self, Preference};
-use super::{GuaranteeRef, Lost, Outcome, Play, Won};
 use crate::symbolic::{Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
 use linewright_core::gr1::{Formula, Specification, Time, VarId};
-use std::fmt::Debug;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -72,39 +73,6 @@ pub struct Options {
     pub progress: Arc<Progress>,
 }
 
-/// What a verdict took.
-#[derive(Debug, Clone, Default)]
-pub struct Statistics {
-    /// The kernel it was found on.
-    pub kernel: &'static str,
-    /// Pairs of a current and a next bit.
-    pub pairs: usize,
-    /// Seconds of the clock until all formulas were functions.
-    pub encode_seconds: f64,
-    /// Seconds spent on the order before the fixpoint.
-    pub order_seconds: f64,
-    /// Seconds of the fixpoint.
-    pub fixpoint_seconds: f64,
-    /// The largest number of nodes that were kept at once.
-    pub peak_nodes: u64,
-    /// Steps of the outermost fixpoint: one a goal and round.
-    pub outer: u64,
-    /// Steps of the middle fixpoints: one an assumption and round.
-    pub middle: u64,
-    /// Steps of the innermost fixpoints.
-    pub inner: u64,
-    /// Controllable predecessors that were computed.
-    pub predecessors: u64,
-    /// Whether the game is too large to be examined further beside a verdict. By its bits and nodes, never by the clock.
-    pub large: bool,
-    /// The variables from the top of the diagrams to their bottom at the start, by the place of their first bit.
-    pub order_before: Vec<VarId>,
-    /// The same at the end.
-    pub order_after: Vec<VarId>,
-    /// The order at the end; `None` until then.
-    pub last_order: Option<Order>,
-}
-
 /// A verdict and what it took.
 #[derive(Debug)]
 pub struct Solved {
@@ -112,36 +80,6 @@ pub struct Solved {
     pub outcome: Outcome,
     /// What it took; what was reached when a limit ended it.
     pub statistics: Statistics,
-}
-
-/// What a won game can do, whatever its kernel.
-pub trait Game: Debug + Send + Sync {
-    /// See [`Won::explore`].
-    fn explore(
-        &self,
-        specification: &Specification,
-        preference: Preference,
-        limits: &Limits,
-    ) -> Result<Explicit, Limit>;
-
-    /// See [`Won::functions`].
-    fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit>;
-
-    /// See [`Won::examine_environment`].
-    fn examine_environment(
-        &self,
-        specification: &Specification,
-        limits: &Limits,
-    ) -> Result<EnvironmentFindings, Limit>;
-
-    /// See [`Won::shape`].
-    fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit>;
-
-    /// See [`Won::ranking`].
-    fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit>;
-
-    /// See [`Won::region`].
-    fn region(&self) -> Diagram;
 }
 
 /// A game that was won on one kernel.
@@ -181,7 +119,7 @@ impl<K: Kernel> Game for WonGame<K> {
                 &self.arena.with_limits(limits),
                 specification,
             ),
-            None => examine(specification, limits),
+            None => examine_environment(specification, limits),
         }
     }
 
@@ -266,8 +204,8 @@ fn small(order: &Order, options: &Options) -> Option<Limits> {
     }
 }
 
-/// Examines the environment's side on whichever kernel fits.
-pub fn examine(
+/// Examines the environment's side. Independent of whether the specification is realizable.
+pub fn examine_environment(
     specification: &Specification,
     limits: &Limits,
 ) -> Result<EnvironmentFindings, Limit> {

@@ -4,10 +4,10 @@
 //! step known, and what is still open of the assumption that is aimed at. So where the environment moves first there are
 //! at most as many states as inputs that it ever gives, times assumptions.
 
-use super::Board;
+use super::board::Board;
 use super::strategy::Strategy;
 use crate::game::cover::Cover;
-use crate::game::{Explicit, Row};
+use crate::game::explore::{Explicit, Row};
 use crate::symbolic::{Bit, Kernel, Limit, Limits};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 use std::collections::{HashMap, VecDeque};

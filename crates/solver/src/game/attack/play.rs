@@ -5,10 +5,10 @@
 //! answer is legal, and names the guarantees that clash there; or it comes back to a step it has seen, and then a goal is
 //! kept from the machine for ever.
 
+use super::board::{Board, Stage};
 use super::strategy::Strategy;
-use super::{Board, Stage};
 use crate::game::arena::Formulas;
-use crate::game::{GuaranteeKind, GuaranteeRef};
+use crate::game::reference::{GuaranteeKind, GuaranteeRef};
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,7 @@
 //! the assumption aimed at; when that assumption's justice is met, it aims at the next one. Of several moves it takes the
 //! one that changes the fewest inputs, one input after the other; else the smallest values.
 
-use super::{Board, Stage};
+use super::board::{Board, Stage};
 use crate::symbolic::{BitSet, Kernel, Limit};
 use linewright_core::gr1::{Specification, Time};
 

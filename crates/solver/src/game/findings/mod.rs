@@ -13,10 +13,11 @@ pub mod shape;
 use super::arena::{Arena, Formulas, Selection};
 use super::fixpoint::winning_states;
 use super::lasting::together;
+use super::reachable::{self, reachable};
+use super::reference::{AssumptionRef, GuaranteeKind};
 use super::set_up::SPLIT;
-use super::{AssumptionRef, GuaranteeKind};
-use crate::symbolic::{BitSet, Kernel, Limit, Limits};
-use linewright_core::gr1::{Specification, Time, Timing, VarId};
+use crate::symbolic::{Kernel, Limit};
+use linewright_core::gr1::{Specification, Time, VarId};
 use serde::{Deserialize, Serialize};
 
 /// What is odd about the environment's side. A valuation has one value a variable of the specification.
@@ -50,15 +51,7 @@ impl EnvironmentFindings {
     }
 }
 
-/// Examines the environment's side. Independent of whether the specification is realizable.
-pub fn examine_environment(
-    specification: &Specification,
-    limits: &Limits,
-) -> Result<EnvironmentFindings, Limit> {
-    super::solver::examine(specification, limits)
-}
-
-/// The same, in a game that is encoded already.
+/// Examines the environment's side of a game that is encoded already.
 pub fn examine<K: Kernel>(
     formulas: &Formulas<K>,
     arena: &Arena<K>,
@@ -83,7 +76,7 @@ pub fn examine<K: Kernel>(
     // The same for a machine without guarantees.
     let reckless = formulas.arena(&Selection::Only(&[]), SPLIT)?;
     let first = m.and(&reckless.env_initial, &reckless.sys_initial)?;
-    let anywhere = self::reachable(&reckless, &first, &moves)?;
+    let anywhere = reachable::reachable(&reckless, &first, &moves)?;
     let recklessly = m.and(&forcing(&reckless)?, &anywhere)?;
 
     let mut broken = Vec::new();
@@ -145,29 +138,4 @@ fn forcing<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
         goals: vec![arena.kernel.constant(false)],
         ..arena.clone()
     })
-}
-
-/// The states within the arena's that can be reached from some by these moves.
-pub fn reachable<K: Kernel>(
-    arena: &Arena<K>,
-    from: &K::Function,
-    moves: &K::Function,
-) -> Result<K::Function, Limit> {
-    let m = &arena.kernel;
-    let now = BitSet::new(arena.inputs_now.iter().chain(arena.outputs_now.iter()));
-    let legal = m.prime(&arena.states)?;
-    let mut moves = m.and(moves, &legal)?;
-    if arena.timing == Timing::Moore {
-        // Only answers that are right whatever is given.
-        moves = m.and(&moves, &arena.for_all_inputs(&legal)?)?;
-    }
-    let mut reachable = from.clone();
-    let mut fresh = from.clone();
-    while !m.is_false(&fresh) {
-        m.safe_point()?;
-        let successors = m.unprime(&m.and_exists(&fresh, &moves, &now)?)?;
-        fresh = m.and_not(&successors, &reachable)?;
-        reachable = m.or(&reachable, &fresh)?;
-    }
-    Ok(reachable)
 }

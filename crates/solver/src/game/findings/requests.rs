@@ -4,11 +4,10 @@
 //! next R)`, where D is an output; or it has an output `turn_executed` or `turn_done` beside an input that has the value
 //! `turn`. What is asked is `always eventually (not R or D)`: does every controller ensure it, could one, or none?
 
-use super::shape::all;
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
 use crate::game::lasting::lasting;
-use crate::game::{AssumptionRef, GuaranteeKind as Kind};
+use crate::game::reference::{AssumptionRef, GuaranteeKind as Kind, all};
 use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, Specification, Time, UnaryOp, VarId};
 use serde::{Deserialize, Serialize};

@@ -3,13 +3,13 @@
 //! Everything is asked of the plays that can occur: those in which the environment keeps its safety and the machine stays in
 //! its winning region, as every controller does. What never occurs in them occurs under no controller.
 
-use super::reachable;
 use super::requests::{self, Request};
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
+use crate::game::reachable::reachable;
+use crate::game::reference::{AssumptionRef, GuaranteeKind as Kind, GuaranteeRef, all};
 use crate::game::relation::Relation;
 use crate::game::set_up::SPLIT;
-use crate::game::{AssumptionRef, GuaranteeKind as Kind, GuaranteeRef};
 use crate::symbolic::{BitSet, Kernel, Limit};
 use linewright_core::gr1::{
     BinaryOp, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId,
@@ -402,20 +402,6 @@ pub fn occurring<K: Kernel>(
     let first = m.and(&first, &arena.env_initial)?;
     let reached = reachable(arena, &first, &moves)?;
     Ok((reached, moves))
-}
-
-/// All formulas of a side, with their places.
-pub fn all(side: &Side) -> impl Iterator<Item = (GuaranteeRef, &Formula)> {
-    let lists = [
-        (Kind::Initial, &side.initial),
-        (Kind::Invariant, &side.invariants),
-        (Kind::Safety, &side.safety),
-        (Kind::Justice, &side.justice),
-    ];
-    lists.into_iter().flat_map(|(kind, list)| {
-        let list = list.iter().enumerate();
-        list.map(move |(index, formula)| (GuaranteeRef { kind, index }, formula))
-    })
 }
 
 /// What has to hold before a formula asks for anything: P of `P -> Q`, P and R of `P -> (R -> Q)`.

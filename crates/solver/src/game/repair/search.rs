@@ -1,11 +1,17 @@
 //! The walk down the lattice of suggestions: see [`super`].
 
+use super::advice::{NewAssumption, Weakening};
 use super::trial::Trials;
 use super::vocabulary::{Word, negation};
-use super::{MOST_CONDITIONS, MOST_SUGGESTIONS, NewAssumption, Weakening};
-use crate::game::{GuaranteeKind as Kind, GuaranteeRef};
+use crate::game::reference::{GuaranteeKind as Kind, GuaranteeRef};
 use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::{BinaryOp, Expr, Specification, Time, VarId};
+
+/// So many conditions stand before what a suggestion asks for.
+const MOST_CONDITIONS: usize = 2;
+
+/// So many suggestions of a kind are made.
+const MOST_SUGGESTIONS: usize = 3;
 
 /// So many suggestions that mend the core are tried on the whole specification.
 const MOST_WHOLE: usize = 40;

@@ -4,8 +4,8 @@ use crate::game::arena::{Formulas, Selection};
 use crate::game::findings::{self, EnvironmentFindings, shape};
 use crate::game::fixpoint::{Iterations, winning_region};
 use crate::game::lasting::together;
+use crate::game::reference::{GuaranteeKind, GuaranteeRef};
 use crate::game::set_up::SPLIT;
-use crate::game::{GuaranteeKind, GuaranteeRef};
 use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::{Expr, Specification, Time, Timing};
 

@@ -3,7 +3,7 @@
 //! Only conditions about a single step are taken. Those of inputs that the play shows at some value are added, where the
 //! domain is small enough for that value to mean something.
 
-use crate::game::Play;
+use crate::game::attack::Play;
 use linewright_core::gr1::text::truth;
 use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Specification, Time, UnaryOp, VarId,

@@ -1,0 +1,55 @@
+//! Points at the formulas of a specification, side by side and list by list.
+
+use linewright_core::gr1::{Formula, Side};
+use serde::{Deserialize, Serialize};
+
+/// Points at one guarantee of a specification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct GuaranteeRef {
+    /// Its list.
+    pub kind: GuaranteeKind,
+    /// Its place in that list.
+    pub index: usize,
+}
+
+/// Points at one assumption of a specification.
+pub type AssumptionRef = GuaranteeRef;
+
+/// The lists of [`Side`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum GuaranteeKind {
+    /// [`Side::initial`]
+    Initial,
+    /// [`Side::invariants`]
+    Invariant,
+    /// [`Side::safety`]
+    Safety,
+    /// [`Side::justice`]
+    Justice,
+}
+
+impl GuaranteeRef {
+    /// The formula it points at.
+    pub fn formula(self, guarantees: &Side) -> &Formula {
+        match self.kind {
+            GuaranteeKind::Initial => &guarantees.initial[self.index],
+            GuaranteeKind::Invariant => &guarantees.invariants[self.index],
+            GuaranteeKind::Safety => &guarantees.safety[self.index],
+            GuaranteeKind::Justice => &guarantees.justice[self.index],
+        }
+    }
+}
+
+/// All formulas of a side, with their places.
+pub fn all(side: &Side) -> impl Iterator<Item = (GuaranteeRef, &Formula)> {
+    let lists = [
+        (GuaranteeKind::Initial, &side.initial),
+        (GuaranteeKind::Invariant, &side.invariants),
+        (GuaranteeKind::Safety, &side.safety),
+        (GuaranteeKind::Justice, &side.justice),
+    ];
+    lists.into_iter().flat_map(|(kind, list)| {
+        let list = list.iter().enumerate();
+        list.map(move |(index, formula)| (GuaranteeRef { kind, index }, formula))
+    })
+}
