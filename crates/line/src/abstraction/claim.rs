@@ -7,6 +7,9 @@
 
 use super::lemmas;
 use super::parts::formula;
+use super::requirements::{
+    COMPONENTS_GO_ON, GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, ORDERS_ARE_FINISHED,
+};
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
 use super::words::{all, any, becomes, count, is, later, stays, sum};
@@ -14,19 +17,6 @@ use linewright_algebra::proof::{Claim, Exports};
 use linewright_algebra::system::System;
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Side};
 use linewright_language::contract::line::Line;
-
-/// The requirements, by what they are about; the names of the goal's formulas begin with these.
-pub const NO_PART_LOST: &str = "no_part_lost";
-/// No place takes more than it has room for.
-pub const NO_OVERFLOW: &str = "no_overflow";
-/// Something can always move.
-pub const NO_CIRCULAR_WAIT: &str = "no_circular_wait";
-/// What is in a place goes on.
-pub const GOES_ON: &str = "goes_on";
-/// What waits in a place to be joined is joined.
-pub const COMPONENTS_GO_ON: &str = "components_go_on";
-/// End products are finished again and again.
-pub const ORDERS_ARE_FINISHED: &str = "orders_are_finished";
 
 /// The claim of a line, whose places have these contracts.
 pub(super) fn claim(model: Model<'_>, line: &Line, system: &System) -> Claim {

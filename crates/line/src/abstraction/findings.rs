@@ -2,8 +2,8 @@
 
 use super::Abstraction;
 use super::chain::{Chain, View};
-use super::claim::{NO_CIRCULAR_WAIT, ORDERS_ARE_FINISHED};
 use super::decide::{Open, Verdict};
+use super::requirements::{NO_CIRCULAR_WAIT, ORDERS_ARE_FINISHED};
 use super::shape::PlaceKind;
 use linewright_algebra::proof::Broken;
 use linewright_core::diagnostics::{Diagnostic, codes};

@@ -11,8 +11,8 @@
 //!
 //! Each of these steps is one lemma, about one place and the one before it.
 
-use super::claim::{COMPONENTS_GO_ON, GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST};
-use super::lemmas::Book;
+use super::book::Book;
+use super::requirements::{COMPONENTS_GO_ON, GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST};
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
 use super::words::{all, count, is, later, sum};

@@ -29,6 +29,7 @@
 //! places go on.
 
 mod belt;
+mod book;
 mod chain;
 mod claim;
 mod decide;
@@ -36,13 +37,14 @@ mod findings;
 mod lemmas;
 mod limited;
 mod parts;
+mod requirements;
 mod shape;
 mod vocabulary;
 pub(crate) mod words;
 
-pub use claim::{GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, ORDERS_ARE_FINISHED};
 pub use decide::{Open, Verdict, decide, examine};
 pub use findings::findings;
+pub use requirements::{GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, ORDERS_ARE_FINISHED};
 pub use shape::{Place, PlaceKind, Shape, Unfit, Ways, Work};
 pub use vocabulary::{Model, Phase, Queue, Vars, Vocabulary};
 

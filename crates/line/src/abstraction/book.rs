@@ -1,0 +1,98 @@
+//! A claim to which lemmas are added one by one.
+
+use super::parts::formula;
+use super::vocabulary::Model;
+use linewright_algebra::proof::{Claim, Reach};
+use linewright_algebra::system::{FormulaRef, Half, System, formulas, list_mut};
+use linewright_core::gr1::Expr;
+use linewright_language::contract::line::Line;
+use linewright_solver::game::RuleKind;
+use std::collections::BTreeSet;
+
+/// A claim to which lemmas are added.
+pub(super) struct Book<'a> {
+    pub(super) model: Model<'a>,
+    pub(super) line: &'a Line,
+    pub(super) system: &'a System,
+    pub(super) claim: &'a mut Claim,
+}
+
+impl Book<'_> {
+    /// A lemma, and what it is shown from, or what stands near where that is empty; gives where it stands.
+    pub(super) fn lemma(
+        &mut self,
+        place: usize,
+        kind: RuleKind,
+        (name, text): (&str, &str),
+        expr: &Expr,
+        from: BTreeSet<FormulaRef>,
+        reach: Reach,
+    ) -> FormulaRef {
+        let list = list_mut(&mut self.claim.goal, kind);
+        let at = FormulaRef {
+            part: None,
+            half: Half::Guarantees,
+            kind,
+            index: list.len(),
+        };
+        let span = self.line.nodes[self.model.shape.places[place].node].span;
+        list.push(formula(span, name, text, expr));
+        self.claim.lemmas.insert(at, reach);
+        if !from.is_empty() {
+            self.claim.from.insert(at, from);
+        }
+        at
+    }
+
+    /// What a formula of the goal is tried to be shown from first.
+    pub(super) fn rests_on(&mut self, name: &str, from: BTreeSet<FormulaRef>) {
+        let found = self.claim.goals().find(|(_, f)| f.name == name);
+        if let Some((at, _)) = found {
+            self.claim.from.entry(at).or_default().extend(from);
+        }
+    }
+
+    /// The formula of the goal that says this of a place, if there is one.
+    pub(super) fn goal(&self, what: &str, place: usize) -> Option<FormulaRef> {
+        let name = format!("{what}_at_{}", self.model.shape.places[place].name);
+        let mut goals = self.claim.goals();
+        goals.find(|(_, f)| f.name == name).map(|(at, _)| at)
+    }
+
+    /// What a place guarantees.
+    pub(super) fn guarantees(&self, place: usize) -> impl Iterator<Item = FormulaRef> {
+        formulas(&self.system.parts[place].guarantees).map(move |(kind, index, _)| FormulaRef {
+            part: Some(place),
+            half: Half::Guarantees,
+            kind,
+            index,
+        })
+    }
+
+    /// What is given of a place: all that speaks of nothing but variables of the environment that its contract mentions, and its own.
+    pub(super) fn given(&self, place: usize) -> Vec<FormulaRef> {
+        let part = &self.system.parts[place];
+        let mut known: BTreeSet<_> = part.drives.iter().copied().collect();
+        for (_, _, f) in formulas(&part.guarantees) {
+            f.expr.for_each_var(&mut |v, _| {
+                if self.system.driver(v).is_none() {
+                    known.insert(v);
+                }
+            });
+        }
+        let is_known = |expr: &Expr| {
+            let mut all = true;
+            expr.for_each_var(&mut |v, _| all &= known.contains(&v));
+            all
+        };
+        formulas(&self.claim.given)
+            .filter(|(_, _, f)| is_known(&f.expr))
+            .map(|(kind, index, _)| FormulaRef {
+                part: None,
+                half: Half::Assumptions,
+                kind,
+                index,
+            })
+            .collect()
+    }
+}
