@@ -5,11 +5,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The crates below the command line, each with those that it uses.
-const CRATES: [(&str, &[&str]); 10] = [
+const CRATES: [(&str, &[&str]); 11] = [
     ("core", &[]),
     ("automata", &["core"]),
-    ("language", &["automata", "core"]),
-    ("interchange", &["automata", "core", "language"]),
+    ("syntax", &["core"]),
+    ("language", &["automata", "core", "syntax"]),
+    ("interchange", &["automata", "core", "syntax"]),
     ("solver", &["core"]),
     ("algebra", &["core", "language", "solver"]),
     ("station", &["algebra", "core", "language", "solver"]),
@@ -60,7 +61,7 @@ const ORDER: [(&str, &[&str]); 4] = [
             "ltl",
         ],
     ),
-    ("language", &["syntax", "order", "contract"]),
+    ("language", &["order", "contract"]),
     ("solver", &["symbolic", "game", "mealy"]),
 ];
 
@@ -69,7 +70,7 @@ const FORBIDDEN: [(&str, &str, &[&str]); 3] = [
     // What prints our language has to know its words.
     (
         "crates/interchange/src",
-        "linewright_language",
+        "linewright_syntax",
         &["crates/interchange/src/contract.rs"],
     ),
     // A play knows formulas and controllers, whatever language they came from.
@@ -81,7 +82,7 @@ const FORBIDDEN: [(&str, &str, &[&str]); 3] = [
 const CONFINED: [(&str, &[&str]); 4] = [
     ("biodivine-lib-bdd", &["solver"]),
     ("oxidd", &["solver"]),
-    ("pest", &["language"]),
+    ("pest", &["syntax"]),
     ("libloading", &["station"]),
 ];
 
@@ -389,9 +390,9 @@ fn no_clock_and_no_race_decides() {
 fn violations_are_found() {
     for (path, text, wanted) in [
         (
-            "crates/language/src/syntax/mod.rs",
+            "crates/language/src/order/mod.rs",
             "use crate::contract::Library;",
-            "`syntax` may not use `contract`",
+            "`order` may not use `contract`",
         ),
         (
             "crates/solver/src/game/solve.rs",
@@ -455,7 +456,7 @@ fn what_is_allowed_is_not_found() {
             "const T: &str = r#\"crate::gr1 \"quoted\" crate::taxonomy\"#;",
         ),
         (
-            "crates/language/src/syntax/ast.rs",
+            "crates/language/src/order/rule.rs",
             "mod tests { use super::super::contract; }",
         ),
         (

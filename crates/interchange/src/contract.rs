@@ -9,7 +9,7 @@ use super::{Format, labels};
 use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp,
 };
-use linewright_language::syntax::is_reserved;
+use linewright_syntax::is_reserved;
 use std::fmt::Write as _;
 
 /// So many operands stand in one chain; the language's parser has a bound of its own.

@@ -15,7 +15,7 @@ use std::path::Path;
 /// Every word in quotes in the grammar of contracts and in the readers and writers of the formats: what they compare names with, and a good
 /// deal more.
 fn words() -> Vec<String> {
-    let mut texts = vec![text("crates/language/src/syntax/lw.pest")];
+    let mut texts = vec![text("crates/syntax/src/lw.pest")];
     gather(&support::root().join("crates/interchange/src"), &mut texts);
     let mut found: BTreeSet<String> = BTreeSet::new();
     for piece in texts.iter().flat_map(|t| t.split('"')) {

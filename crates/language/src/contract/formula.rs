@@ -13,10 +13,10 @@ mod refusal;
 use super::elaborate::Elaborator;
 use super::patterns;
 use super::value::Value;
-use crate::syntax::ast::{self, BinaryOp, ExprKind, Quantifier};
 use linewright_core::gr1::monitors::{Kind, Obligation, Origin};
 use linewright_core::gr1::{Side, Time, Variable};
 use linewright_core::source::{SourceMap, Span};
+use linewright_syntax::ast::{self, BinaryOp, ExprKind, Quantifier};
 use refusal::Around;
 
 /// What a formula's parts are called in reports.

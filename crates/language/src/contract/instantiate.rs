@@ -6,12 +6,12 @@ use super::scope::{self, Decl, Scope, double};
 use super::shape::measured;
 use super::value::{Term, Type, Value};
 use super::{Contract, TaxonomyCode};
-use crate::syntax::ast::{self, ContractItem, Ownership};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::monitors::Monitors;
 use linewright_core::gr1::{Domain, Owner, Side, Specification, Timing, VarId, Variable};
 use linewright_core::source::{SourceMap, Span};
 use linewright_core::taxonomy;
+use linewright_syntax::ast::{self, ContractItem, Ownership};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -5,9 +5,9 @@ use super::scope::Scope;
 use super::uses::{self, Doubt};
 use super::{Library, Loader, lines, machines, skills};
 use crate::order::Skills;
-use crate::syntax::{self, ast};
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::source::{FileId, SourceMap, Span};
+use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -100,7 +100,7 @@ impl Reader<'_> {
             return *index;
         }
         let id = self.sources.add(name, text);
-        let (tree, mut found) = syntax::parse(id, text);
+        let (tree, mut found) = linewright_syntax::parse(id, text);
         let errors = found.iter().filter(|f| f.severity == Severity::Error);
         let whole = Span::new(id, 0, text.len());
         let syntax = errors.map(|f| f.span.unwrap_or(whole)).collect();

@@ -4,9 +4,9 @@
 //! temporal logic that are patterns in other words (`always (p -> eventually s)`) are known for what they are.
 
 use super::elaborate::Elaborator;
-use crate::syntax::ast::{self, PatternKind};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::monitors::{Obligation, Origin, Pattern, Scope};
+use linewright_syntax::ast::{self, PatternKind};
 
 /// The formulas that a pattern comes down to, and monitors for them. `None`: what is wrong was reported.
 pub(super) fn lower<'a>(

@@ -5,10 +5,10 @@ use super::shape::Shape;
 use super::units::Unit;
 use super::value::{Term, Type, Value};
 use crate::order::Skills;
-use crate::syntax::ast;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Domain, Time, shown};
 use linewright_core::source::Span;
+use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 

@@ -7,9 +7,9 @@
 mod alike;
 mod mentions;
 
-use crate::syntax::ast::{self, ContractItem, Item, MachineItem, Ownership};
 use linewright_core::diagnostics::{Diagnostic, codes, nearest};
 use linewright_core::source::{SourceMap, Span};
+use linewright_syntax::ast::{self, ContractItem, Item, MachineItem, Ownership};
 use mentions::Mentions;
 
 /// Why a declaration may be used although nothing shows it.

@@ -4,9 +4,9 @@ use super::{Elaborator, MAX_DOMAIN, MAX_EXPANSION, nearest};
 use crate::contract::shape::Shape;
 use crate::contract::units::Unit;
 use crate::contract::value::{Term, Type};
-use crate::syntax::ast::{self, ExprKind};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{Domain, Time};
+use linewright_syntax::ast::{self, ExprKind};
 use std::collections::BTreeSet;
 
 /// A variable is made of at most so many scalars.

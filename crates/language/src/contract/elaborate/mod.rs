@@ -17,13 +17,13 @@ mod units;
 use super::shape::{Entry, Shape};
 use super::units::Unit;
 use super::value::{Dimension, Term, Type, Value};
-use crate::syntax::ast::{self, ExprKind};
-use crate::syntax::format;
 pub(in crate::contract) use linewright_core::diagnostics::nearest;
 use linewright_core::diagnostics::{Code, Diagnostic, codes, has_errors};
 use linewright_core::gr1::monitors::{Monitors, Origin};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, UnaryOp, VarId};
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, ExprKind};
+use linewright_syntax::format;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Quantifiers and arrays expand to at most so many instances.

@@ -3,10 +3,10 @@
 use super::{Elaborator, nearest};
 use crate::contract::shape::measured;
 use crate::contract::value::{Dimension, Term, Type, Value, unit};
-use crate::syntax::ast;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{BinaryOp, Domain, Time, VarId};
 use linewright_core::source::Span;
+use linewright_syntax::ast;
 
 impl<'a> Elaborator<'a> {
     pub(super) fn literal(&mut self, span: Span, number: f64, name: &str) -> Option<Value> {

@@ -2,11 +2,11 @@
 
 use super::{Elaborator, comparable, constant_real, is_zero};
 use crate::contract::value::{Dimension, Term, Type, Value};
-use crate::syntax::ast::{self, ExprKind};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::interval::{Interval, Problem, interval};
 use linewright_core::gr1::{BinaryOp, Time, UnaryOp};
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, ExprKind};
 
 impl<'a> Elaborator<'a> {
     pub(super) fn operation(

@@ -2,11 +2,11 @@
 
 use super::Elaborator;
 use crate::contract::value::{Term, Type, Value};
-use crate::syntax::ast::{self, PastOp};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::monitors::{Monitors, Origin};
 use linewright_core::gr1::{Domain, Expr, Time};
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, PastOp};
 
 /// Looks back over more steps are refused: each one is a value of a monitor.
 const MAX_STEPS: i64 = 1 << 16;

@@ -5,10 +5,10 @@
 
 use super::{Elaborator, Entry};
 use crate::contract::value::{Term, Type, Value};
-use crate::syntax::ast;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{Expr, Time};
 use linewright_core::source::Span;
+use linewright_syntax::ast;
 
 impl<'a> Elaborator<'a> {
     /// The value of a define without parameters.

@@ -4,10 +4,10 @@ use super::domains::unit_in;
 use super::{Elaborator, MAX_EXPANSION, nearest};
 use crate::contract::shape::measured;
 use crate::contract::value::{Dimension, Rounding, Term, Type, Value};
-use crate::syntax::ast::{self, Quantifier};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{BinaryOp, Time, UnaryOp};
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, Quantifier};
 
 impl<'a> Elaborator<'a> {
     /// The values that a quantified name takes, each with its type.

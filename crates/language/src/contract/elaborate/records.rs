@@ -3,10 +3,10 @@
 use super::{Elaborator, comparable, nearest};
 use crate::contract::shape::Entry;
 use crate::contract::value::{Term, Type, Value};
-use crate::syntax::ast;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::Time;
 use linewright_core::source::Span;
+use linewright_syntax::ast;
 
 impl<'a> Elaborator<'a> {
     /// A variable's value, of whatever shape.

@@ -4,12 +4,12 @@ use super::Elaborator;
 use crate::contract::shape::Entry;
 use crate::contract::units::Unit;
 use crate::contract::value::{Term, Value};
-use crate::syntax::ast::{self, Expr, ExprKind};
-use crate::syntax::format;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Domain, Time, VarId, described};
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, Expr, ExprKind};
+use linewright_syntax::format;
 
 impl Elaborator<'_> {
     /// Looks at a comparison of numbers: `term` is what became of `a` and `b`, in one unit.

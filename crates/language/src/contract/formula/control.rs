@@ -3,12 +3,12 @@
 use super::{Label, Place};
 use crate::contract::elaborate::Elaborator;
 use crate::contract::shape::way;
-use crate::syntax::ast::{self, BinaryOp, ExprKind};
-use crate::syntax::format;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::monitors::{Kind, Obligation};
 use linewright_core::gr1::{Expr, Owner, Time, VarId};
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, BinaryOp, ExprKind};
+use linewright_syntax::format;
 
 /// Whether the formula constrains what its side controls; reports it otherwise.
 pub(super) fn controls(

@@ -17,8 +17,8 @@ use super::ltl::{
     read, so_far, truth,
 };
 use super::{speaks_of_next, temporal};
-use crate::syntax::ast::{BinaryOp, Expr, ExprKind, PatternKind, Scope};
-use crate::syntax::format;
+use linewright_syntax::ast::{BinaryOp, Expr, ExprKind, PatternKind, Scope};
+use linewright_syntax::format;
 
 /// What to write instead of a formula.
 #[derive(Debug, Clone)]

@@ -6,8 +6,8 @@
 //!
 //! All of it is exact. What cannot be brought into the shape has no form here (`None`), which says nothing about whether it has one.
 
-use crate::syntax::ast::{BinaryOp, Expr, ExprKind, Name, PastOp, PatternKind, Scope, UntilOp};
 use linewright_core::source::Span;
+use linewright_syntax::ast::{BinaryOp, Expr, ExprKind, Name, PastOp, PatternKind, Scope, UntilOp};
 
 /// A formula without negations of temporal operators.
 #[derive(Debug, Clone, PartialEq)]

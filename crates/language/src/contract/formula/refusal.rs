@@ -5,11 +5,11 @@ use super::ltl::make;
 use super::{Label, Place, smallest, speaks_of_next, temporal};
 use crate::contract::elaborate::Elaborator;
 use crate::contract::shape::Entry;
-use crate::syntax::ast::{BinaryOp, Domain, Expr, ExprKind, Name, Quantifier, UntilOp};
-use crate::syntax::format;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Owner;
 use linewright_core::source::Span;
+use linewright_syntax::ast::{BinaryOp, Domain, Expr, ExprKind, Name, Quantifier, UntilOp};
+use linewright_syntax::format;
 
 /// A quantifier that a formula stands under.
 pub(super) type Around<'a> = (&'a Name, &'a Domain);

@@ -10,9 +10,9 @@ use super::machine::Machine;
 use super::machines::PropertyType;
 use super::routes;
 use super::scope::{self, Decl, Scope, double};
-use crate::syntax::ast::{self, LineItem};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{SourceMap, Span};
+use linewright_syntax::ast::{self, LineItem};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 

@@ -6,8 +6,8 @@ use crate::contract::line::{InitialValue, PartProperty, PartType};
 use crate::contract::machines::{
     PropertyType, element_names, property_type, property_values, see_property,
 };
-use crate::syntax::ast::{self, ExprKind, LineItem};
 use linewright_core::diagnostics::codes;
+use linewright_syntax::ast::{self, ExprKind, LineItem};
 
 impl<'a> Builder<'a, '_> {
     pub(super) fn declare_parts(&mut self, decl: &'a ast::Line) {

@@ -11,10 +11,10 @@ use crate::contract::machines::{
 use crate::contract::scope::{double, stands_twice};
 use crate::contract::value::{Dimension, Value};
 use crate::contract::{LONGEST_SECONDS, SHORTEST_SECONDS, is_duration};
-use crate::syntax::ast::{self, LineItem, StationItem};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Domain;
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, LineItem, StationItem};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 

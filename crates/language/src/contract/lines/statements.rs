@@ -6,10 +6,10 @@ use crate::contract::line::{Comparison, Limit, Line, Metric, Requirement, Route,
 use crate::contract::machines::positive;
 use crate::contract::scope::{double, stands_twice};
 use crate::contract::value::Dimension;
-use crate::syntax::ast::{self, LineItem};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::Time;
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, LineItem};
 use std::collections::BTreeMap;
 
 /// The shortest shift, in seconds.

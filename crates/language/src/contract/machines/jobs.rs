@@ -9,10 +9,10 @@ use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::scope::double;
 use crate::contract::shape::way;
 use crate::contract::value::{Term, Type};
-use crate::syntax::ast::{self, MachineItem};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{BinaryOp, Domain, Specification, Time, VarId};
 use linewright_core::source::SourceMap;
+use linewright_syntax::ast::{self, MachineItem};
 
 /// What one operation says about an action.
 pub(super) struct Job<'a> {

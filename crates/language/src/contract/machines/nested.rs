@@ -15,10 +15,10 @@ use crate::contract::instantiate;
 use crate::contract::machine::{ActionTime, Machine, RealExpr};
 use crate::contract::scope::Scope;
 use crate::contract::shape::way;
-use crate::syntax::ast;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{Expr, Specification, Timing, VarId};
 use linewright_core::source::SourceMap;
+use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 

@@ -12,13 +12,13 @@ use crate::contract::scope::Scope;
 use crate::contract::skills::{level, listed, near_or_all};
 use crate::order::lower::{AT_FIRST, Condition, lower, rules_of};
 use crate::order::{Level, Skills};
-use crate::syntax::ast::{self, MachineItem};
 use linewright_automata::bound::TooLarge;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable, eval,
 };
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, MachineItem};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

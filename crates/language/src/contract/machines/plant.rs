@@ -8,10 +8,10 @@ use crate::contract::instantiate::taxonomy_codes;
 use crate::contract::machine::{Operation, PlantInput, PlantSource};
 use crate::contract::shape::measured;
 use crate::contract::value::Term;
-use crate::syntax::ast::{self, ExprKind, Machine, MachineItem, Performed};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Domain;
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, ExprKind, Machine, MachineItem, Performed};
 
 /// A component that runs, and which operation of it where it is a machine.
 type Run = (usize, Option<usize>);

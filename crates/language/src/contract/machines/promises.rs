@@ -7,11 +7,11 @@ use crate::contract::formula::{Label, classify};
 use crate::contract::machine::{Promised, Rules};
 use crate::contract::scope::Scope;
 use crate::contract::shape::way;
-use crate::syntax::ast::{self, MachineItem};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::monitors::Monitors;
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Specification, VarId, Variable};
 use linewright_core::source::SourceMap;
+use linewright_syntax::ast::{self, MachineItem};
 
 /// The contracts that the machine is said to refine, every variable bound.
 pub(super) fn refined<'a>(

@@ -4,9 +4,9 @@ use crate::contract::elaborate::{Elaborator, MAX_EXPANSION, constant_real};
 use crate::contract::shape::Entry;
 use crate::contract::units::Unit;
 use crate::contract::value::{Dimension, Term, Type, Value, unit};
-use crate::syntax::ast;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{Domain, Time, VarId};
+use linewright_syntax::ast;
 
 /// The type of a property: what a plant expression sees of it.
 #[derive(Debug, Clone)]

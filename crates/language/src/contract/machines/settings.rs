@@ -6,10 +6,10 @@ use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::machine::{Failures, Machine, RealExpr};
 use crate::contract::value::Dimension;
 use crate::contract::{GREATEST_WATTS, LONGEST_SECONDS, SHORTEST_SECONDS, is_duration};
-use crate::syntax::ast::{self, MachineItem};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Time, VarId};
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, MachineItem};
 use std::collections::BTreeMap;
 
 /// Everything of a machine that is a number or a plant expression.

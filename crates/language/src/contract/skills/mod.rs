@@ -8,9 +8,9 @@ mod rules;
 
 use super::scope::double;
 use crate::order::{Component, Level, MOST_SKILLS, Skill, Skills};
-use crate::syntax::ast::{self, SkillItem};
 use linewright_core::diagnostics::{Code, Diagnostic, codes, has_errors, nearest};
 use linewright_core::source::{SourceMap, Span};
+use linewright_syntax::ast::{self, SkillItem};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

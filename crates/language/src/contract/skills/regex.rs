@@ -1,10 +1,10 @@
 //! Regular expressions over skills: names looked up, and their size bounded, since whoever makes an automaton of one writes it out.
 
 use super::Resolver;
-use crate::syntax::ast::{self, RegexKind, Times};
 use linewright_automata::regex::Regex;
 use linewright_core::diagnostics::codes;
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, RegexKind, Times};
 
 /// Something is repeated so often at most.
 const MOST_TIMES: u64 = 1000;

@@ -4,9 +4,9 @@ use super::{Resolver, level, near_or_all};
 use crate::contract::formula::one_line;
 use crate::contract::scope::double;
 use crate::order::{Deletion, Event, Kind, Level, Rule};
-use crate::syntax::ast::{self, OrderRule, SkillItem};
 use linewright_core::diagnostics::codes;
 use linewright_core::source::Span;
+use linewright_syntax::ast::{self, OrderRule, SkillItem};
 use std::collections::BTreeMap;
 
 /// `at most N` counts so far at most.

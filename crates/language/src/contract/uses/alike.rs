@@ -7,9 +7,9 @@
 //! tells them apart.
 
 use super::mentions::Mentions;
-use crate::syntax::ast::{Contract, ContractItem, Domain, DomainKind, Name, Ownership};
 use linewright_core::diagnostics::{Diagnostic, codes, related};
 use linewright_core::source::{SourceMap, Span};
+use linewright_syntax::ast::{Contract, ContractItem, Domain, DomainKind, Name, Ownership};
 
 /// Words that say what kind of thing a name is for, and nothing about which.
 const KINDS: &[&str] = &[

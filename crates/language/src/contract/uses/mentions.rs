@@ -1,6 +1,6 @@
 //! The names that a piece of a file mentions, where nothing nearer has the same name.
 
-use crate::syntax::ast::{
+use linewright_syntax::ast::{
     self, ContractItem, DomainKind, Expr, ExprKind, Item, LineItem, MachineItem, StationItem,
     Supply,
 };
@@ -256,7 +256,7 @@ mod tests {
             define far(k) = k > j
             guarantee always forall i in 0..LAST: far(i)
         }";
-        let (file, findings) = crate::syntax::parse(FileId::default(), text);
+        let (file, findings) = linewright_syntax::parse(FileId::default(), text);
         assert_eq!(findings, []);
         let mut used = Mentions::default();
         used.file(&file);

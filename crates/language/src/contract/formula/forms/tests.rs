@@ -2,14 +2,14 @@
 //! evaluated, by the textbook, on many runs that end in a loop.
 
 use super::*;
-use crate::syntax::ast::{ContractItem, Item, PastOp, Pattern, Quantifier, UntilOp};
 use Strength::{Assumed, Less, More, Same};
 use linewright_core::source::FileId;
+use linewright_syntax::ast::{ContractItem, Item, PastOp, Pattern, Quantifier, UntilOp};
 use std::fmt::Write as _;
 
 fn formula(text: &str) -> Expr {
     let text = format!("contract A {{ guarantee {text} }}");
-    let (file, findings) = crate::syntax::parse(FileId::default(), &text);
+    let (file, findings) = linewright_syntax::parse(FileId::default(), &text);
     assert_eq!(findings, [], "{text}");
     let Some(Item::Contract(contract)) = file.items.into_iter().next() else {
         panic!("{text}");

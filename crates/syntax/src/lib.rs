@@ -1,7 +1,7 @@
 //! The contract language: grammar, syntax trees, parser.
 //!
 //! [`parse`] gives a tree and a list of findings; it never fails and never panics. What the names mean is settled in
-//! [`contract`](crate::contract).
+//! the crate `language`.
 
 pub mod ast;
 mod build;

@@ -18,7 +18,7 @@ use pest::error::{ErrorVariant, InputLocation};
 #[allow(missing_docs)] // the derive makes an undocumented enum of the rules
 mod grammar {
     #[derive(pest_derive::Parser)]
-    #[grammar = "syntax/lw.pest"]
+    #[grammar = "lw.pest"]
     pub struct Grammar;
 }
 pub(super) use grammar::{Grammar, Rule};

@@ -426,7 +426,7 @@ impl Builder {
 }
 
 /// Left-grouping chains have at most so many operands.
-pub(in crate::syntax) const MAX_CHAIN: usize = 200;
+pub(crate) const MAX_CHAIN: usize = 200;
 /// So many `not`, signs, indices or primes may follow each other.
 const MAX_PREFIXES: usize = 100;
 /// An expression's tree is at most so deep.
@@ -446,7 +446,7 @@ fn deeper_than(e: &Expr, levels: usize) -> bool {
 }
 
 /// Whether an expression may stand in the middle of `a < b < c`.
-pub(in crate::syntax) fn small_enough_for_the_middle(e: &Expr) -> bool {
+pub(crate) fn small_enough_for_the_middle(e: &Expr) -> bool {
     smaller_than(e, MAX_MIDDLE)
 }
 
@@ -525,8 +525,8 @@ pub(super) fn binary_op(text: &str) -> BinaryOp {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::syntax::ast::{ContractItem, File, Item};
-    use crate::syntax::parse;
+    use crate::ast::{ContractItem, File, Item};
+    use crate::parse;
     use linewright_core::source::FileId;
 
     fn parsed(formula: &str) -> (String, File) {
