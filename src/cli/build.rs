@@ -5,16 +5,13 @@ use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use super::{picked, profiles};
-use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::deadline::Deadline;
 use crate::diagnostics::{Diagnostic, has_errors, json};
-use crate::engine::controlled::Controlled;
 use crate::engine::internal;
 use crate::engine::libraries::{self, Written};
 use crate::engine::lines;
 use crate::engine::synthesis::Synthesis;
-use crate::game::Limits;
 use crate::source::SourceMap;
 use crate::station::profile::Profile;
 use crate::station::{Toolchain, fmi};
@@ -195,34 +192,18 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             );
         }
     }
+    debug_assert!(has_errors(&findings) || synthesis.is_complete());
+    // What is wrong with a line keeps no library from being built, but it is an error all the same, as it is for `check` and `run`.
     let controlled = |machine: &Machine| synthesis.of(machine);
     for line in &library.lines {
-        clear_doubts(line, controlled, &settings.limits, &mut findings);
-    }
-    debug_assert!(has_errors(&findings) || synthesis.is_complete());
-    print(libraries, &library.sources, &findings, options)
-}
-
-/// Where the resolver was not sure of a line's routes, following its parts says more, as it does for `check` and `run`.
-fn clear_doubts<'a>(
-    line: &Line,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
-    limits: &Limits,
-    findings: &mut Vec<Diagnostic>,
-) {
-    if !findings.iter().any(|f| lines::is_doubt(f, line)) {
-        return;
-    }
-    let doing = || format!("following the parts of the line `{}`", line.name);
-    // What is wrong with a line's calls keeps no library from being built.
-    match internal::caught(doing, || lines::follow(line, controlled, limits)) {
-        Ok(followed) if followed.routes_decided && followed.findings.is_empty() => {
+        if chosen.lines.iter().any(|l| std::ptr::eq(*l, line)) {
+            lines::judge(line, controlled, &settings.limits, &mut findings);
+        } else {
+            // Its parts are not followed, so what is not sure of their routes stays so, and it is not what was asked for.
             findings.retain(|f| !lines::is_doubt(f, line));
-            findings.extend(followed.remarks);
         }
-        Ok(_) => {}
-        Err(fault) => findings.push(fault.finding(Some(line.span))),
     }
+    print(libraries, &library.sources, &findings, options)
 }
 
 /// The compilers of all targets that have one.

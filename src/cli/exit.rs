@@ -46,11 +46,13 @@ impl ExitCode {
         }
     }
 
-    /// The code for some findings. With `deny_warnings`, a warning counts as an error does.
+    /// The code for some findings. With `deny_warnings`, a warning counts as an error does; that the command came to a limit counts whatever
+    /// the finding's severity is.
     pub fn of(findings: &[Diagnostic], deny_warnings: bool) -> Self {
         findings
             .iter()
             .map(|finding| match finding.severity {
+                _ if finding.gave_up => Self::GaveUp,
                 Severity::Error => Self::of_error(finding),
                 Severity::Warning if deny_warnings => Self::Findings,
                 _ => Self::Success,

@@ -15,6 +15,7 @@ pub mod exit;
 pub mod explain;
 pub mod fmt;
 pub mod import;
+pub mod interrupt;
 pub mod options;
 pub mod order;
 pub mod outline;
@@ -28,7 +29,7 @@ pub mod synth;
 pub mod time;
 
 use crate::engine::internal::{self, Fault};
-use crate::engine::{interrupt, pipeline};
+use crate::engine::pipeline;
 use clap::{CommandFactory as _, Parser, Subcommand};
 use exit::ExitCode;
 use options::GlobalOptions;
@@ -130,6 +131,30 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 impl Command {
+    /// Whether it looks at its deadline all the while. `step` does while it solves; what comes after is a dialogue.
+    fn has_deadline(&self) -> bool {
+        match self {
+            Self::Check(_)
+            | Self::Synth(_)
+            | Self::Build(_)
+            | Self::Run(_)
+            | Self::Compose(_)
+            | Self::Refine(_)
+            | Self::Compat(_)
+            | Self::Conjoin(_)
+            | Self::Quotient(_)
+            | Self::Merge(_)
+            | Self::Order(_) => true,
+            Self::Step(_)
+            | Self::Fmt(_)
+            | Self::Import(_)
+            | Self::Explain(_)
+            | Self::Din(_)
+            | Self::Doctor(_)
+            | Self::Completions(_) => false,
+        }
+    }
+
     /// As it is written on the command line.
     fn name(&self) -> &'static str {
         match self {
@@ -157,6 +182,7 @@ impl Command {
 
 fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let options = &arguments.options;
+    let _watch = arguments.command.has_deadline().then(interrupt::Watch::new);
     match &arguments.command {
         Command::Check(a) => check::run(a, options),
         Command::Synth(a) => synth::run(a, options),

@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::exit::ExitCode;
+use super::interrupt;
 use crate::deadline::Deadline;
 use crate::diagnostics::Diagnostic;
 use crate::engine::cache::Cache;
@@ -151,7 +152,8 @@ impl GlobalOptions {
             effort: self.effort,
             deadline: self
                 .timeout
-                .map_or(Deadline::NONE, |t| Deadline::after(began, t)),
+                .map_or(Deadline::NONE, |t| Deadline::after(began, t))
+                .or_when(interrupt::flag()),
             memory_mib: Some(self.memory),
             ..Limits::default()
         }

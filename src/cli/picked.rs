@@ -16,6 +16,8 @@ use std::collections::BTreeSet;
 pub struct Picked<'a> {
     /// The machines.
     pub machines: Vec<&'a Machine>,
+    /// The lines whose machines are among them.
+    pub lines: Vec<&'a Line>,
     /// What is to be said of the choice.
     pub notes: Vec<Diagnostic>,
 }
@@ -28,7 +30,7 @@ pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<P
     if selection.name.is_some() && !declared.is_empty() {
         return Ok(Picked {
             machines: declared,
-            notes: Vec::new(),
+            ..Picked::default()
         });
     }
     let lines = selection.find(loaded, &library.lines, |l| (&l.name, l.span));
@@ -44,11 +46,10 @@ pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<P
         if used.clone().count() == 0 {
             picked.machines.push(machine);
         } else if !used.any(|m| is_same(m, machine)) {
-            picked
-                .notes
-                .push(sized(selection, machine, lines.as_slice()));
+            picked.notes.push(sized(selection, machine, &lines));
         }
     }
+    picked.lines = lines;
     if picked.machines.is_empty() {
         picked.machines =
             selection.pick(loaded, "machine", &library.machines, |m| (&m.name, m.span))?;

@@ -9,7 +9,7 @@ use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::engine::simulation::{self, SimulationOptions};
 use crate::engine::synthesis::Synthesis;
-use crate::engine::{internal, lines, machines};
+use crate::engine::{lines, machines};
 use crate::line::Options;
 use crate::report;
 use clap::Args;
@@ -100,15 +100,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
 
     // A line that refuses parts can be run, and its run shows how often; that it does is an error all the same.
     let of_machine = |machine: &Machine| synthesis.of(machine);
-    let doing = || format!("following the parts of the line `{}`", line.name);
-    let followed = internal::caught(doing, || lines::follow(line, of_machine, &settings.limits));
-    let followed = followed.unwrap_or_else(|fault| lines::CallReport {
-        findings: vec![fault.finding(Some(line.span))],
-        ..lines::CallReport::default()
-    });
-    findings.retain(|f| !(followed.routes_decided && lines::is_doubt(f, line)));
-    findings.extend(followed.findings);
-    findings.extend(followed.remarks);
+    lines::judge(line, of_machine, &settings.limits, &mut findings);
 
     let default = default_folder(&arguments.selection.path);
     let run_options = SimulationOptions {

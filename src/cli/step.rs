@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::exit::ExitCode;
+use super::interrupt;
 use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use crate::contract::Contract;
@@ -88,6 +89,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         ),
         None => jobs.add(&contract.specification, contract.span),
     };
+    let solving = interrupt::Watch::new();
     let checked = jobs.run(&settings, &console.progress(jobs.len(), "solving"));
     let Some(checked) = checked.into_iter().next() else {
         anyhow::bail!("there is nothing to play");
@@ -99,6 +101,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             return Ok(options.exit_code(&findings));
         }
     };
+    drop(solving);
 
     let session = Session::new(
         &contract.specification,
@@ -168,7 +171,7 @@ fn opponent(
         let message = format!("there is no counterstrategy of `{name}` to play against: {limit}");
         let help = format!("these rules clash: {core}; `linewright check` points at them");
         let finding = Diagnostic::error(codes::GAVE_UP, contract.span, message);
-        vec![finding.with_help(help)]
+        vec![finding.with_help(help).giving_up(limit.is_of_command())]
     };
     let attack = match game::attack(&specification, &[], limits) {
         Ok(Some(attack)) => attack,

@@ -807,6 +807,36 @@ fn a_walk_that_ends_early_says_nothing_of_routes_that_it_did_not_reach() {
     assert!(calls.undecided.is_empty(), "{:?}", calls.undecided);
 }
 
+/// What is wrong with the calls of a line is an error of all commands, although libraries are built and parts are made.
+#[test]
+fn all_commands_refuse_what_following_the_parts_shows() {
+    for code in ["LW414", "LW415", "LW416"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let explained = linewright(folder.path(), &["explain", code]);
+        let page = String::from_utf8_lossy(&explained.stdout);
+        let (_, example) = page.split_once("```lw").expect("an example");
+        let (example, _) = example.split_once("```").expect("its end");
+        let (_, example) = example.split_once('\n').expect("its first line");
+        std::fs::write(folder.path().join("line.lw"), example).expect("a file");
+        let commands: [&[&str]; 3] = [
+            &["check", "line.lw"],
+            &["build", "line.lw", "--target", "source", "--out", "station"],
+            &["run", "line.lw", "--parts", "3", "--until", "1h"],
+        ];
+        for command in commands {
+            let output = linewright(folder.path(), command);
+            let said = [output.stdout, output.stderr].concat();
+            let said = String::from_utf8_lossy(&said);
+            assert_eq!(output.status.code(), Some(1), "{command:?}: {said}");
+            assert!(
+                said.contains(&format!("error[{code}]")),
+                "{command:?}: {said}"
+            );
+        }
+        assert!(folder.path().join("station").is_dir());
+    }
+}
+
 /// The resolver does not know the values of parts, so it doubts a last route with a condition. Where following the parts shows that it
 /// always holds, none of the commands says so.
 #[test]

@@ -1,6 +1,7 @@
 //! The case study's contracts from specification to verified machine.
 
 use crate::fixtures;
+use linewright::deadline::{Deadline, Late};
 use linewright::game::{Limit, Limits, Outcome, examine_environment, solve};
 use linewright::gr1::Specification;
 use linewright::mealy::{Machine, extract::extract, gr1c, json, picture, verify::verify};
@@ -131,16 +132,16 @@ fn the_gr1c_automaton_is_the_machine() {
 fn limits_are_respected() {
     let specification = fixtures::printer3d(2, 3);
     let late = Limits {
-        deadline: linewright::deadline::Deadline::in_time(std::time::Duration::ZERO),
+        deadline: Deadline::in_time(std::time::Duration::ZERO),
         memory_mib: None,
         ..Limits::default()
     };
     assert!(matches!(
         solve(&specification, &late),
-        Outcome::GaveUp(Limit::Time)
+        Outcome::GaveUp(Limit::Late(Late::Time))
     ));
     let small = Limits {
-        deadline: linewright::deadline::Deadline::NONE,
+        deadline: Deadline::NONE,
         memory_mib: Some(0),
         ..Limits::default()
     };
@@ -151,7 +152,13 @@ fn limits_are_respected() {
     let Outcome::Realizable(won) = solve(&specification, &Limits::default()) else {
         panic!("realizable")
     };
-    assert_eq!(extract(&specification, &won, &late), Err(Limit::Time));
+    assert_eq!(
+        extract(&specification, &won, &late),
+        Err(Limit::Late(Late::Time))
+    );
     let done = machine(&specification);
-    assert_eq!(verify(&specification, &done, &late), Err(Limit::Time));
+    assert_eq!(
+        verify(&specification, &done, &late),
+        Err(Limit::Late(Late::Time))
+    );
 }

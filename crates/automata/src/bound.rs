@@ -17,14 +17,8 @@ pub enum TooLarge {
         limit: usize,
     },
     /// It takes longer than it may.
-    #[error("{}", Late)]
-    Late,
-}
-
-impl From<Late> for TooLarge {
-    fn from(Late: Late) -> Self {
-        Self::Late
-    }
+    #[error(transparent)]
+    Late(#[from] Late),
 }
 
 /// How many states are looked at, and until when. A number alone is a bound without a time.

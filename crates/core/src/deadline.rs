@@ -1,23 +1,67 @@
-//! When to give up by the clock: `--timeout`, made once a command and passed down. Nothing else below `cli` may let a clock decide.
+//! When to give up: `--timeout` and Ctrl-C, made once a command and passed down. Nothing else below `cli` may let a clock decide.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// The time is over.
+/// Why work is given up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the time limit was reached")]
-pub struct Late;
+pub enum Late {
+    /// The instant is past.
+    #[error("the time limit was reached")]
+    Time,
+    /// Whoever waits for the work has asked for its end.
+    #[error("it was interrupted")]
+    Interrupt,
+}
 
-/// An instant after which work is given up; by default there is none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Deadline(Option<Instant>);
+impl Late {
+    /// What lets the work come to its end.
+    pub fn remedy(self) -> &'static str {
+        match self {
+            Self::Time => "give it more time with --timeout SECONDS",
+            Self::Interrupt => "run it again",
+        }
+    }
+}
+
+/// An instant after which work is given up, and a flag that ends it at once; by default there is neither.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Deadline {
+    instant: Option<Instant>,
+    interrupt: Option<&'static AtomicBool>,
+}
+
+impl PartialEq for Deadline {
+    fn eq(&self, other: &Self) -> bool {
+        let flag = |deadline: &Self| deadline.interrupt.map(std::ptr::from_ref);
+        self.instant == other.instant && flag(self) == flag(other)
+    }
+}
+
+impl Eq for Deadline {}
 
 impl Deadline {
     /// Work is never given up.
-    pub const NONE: Self = Self(None);
+    pub const NONE: Self = Self {
+        instant: None,
+        interrupt: None,
+    };
 
     /// This long after `began`. A time too far away for the clock is no deadline.
     pub fn after(began: Instant, patience: Duration) -> Self {
-        Self(began.checked_add(patience))
+        Self {
+            instant: began.checked_add(patience),
+            interrupt: None,
+        }
+    }
+
+    /// The same deadline, which is also past as soon as this flag is set.
+    #[must_use]
+    pub fn or_when(self, interrupt: &'static AtomicBool) -> Self {
+        Self {
+            interrupt: Some(interrupt),
+            ..self
+        }
     }
 
     /// This long from now.
@@ -28,18 +72,22 @@ impl Deadline {
     /// The same deadline, later by a grace period.
     #[must_use]
     pub fn extended(self, grace: Duration) -> Self {
-        Self(self.0.and_then(|instant| instant.checked_add(grace)))
+        let later = |instant: Instant| instant.checked_add(grace);
+        Self {
+            instant: self.instant.and_then(later),
+            ..self
+        }
     }
 
     /// Whether it is past.
     pub fn is_past(self) -> bool {
-        self.0.is_some_and(|instant| Instant::now() >= instant)
+        self.check().is_err()
     }
 
     /// The time that is left, if there is a deadline at all.
     pub fn left(self) -> Option<Duration> {
         let left = |instant: Instant| instant.saturating_duration_since(Instant::now());
-        self.0.map(left)
+        self.instant.map(left)
     }
 
     /// For loops that may take long.
@@ -47,7 +95,19 @@ impl Deadline {
     /// # Errors
     /// When the deadline is past.
     pub fn check(self) -> Result<(), Late> {
-        if self.is_past() { Err(Late) } else { Ok(()) }
+        if self
+            .interrupt
+            .is_some_and(|flag| flag.load(Ordering::Relaxed))
+        {
+            Err(Late::Interrupt)
+        } else if self
+            .instant
+            .is_some_and(|instant| Instant::now() >= instant)
+        {
+            Err(Late::Time)
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -60,7 +120,7 @@ mod tests {
         assert!(!Deadline::NONE.is_past());
         assert_eq!(Deadline::NONE.left(), None);
         let now = Deadline::in_time(Duration::ZERO);
-        assert_eq!(now.check(), Err(Late));
+        assert_eq!(now.check(), Err(Late::Time));
         assert_eq!(now.left(), Some(Duration::ZERO));
         let later = now.extended(Duration::from_hours(1));
         assert_eq!(later.check(), Ok(()));
@@ -74,5 +134,17 @@ mod tests {
     #[test]
     fn a_time_too_far_away_is_no_deadline() {
         assert_eq!(Deadline::in_time(Duration::MAX), Deadline::NONE);
+    }
+
+    #[test]
+    fn an_interrupt_comes_before_the_time() {
+        static FLAG: AtomicBool = AtomicBool::new(false);
+        let [never, now] =
+            [Deadline::NONE, Deadline::in_time(Duration::ZERO)].map(|d| d.or_when(&FLAG));
+        assert_eq!([never.check(), now.check()], [Ok(()), Err(Late::Time)]);
+        FLAG.store(true, Ordering::Relaxed);
+        let interrupted = Err(Late::Interrupt);
+        assert_eq!([never.check(), now.check()], [interrupted; 2]);
+        assert_eq!(never.extended(Duration::from_hours(1)).check(), interrupted);
     }
 }

@@ -10,6 +10,7 @@ use linewright_algebra::replay;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, Node, NodeKind};
 use linewright_language::contract::machine::Machine;
+use linewright_line::Undecided;
 use linewright_line::calls::in_turn;
 use linewright_solver::game::{Limit, Limits};
 use linewright_station::messages;
@@ -21,7 +22,7 @@ pub struct Asked {
     /// What may be asked for against what is assumed.
     pub findings: Vec<Diagnostic>,
     /// Stations of which that was not decided, and why.
-    pub undecided: Vec<(String, String)>,
+    pub undecided: Vec<(String, Undecided)>,
 }
 
 /// Looks at the stations that are `wanted`. Where contracts alone do not show it, and `controlled` has the controllers of a machine, these may.
@@ -55,7 +56,7 @@ pub fn examine<'a>(
                 let is_unsure = |o: &Open| called.unsure.contains(&o.what);
                 let (unsure, open): (Vec<Open>, Vec<Open>) = open.into_iter().partition(is_unsure);
                 if open.is_empty() && !unsure.is_empty() {
-                    let why = "that depends on properties of the parts".to_owned();
+                    let why = Undecided::because("that depends on properties of the parts");
                     asked.undecided.push((node.name.clone(), why));
                 }
                 let mut told = BTreeSet::new();
@@ -66,7 +67,7 @@ pub fn examine<'a>(
                     }
                 }
             }
-            Err(limit) => asked.undecided.push((node.name.clone(), limit.to_string())),
+            Err(limit) => asked.undecided.push((node.name.clone(), limit.into())),
         }
     }
     asked

@@ -248,15 +248,9 @@ fn unclear(machine: &Machine, operation: usize) -> Diagnostic {
 }
 
 /// What helps a proof that came to a limit.
-pub fn more(limit: Limit) -> &'static str {
-    match limit {
-        Limit::Time => "give it more time with --timeout SECONDS, or make the domains smaller",
-        Limit::Memory => "give it more memory with --memory MIB, or make the domains smaller",
-        Limit::Size => "make the domains smaller",
-        Limit::Work(_) | Limit::Nodes(_) => {
-            "`--effort 10` lets it do ten times the work; or make the domains smaller"
-        }
-    }
+pub fn more(limit: Limit) -> String {
+    let remedy = limit.remedy().map(|remedy| format!("{remedy}, or "));
+    format!("{}make the domains smaller", remedy.unwrap_or_default())
 }
 
 /// Nothing was decided.
@@ -267,4 +261,5 @@ pub fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
         format!("whether the parts of `{name}` fit together was not decided: {limit}"),
     )
     .with_help(more(limit))
+    .giving_up(limit.is_of_command())
 }

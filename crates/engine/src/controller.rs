@@ -3,7 +3,7 @@
 //! Where either form will do, a machine is tried for small games only, and given up when it grows, or when its tables would take much
 //! room in a station library. What decides are bits, nodes and bytes: a bound on time would make the form depend on the computer.
 
-use super::pipeline::{InternalError, Reason};
+use super::pipeline::InternalError;
 use super::statistics::Seconds;
 use linewright_core::gr1::Specification;
 use linewright_solver::game::{Limit, Limits, Preference, Won};
@@ -39,7 +39,7 @@ pub enum Controller {
     /// Nobody asks for it.
     Unasked,
     /// A limit was reached first.
-    Stopped(Reason),
+    Stopped(Limit),
     /// A machine, verified.
     Machine(Machine),
     /// Functions, certified.
@@ -81,7 +81,7 @@ pub fn controller(
     match made {
         Ok(Ok(controller)) => Ok(controller),
         Ok(Err(rule)) => Err(InternalError::new(specification, rule)),
-        Err(limit) => Ok(Controller::Stopped(Reason::Limit(limit))),
+        Err(limit) => Ok(Controller::Stopped(limit)),
     }
 }
 

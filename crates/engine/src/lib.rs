@@ -17,7 +17,6 @@ pub mod files;
 pub mod findings;
 pub mod found;
 pub mod internal;
-pub mod interrupt;
 pub mod judgement;
 mod layers;
 pub mod libraries;

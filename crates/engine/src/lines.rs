@@ -1,6 +1,7 @@
 //! Lines and their proofs: what `check` asks of a line before it runs.
 
 use super::asked;
+use super::internal;
 use super::words::{DischargeEntry, Told, entry};
 use crate::controlled::Controlled;
 use linewright_algebra::proof::prove;
@@ -8,6 +9,7 @@ use linewright_algebra::system::FormulaRef;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
+use linewright_line::Undecided;
 use linewright_line::abstraction::{self, Abstraction, Verdict, findings};
 use linewright_line::calls::{self, Bounds, Calls, Premise, premises};
 use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
@@ -88,12 +90,19 @@ pub fn examine<'a>(
     proof.findings.extend(found);
     proof.findings.extend(std::mem::take(&mut calls.remarks));
     proof.findings.extend(asked.findings);
+    let asking = asked.undecided.iter().any(|(_, why)| why.is_of_command());
     for (node, why) in &calls.undecided {
         let station = &line.nodes[*node].name;
         // That there is no controller is told of its contract.
         if has_controllers(line, *node, &controlled) {
-            let message = format!("whether {station} answers every call was not decided: {why}");
-            proof.findings.push(note(line, message, ASKED));
+            let what = format!("whether {station} answers every call");
+            let help = match why.limit {
+                Some(_) => ASKED.to_owned(),
+                None => format!("{ASKED}; `--effort 10` lets the proof try ten times as much"),
+            };
+            let finding = not_decided(line, &what, why, &help);
+            let gave_up = finding.gave_up || asking;
+            proof.findings.push(finding.giving_up(gave_up));
         }
         if proof.verdict == LineVerdict::Proved {
             proof.verdict = LineVerdict::Safe;
@@ -117,31 +126,28 @@ fn has_controllers<'a>(
     }
 }
 
-/// What following the parts of a line has shown.
-#[derive(Debug, Default)]
-pub struct CallReport {
-    /// What is wrong with its calls.
-    pub findings: Vec<Diagnostic>,
-    /// Routes that no part takes.
-    pub remarks: Vec<Diagnostic>,
-    /// Whether it was decided of every part that it has a way onward.
-    pub routes_decided: bool,
-}
-
-/// Follows the parts of a line: what `check`, `build` and `run` all say of it.
-pub fn follow<'a>(
+/// Follows the parts of a line and adds what `check`, `build` and `run` all say of it: calls that are refused, parts without a way, routes that
+/// no part takes. It takes out what the resolver was not sure of, once that is decided.
+pub fn judge<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
     limits: &Limits,
-) -> CallReport {
-    let mut calls = calls_of(line, controlled, limits);
-    let mut findings = std::mem::take(&mut calls.findings);
-    findings.extend(timeless(line, &calls));
-    CallReport {
-        findings,
-        remarks: calls.remarks,
-        routes_decided: calls.undecided.is_empty(),
+    findings: &mut Vec<Diagnostic>,
+) {
+    let doing = || format!("following the parts of the line `{}`", line.name);
+    let calls = match internal::caught(doing, || calls_of(line, controlled, limits)) {
+        Ok(calls) => calls,
+        Err(fault) => {
+            findings.push(fault.finding(Some(line.span)));
+            return;
+        }
+    };
+    if calls.undecided.is_empty() {
+        findings.retain(|f| !is_doubt(f, line));
     }
+    findings.extend(timeless(line, &calls));
+    findings.extend(calls.findings);
+    findings.extend(calls.remarks);
 }
 
 /// Whether this is a doubt about a route of the line that following its parts clears up: the resolver does not know their values.
@@ -208,13 +214,20 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
                     "the verdict on {} is known, but not what rests on what: {limit}",
                     line.name
                 );
-                (Vec::new(), Some(note(line, message, FEWER)))
+                (Vec::new(), Some(note(line, message, Some(limit), FEWER)))
             }
         }
     };
     let (abstraction, verdict) = match abstraction::examine(line, limits, MOST_VARIABLES) {
         Ok(decided) => decided,
-        Err(unfit) => return undecided(line, &unfit.0),
+        Err(why) => {
+            let what = format!("whether parts can block one another in {}", line.name);
+            return Proof {
+                verdict: LineVerdict::GaveUp,
+                findings: vec![not_decided(line, &what, &why, A_RUN)],
+                ..Proof::default()
+            };
+        }
     };
     if !verdict.open.is_empty() {
         return Proof {
@@ -230,12 +243,16 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
         .collect();
     let mut findings: Vec<Diagnostic> = unknown.into_iter().collect();
     if !undecided.is_empty() {
+        let reason = match verdict.limit {
+            Some(limit) => limit.to_string(),
+            None => "the line is too large".to_owned(),
+        };
         let message = format!(
-            "parts cannot block one another in {}, but whether everything goes on was not decided: {}",
+            "parts cannot block one another in {}, but whether everything goes on was not decided ({reason}): {}",
             line.name,
             undecided.join(", ")
         );
-        findings.push(note(line, message, FEWER));
+        findings.push(note(line, message, verdict.limit, FEWER));
     }
     Proof {
         verdict: if verdict.holds() {
@@ -276,26 +293,29 @@ fn table(
 
 /// What to do where it was not decided what a station is asked for.
 const ASKED: &str = "A run shows what is refused. Fewer values of properties, or a machine that comes back to the same state after each operation, \
-                     leave less to try; `--effort 10` lets the proof try ten times as much.";
+                     leave less to try";
 
 /// What to do where something was not decided.
-const FEWER: &str = "Smaller limits and buffers, or fewer types of parts in one, make the line smaller; `--effort 10` lets the proof do ten times \
-                     the work.";
+const FEWER: &str =
+    "Smaller limits and buffers, or fewer types of parts in one, make the line smaller";
 
-fn undecided(line: &Line, why: &str) -> Proof {
-    let message = format!(
-        "whether parts can block one another in {} was not decided: {why}",
-        line.name
-    );
-    let help = "Nothing is known to be wrong. A run shows whether the line gets stuck with the times that it has; smaller buffers, or fewer \
-                types of parts in one, make it smaller.";
-    Proof {
-        verdict: LineVerdict::GaveUp,
-        findings: vec![note(line, message, help)],
-        ..Proof::default()
-    }
+/// What to do where it was not decided whether a line gets stuck.
+const A_RUN: &str = "Nothing is known to be wrong. A run shows whether the line gets stuck with the times that it has; smaller buffers, or fewer \
+                     types of parts in one, make it smaller";
+
+/// Something that was not decided, and why.
+fn not_decided(line: &Line, what: &str, why: &Undecided, help: &str) -> Diagnostic {
+    let message = format!("{what} was not decided: {why}");
+    note(line, message, why.limit, help)
 }
 
-fn note(line: &Line, message: String, help: &str) -> Diagnostic {
-    Diagnostic::note(codes::LINE_UNDECIDED, line.span, message).with_help(help)
+/// A note on what was not decided. The help goes on with what lifts the limit.
+fn note(line: &Line, message: String, limit: Option<Limit>, help: &str) -> Diagnostic {
+    let remedy = limit.and_then(Limit::remedy);
+    let remedy = remedy
+        .map(|remedy| format!(" Or {remedy}."))
+        .unwrap_or_default();
+    Diagnostic::note(codes::LINE_UNDECIDED, line.span, message)
+        .with_help(format!("{help}.{remedy}"))
+        .giving_up(limit.is_some_and(Limit::is_of_command))
 }

@@ -159,6 +159,7 @@ pub fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
         let others = walked.filter(|f| f.code != codes::ASSUMPTION_OPEN);
         result.findings.extend(others);
     }
+    cut_short(machine.span, machine, &decided, &mut result.findings);
     for (promised, flat) in machine.refines.iter().zip(&controlled.machine.refines) {
         let refined = refines(controlled, promised, flat, limits, &mut result.findings);
         result.refines.push(refined);
@@ -169,6 +170,21 @@ pub fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
         }
     }
     result
+}
+
+/// Says that the controllers were not put together because the command came to a limit, where nothing has said so yet.
+fn cut_short(
+    span: Span,
+    machine: &Machine,
+    decided: &Result<Verdict, Limit>,
+    findings: &mut Vec<Diagnostic>,
+) {
+    if let Err(limit) = decided
+        && limit.is_of_command()
+        && !findings.iter().any(|f| f.gave_up)
+    {
+        findings.push(undecided(span, &machine.name, *limit));
+    }
 }
 
 /// Whether there are machines in a machine, which its proof knows by what they promise.
@@ -406,6 +422,7 @@ fn refines(
                 verdict: decided.as_ref().ok().filter(|_| !is_layered(controlled)),
                 walked: &Composition::default(),
             };
+            cut_short(promised.span, machine, &decided, findings);
             let mut found = Vec::new();
             refined.discharges = both.merged(proof, &mut found);
             if !found.is_empty() {

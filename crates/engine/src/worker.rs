@@ -1,11 +1,10 @@
 //! Work that has to end in time, on a thread that is left behind when it does not.
 //!
 //! The stages look at the deadline between the operations of a BDD kernel; a single operation cannot be interrupted, and may
-//! last minutes. So whoever waits here goes on shortly after the deadline, or after Ctrl-C, with what the work had
-//! reported until then. The thread goes on until the program ends, which is soon.
+//! last minutes. So whoever waits here goes on shortly after the deadline, with what the work had reported until then. The thread goes on until the program ends, which is soon.
 
-use super::{internal, interrupt};
-use linewright_core::deadline::Deadline;
+use super::internal;
+use linewright_core::deadline::{Deadline, Late};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 #[cfg(test)]
@@ -14,31 +13,11 @@ use std::time::Instant;
 /// How long the work may need to notice the deadline by itself, which gives the better answer.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// How often one looks whether Ctrl-C was pressed.
+/// How often one looks at the deadline, which an interrupt ends early.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Formulas nest as deep as their author likes, and so does what walks over them.
 const STACK_BYTES: usize = 256 << 20;
-
-/// Why nobody waits any longer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stop {
-    /// The time has run out.
-    Time,
-    /// Ctrl-C was pressed.
-    Interrupt,
-}
-
-/// Whether to stop now.
-pub fn stop(deadline: Deadline) -> Option<Stop> {
-    if interrupt::interrupted() {
-        Some(Stop::Interrupt)
-    } else if deadline.is_past() {
-        Some(Stop::Time)
-    } else {
-        None
-    }
-}
 
 /// How work ended.
 #[derive(Debug)]
@@ -46,7 +25,7 @@ pub enum Ended<P, R> {
     /// With a result.
     Done(R),
     /// Nobody waits for it any longer. With it, the last thing that it reported.
-    Left(Stop, Option<P>),
+    Left(Late, Option<P>),
 }
 
 /// Runs `work` on a thread of its own. What it gives to the function that it is given is kept, in case that it is left.
@@ -77,8 +56,8 @@ where
             Ok(Ok(result)) => return Ended::Done(result),
             Ok(Err(partly)) => reported = Some(partly),
             Err(RecvTimeoutError::Timeout) => {
-                if let Some(stop) = stop(last) {
-                    return Ended::Left(stop, reported);
+                if let Err(late) = last.check() {
+                    return Ended::Left(late, reported);
                 }
             }
             Err(RecvTimeoutError::Disconnected) => match thread.join() {
@@ -111,7 +90,7 @@ mod tests {
             report(2);
             std::thread::sleep(Duration::from_mins(1));
         });
-        assert!(matches!(ended, Ended::Left(Stop::Time, Some(2))));
+        assert!(matches!(ended, Ended::Left(Late::Time, Some(2))));
         assert!(begin.elapsed() < Duration::from_secs(10));
     }
 

@@ -41,6 +41,7 @@ pub mod random;
 pub mod replicate;
 mod statistics;
 pub mod trace;
+mod undecided;
 mod validate;
 
 use linewright_core::deadline::Deadline;
@@ -48,6 +49,7 @@ pub use metric::ReplicatedRequirement;
 pub use plant::Plant;
 pub use replicate::{Estimate, Replications};
 pub use trace::{End, Trace};
+pub use undecided::Undecided;
 
 /// How a line is run.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -23,6 +23,7 @@ pub mod simtalk;
 pub mod structured_text;
 pub mod toolchain;
 
+use linewright_core::deadline::Late;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::mealy;
@@ -141,10 +142,12 @@ pub enum Error {
         stderr: String,
     },
     /// The compiler was ended, or not started any more.
-    #[error("the library of `{machine}` was not built: the time limit was reached")]
-    TimeOver {
+    #[error("the library of `{machine}` was not built: {late}")]
+    GivenUp {
         /// The machine.
         machine: String,
+        /// Why.
+        late: Late,
     },
     /// A library is not what was built.
     #[error("the station library {} is damaged: {reason}", path.display())]
@@ -195,9 +198,14 @@ impl Error {
                 codes::COMPILER_FAILED,
                 "the emitted C is plain C99: look at what CC and CFLAGS hold; if they are in order, please report this",
             ),
-            Self::TimeOver { .. } => (
+            Self::GivenUp { late, .. } => (
                 codes::GAVE_UP,
-                "give it more time with --timeout SECONDS; what was built is kept",
+                match late {
+                    Late::Time => {
+                        "give it more time with --timeout SECONDS; what was built is kept"
+                    }
+                    Late::Interrupt => "run it again; what was built is kept",
+                },
             ),
             Self::LibraryDamaged { .. } => {
                 (codes::LIBRARY_DAMAGED, "delete it, or run with --rebuild")

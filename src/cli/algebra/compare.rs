@@ -152,7 +152,8 @@ fn pair(
                 new.span,
                 format!("whether `{name}` was refined was not decided: {limit}"),
             )
-            .with_help(crate::engine::closed::more(limit));
+            .with_help(crate::engine::closed::more(limit))
+            .giving_up(limit.is_of_command());
             finding.severity = Severity::Warning;
             findings.push(finding);
             entry(name, Fate::GaveUp)

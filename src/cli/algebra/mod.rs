@@ -257,7 +257,8 @@ fn gave_up(
         None,
         format!("it was not decided: {limit}"),
     )
-    .with_help(crate::engine::closed::more(limit));
+    .with_help(crate::engine::closed::more(limit))
+    .giving_up(limit.is_of_command());
     let sources = &loaded.library.sources;
     options.console().failed(command, sources, &[finding])?;
     Ok(ExitCode::GaveUp)

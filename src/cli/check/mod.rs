@@ -19,7 +19,6 @@ use crate::engine::files::{self, Loaded, StandardLibrary};
 use crate::engine::machines::{self, Planned};
 use crate::engine::output;
 use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
-use crate::game::Limit;
 use crate::source::Span;
 use assembly::Assembly;
 use clap::Args;
@@ -182,10 +181,7 @@ fn check(
             Verdict::Realizable => ExitCode::Success,
         })
         .fold(ExitCode::Success, ExitCode::and);
-    let mut code = options.exit_code(&findings).and(verdicts);
-    if findings.iter().any(was_limited) {
-        code = code.and(ExitCode::GaveUp);
-    }
+    let code = options.exit_code(&findings).and(verdicts);
     Ok(Checked {
         code: code.and(ExitCode::of_loading(&loaded)),
         document,
@@ -225,15 +221,6 @@ fn is_only_refined(loaded: &Loaded, contract: &Contract) -> bool {
     !loaded.roots.contains(own)
         && library.machines.iter().any(refined)
         && !library.machines.iter().any(used)
-}
-
-/// Whether something was not decided because of `--timeout` or `--memory`. Proofs that did the work of their budget are as they would be on any
-/// computer, and are told of by the finding alone.
-fn was_limited(finding: &Diagnostic) -> bool {
-    let limits = [Limit::Time, Limit::Memory];
-    limits
-        .iter()
-        .any(|limit| finding.message.contains(&limit.to_string()))
 }
 
 /// Writes the proof of the only contract; the findings say why there is none.

@@ -8,10 +8,10 @@ mod lookout;
 
 use super::{Arguments, Checked, check, write};
 use crate::cli::exit::ExitCode;
+use crate::cli::interrupt;
 use crate::cli::options::{Format, GlobalOptions};
 use crate::engine::cache::Cache;
 use crate::engine::files::StandardLibrary;
-use crate::engine::interrupt::{self, Watch};
 use crate::engine::pipeline::Memory;
 use crate::source::SourceMap;
 use anyhow::Context as _;
@@ -62,7 +62,6 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
             "SARIF is one document for one check: leave --watch out, or take `--format json` with it"
         );
     }
-    let _watch = Watch::new();
     let console = options.console();
     let standard = StandardLibrary::new(options.library.clone());
     let mut lookout = Lookout::new(&arguments.paths, standard.clone());

@@ -114,7 +114,7 @@ fn next(
             Ok(_) => allowed.push(call),
             Err(refusal) => {
                 let after = match detour(supervisor, state, call, entries) {
-                    Err(TooLarge::Late) => return Err(TooLarge::Late),
+                    Err(late @ TooLarge::Late(_)) => return Err(late),
                     sought => sought,
                 };
                 refused.push(RefusedEntry {

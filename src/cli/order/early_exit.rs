@@ -44,10 +44,10 @@ impl EarlyExit {
             Self::GaveUp { error, besides } => (error, besides),
         };
         let fewer = "fewer rules (--rule NAME, --no-rule NAME)";
-        let advice = match besides {
-            _ if error == TooLarge::Late => "--timeout SECONDS gives it more".to_owned(),
-            Some(besides) => format!("{fewer}, or {besides}, make it smaller"),
-            None => format!("{fewer} make it smaller"),
+        let advice = match (error, besides) {
+            (TooLarge::Late(late), _) => late.remedy().to_owned(),
+            (_, Some(besides)) => format!("{fewer}, or {besides}, make it smaller"),
+            (_, None) => format!("{fewer} make it smaller"),
         };
         options
             .console()

@@ -10,9 +10,9 @@ use linewright::diagnostics::has_errors;
 use linewright::engine::files::{self, StandardLibrary};
 use linewright::game::Limits;
 use linewright::line::abstraction::{
-    Abstraction, NO_CIRCULAR_WAIT, PlaceKind, Unfit, decide, examine, findings,
+    Abstraction, NO_CIRCULAR_WAIT, PlaceKind, decide, examine, findings,
 };
-use linewright::line::{End, Options};
+use linewright::line::{End, Options, Undecided};
 use std::path::Path;
 
 /// What small lines have.
@@ -47,7 +47,7 @@ fn the_line_of_the_laboratory_is_proved() {
     proved(&[ICE], &[Abstraction::of]);
 }
 
-type Form = fn(&Line) -> Result<Abstraction, Unfit>;
+type Form = fn(&Line) -> Result<Abstraction, Undecided>;
 
 fn proved(paths: &[&str], forms: &[Form]) {
     for path in paths {

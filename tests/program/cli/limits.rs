@@ -164,6 +164,33 @@ mod interrupts {
         assert!(text(&output).contains(wanted), "{}", text(&output));
     }
 
+    /// Not only contracts are given up: so are the proofs of lines, and runs.
+    #[test]
+    fn it_ends_proofs_and_runs() {
+        let session = Session::new();
+        super::joined(&session);
+        for (command, wanted) in [
+            ("check joined.lw --no-cache", "contract Act: realizable"),
+            ("check joined.lw --no-cache", "it was interrupted"),
+            (
+                "run joined.lw --parts 1000000000",
+                "it was interrupted: it has come to",
+            ),
+        ] {
+            // One call before it has compiled the library.
+            let _ = session.run("build joined.lw");
+            let child = start(&session, &format!("{command} --format short"));
+            std::thread::sleep(Duration::from_millis(1500));
+            interrupt(&child);
+            let begin = Instant::now();
+            let output = child.wait_with_output().expect("it ends");
+            assert!(begin.elapsed() < MARGIN, "{command}: {:?}", begin.elapsed());
+            let said = text(&output) + &String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(3), "{command}: {said}");
+            assert!(said.contains(wanted), "{command}: {said}");
+        }
+    }
+
     #[test]
     fn what_is_known_is_printed() {
         let session = Session::new();
@@ -238,6 +265,49 @@ line L {
     );
 }
 
+/// A line whose proof takes seconds.
+fn joined(session: &Session) {
+    let file = root().join("tests/program/cli/joined.lw");
+    std::fs::copy(file, session.path("joined.lw")).expect("a copy");
+}
+
+/// Wherever a limit of the command ends the proof of a line, the exit code is 3 and the limit is named: never a weaker verdict that looks like
+/// one of the line.
+#[test]
+fn a_proof_that_is_cut_short_names_the_limit() {
+    let session = Session::new();
+    joined(&session);
+    let limits = [
+        "--timeout 0.05",
+        "--timeout 0.2",
+        "--timeout 0.5",
+        "--timeout 1",
+        "--timeout 2",
+        "--memory 1",
+        "--memory 5",
+        "--memory 1000",
+    ];
+    for limit in limits {
+        let printed = session.run(&format!("check joined.lw --no-timing --no-cache {limit}"));
+        let said = printed.out.clone() + &printed.err;
+        if printed.code == 0 {
+            assert!(said.contains("  proved\n"), "{limit}: {said}");
+            continue;
+        }
+        assert_eq!(printed.code, 3, "{limit}: {said}");
+        let (what, remedy) = if limit.contains("time") {
+            ("the time limit was reached", "--timeout SECONDS")
+        } else {
+            ("the memory limit was reached", "--memory MIB")
+        };
+        assert!(
+            said.contains(what) && said.contains(remedy),
+            "{limit}: {said}"
+        );
+        assert!(!said.contains("--effort"), "{limit}: {said}");
+    }
+}
+
 /// Two types of parts with loops for rework share places: whether everything goes on is more work than a proof may take, so the
 /// proof ends by itself, and what it has shown by then stays.
 #[test]
@@ -249,7 +319,7 @@ fn a_proof_of_a_large_line_ends_by_itself() {
     assert_eq!(printed.code, 0, "{}{}", printed.out, printed.err);
     for wanted in [
         "parts cannot block one another in L, but whether everything goes on was not decided",
-        "`--effort 10` lets the proof do ten times the work",
+        "let it do more work with --effort FACTOR",
         "never stuck",
     ] {
         assert!(printed.out.contains(wanted), "{}", printed.out);

@@ -55,6 +55,8 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
     /// The next step.
     pub help: Option<String>,
+    /// Whether something was not decided because the command reached a limit that it was given: its time or its memory, or Ctrl-C.
+    pub gave_up: bool,
 }
 
 impl Diagnostic {
@@ -82,7 +84,15 @@ impl Diagnostic {
             labels: Vec::new(),
             notes: Vec::new(),
             help: None,
+            gave_up: false,
         }
+    }
+
+    /// Says whether it is there because the command reached a limit.
+    #[must_use]
+    pub fn giving_up(mut self, gave_up: bool) -> Self {
+        self.gave_up = gave_up;
+        self
     }
 
     /// Adds the next step.

@@ -69,7 +69,7 @@ pub(super) fn explain(
 impl Explained {
     /// A limit of the clock is not the same tomorrow.
     fn stopped(mut self, limit: Limit) -> Self {
-        self.complete &= limit != Limit::Time;
+        self.complete &= !matches!(limit, Limit::Late(_));
         self
     }
 }

@@ -5,57 +5,11 @@ use super::{CheckedContract, Goal, Job, Verdict};
 use crate::controller::Controller;
 use crate::findings::{environment, lost, shape};
 use crate::statistics::Statistics;
-use crate::worker::Stop;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Specification, overflow};
 use linewright_core::source::Span;
 use linewright_solver::game::{EnvironmentFindings, GuaranteeRef, Limit, Progress, Ranking, Shape};
 use linewright_solver::mealy;
-
-/// Why there is no verdict, or no controller.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reason {
-    /// A limit was reached.
-    Limit(Limit),
-    /// Ctrl-C.
-    Interrupt,
-}
-
-impl Reason {
-    fn help(self) -> &'static str {
-        match self {
-            Self::Limit(Limit::Time) => {
-                "give it more time with --timeout SECONDS, or make its domains smaller"
-            }
-            Self::Limit(Limit::Memory) => {
-                "give it more memory with --memory MIB, or make its domains smaller"
-            }
-            Self::Limit(Limit::Size) => "make its domains smaller, or split it into two contracts",
-            Self::Limit(Limit::Work(_) | Limit::Nodes(_)) => {
-                "let it do more work with --effort FACTOR, or make its domains smaller"
-            }
-            Self::Interrupt => "run it again for a verdict",
-        }
-    }
-}
-
-impl From<Stop> for Reason {
-    fn from(stop: Stop) -> Self {
-        match stop {
-            Stop::Time => Self::Limit(Limit::Time),
-            Stop::Interrupt => Self::Interrupt,
-        }
-    }
-}
-
-impl std::fmt::Display for Reason {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Limit(limit) => limit.fmt(f),
-            Self::Interrupt => f.write_str("it was interrupted"),
-        }
-    }
-}
 
 /// What is known of a contract, before it is put into words.
 #[derive(Debug, Clone)]
@@ -98,10 +52,10 @@ impl Known {
     }
 
     /// The same, when what was still to be done is not waited for.
-    pub(super) fn stopped(mut self, reason: Reason, job: &Job) -> Self {
+    pub(super) fn stopped(mut self, limit: Limit, job: &Job) -> Self {
         let asked = self.realizable && job.goal.extracts(self.statistics.large);
         if asked && matches!(self.controller, Controller::Unasked) {
-            self.controller = Controller::Stopped(reason);
+            self.controller = Controller::Stopped(limit);
         }
         self
     }
@@ -117,8 +71,8 @@ impl Known {
             left_out = job.goal == Goal::Small && self.statistics.large;
             match self.controller {
                 Controller::Unasked => {}
-                Controller::Stopped(reason) => {
-                    findings.push(no_machine(specification, job.span, reason));
+                Controller::Stopped(limit) => {
+                    findings.push(no_machine(specification, job.span, limit));
                 }
                 Controller::Machine(verified) => controller = Some(verified.into()),
                 Controller::Functions(certified) => {
@@ -177,18 +131,28 @@ impl Known {
     }
 }
 
+/// What helps a contract that came to a limit.
+fn help(limit: Limit) -> String {
+    match limit.remedy() {
+        Some(remedy) => format!("{remedy}, or make its domains smaller"),
+        None => "make its domains smaller, or split it into two contracts".to_owned(),
+    }
+}
+
 /// A contract without a verdict.
-pub(super) fn gave_up(job: &Job, reason: Reason, solve: &Progress) -> CheckedContract {
+pub(super) fn gave_up(job: &Job, limit: Limit, solve: &Progress) -> CheckedContract {
     let specification = &*job.specification;
     let name = &specification.name;
-    let mut message = format!("there is no verdict on `{name}`: {reason}");
-    if reason != Reason::Limit(Limit::Size) {
+    let mut message = format!("there is no verdict on `{name}`: {limit}");
+    if limit != Limit::Size {
         message = format!("{message} {}", solve.reached());
     }
     let statistics = Statistics::of_solver(&solve.statistics(), specification);
     CheckedContract {
         findings: vec![
-            Diagnostic::error(codes::GAVE_UP, job.span, message).with_help(reason.help()),
+            Diagnostic::error(codes::GAVE_UP, job.span, message)
+                .with_help(help(limit))
+                .giving_up(limit.is_of_command()),
         ],
         ..CheckedContract::new(Verdict::GaveUp, statistics)
     }
@@ -234,11 +198,13 @@ fn overflows(specification: &Specification) -> Vec<Diagnostic> {
 }
 
 /// A note, since the verdict stands; who needs the controller makes an error of it.
-fn no_machine(specification: &Specification, span: Span, reason: Reason) -> Diagnostic {
+fn no_machine(specification: &Specification, span: Span, limit: Limit) -> Diagnostic {
     let name = &specification.name;
     let message =
-        format!("`{name}` is realizable, but its controller was not written down: {reason}");
-    let mut finding = Diagnostic::error(codes::GAVE_UP, span, message).with_help(reason.help());
+        format!("`{name}` is realizable, but its controller was not written down: {limit}");
+    let mut finding = Diagnostic::error(codes::GAVE_UP, span, message)
+        .with_help(help(limit))
+        .giving_up(limit.is_of_command());
     finding.severity = linewright_core::diagnostics::Severity::Note;
     finding
 }
@@ -274,7 +240,7 @@ pub(super) mod tests {
             findings: vec![no_machine(
                 &specification("A"),
                 Span::default(),
-                Reason::Limit(Limit::Size),
+                Limit::Size,
             )],
             ..CheckedContract::new(Verdict::Realizable, Statistics::default())
         };

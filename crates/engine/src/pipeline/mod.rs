@@ -10,13 +10,11 @@ mod memory;
 mod task;
 
 pub use explain::Explained;
-pub use known::Reason;
 pub use memory::Memory;
 
 use super::cache::Cache;
 use super::controller::Wish;
 use super::internal::{self, Fault};
-use super::interrupt::Watch;
 use super::statistics::Statistics;
 use indicatif::ProgressBar;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -294,8 +292,8 @@ impl Jobs {
         self.list.is_empty()
     }
 
-    /// Does them all, in parallel; the results are in the order of the jobs. It ends shortly after the time limit, and after
-    /// Ctrl-C, whatever is being done then.
+    /// Does them all, in parallel; the results are in the order of the jobs. It ends shortly
+    /// after the deadline, whatever is being done then.
     pub fn run(&self, settings: &Settings, progress: &ProgressBar) -> Vec<CheckedContract> {
         self.run_with(None, settings, progress)
     }
@@ -307,7 +305,6 @@ impl Jobs {
         settings: &Settings,
         progress: &ProgressBar,
     ) -> Vec<CheckedContract> {
-        let _watch = Watch::new();
         let results = self
             .list
             .par_iter()

@@ -2,7 +2,7 @@
 
 use super::explain::explain;
 use super::known::{Known, gave_up};
-use super::{CheckedContract, Goal, InternalError, Job, Reason, Settings};
+use super::{CheckedContract, Goal, InternalError, Job, Settings};
 use crate::cache::{self, Cache, Entry, Hints, Key, Version};
 use crate::controller::{Controller, Wish, controller};
 use crate::internal::within;
@@ -35,21 +35,21 @@ impl Task {
         let deadline = self.settings.limits.deadline;
         let (job, examine) = (self.job.clone(), self.examine);
         let solve = Arc::clone(&self.solve);
-        let checked = if let Some(stop) = worker::stop(deadline) {
-            gave_up(&job, stop.into(), &solve)
+        let checked = if let Some(late) = deadline.check().err() {
+            gave_up(&job, late.into(), &solve)
         } else {
             match worker::run(deadline, move |report| self.check(report)) {
                 Ended::Done(Err(error)) => return Err(error),
                 Ended::Done(Ok(Ok(known))) => known.told(&job, examine),
-                Ended::Done(Ok(Err(limit))) => gave_up(&job, Reason::Limit(limit), &solve),
+                Ended::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
                 // What is looked for then are the guarantees that clash.
                 Ended::Left(_, None) if solve.phase() == Phase::Core => {
                     Known::lost(&solve, &job.specification).told(&job, examine)
                 }
-                Ended::Left(stop, None) => gave_up(&job, stop.into(), &solve),
-                Ended::Left(stop, Some(known)) => {
+                Ended::Left(late, None) => gave_up(&job, late.into(), &solve),
+                Ended::Left(late, Some(known)) => {
                     let known: Known = known;
-                    known.stopped(stop.into(), &job).told(&job, examine)
+                    known.stopped(late.into(), &job).told(&job, examine)
                 }
             }
         };
@@ -236,13 +236,13 @@ impl Task {
                 Some(own) => game::examine_environment(own, &limits),
                 None => won.examine_environment(specification, &limits),
             });
-            known.examined = !matches!(environment, Err(Limit::Time));
+            known.examined = !matches!(environment, Err(Limit::Late(_)));
             known.environment = environment.ok();
             report(known.clone());
             let shape = within("examining its formulas", || {
                 won.shape(specification, &limits)
             });
-            known.examined &= !matches!(shape, Err(Limit::Time));
+            known.examined &= !matches!(shape, Err(Limit::Late(_)));
             known.shape = shape.ok();
         }
         Ok(Ok(known))
@@ -297,7 +297,7 @@ impl Task {
             lost: entry.lost.filter(|_| explains),
             controller: match (entry.machine, entry.functions) {
                 _ if !extracts => Controller::Unasked,
-                (None, None) => Controller::Stopped(Reason::Limit(Limit::Size)),
+                (None, None) => Controller::Stopped(Limit::Size),
                 (Some(machine), _) => Controller::Machine(mealy::Machine { name, ..machine }),
                 (None, Some(functions)) => {
                     Controller::Functions(Box::new(Functions { name, ..*functions }))
@@ -314,7 +314,7 @@ impl Task {
     fn entry(&self, known: &Known) -> Option<Entry> {
         let (extracted, machine, functions) = match &known.controller {
             Controller::Unasked => (false, None, None),
-            Controller::Stopped(Reason::Limit(Limit::Size)) => (true, None, None),
+            Controller::Stopped(Limit::Size) => (true, None, None),
             Controller::Stopped(_) => return None,
             Controller::Machine(machine) => (true, Some(machine.clone()), None),
             Controller::Functions(functions) => (true, None, Some(functions.clone())),

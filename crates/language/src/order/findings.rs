@@ -44,12 +44,13 @@ fn too_large(skills: &Skills, error: &TooLarge) -> Diagnostic {
         "what the rules of `{}` come to was not decided: {error}",
         skills.name
     );
-    Diagnostic::warning(codes::TOO_LARGE, skills.span, message).with_help(match error {
-        TooLarge::Late => "allow more time with --timeout",
+    let finding = Diagnostic::warning(codes::TOO_LARGE, skills.span, message);
+    match error {
+        TooLarge::Late(late) => finding.with_help(late.remedy()).giving_up(true),
         TooLarge::Count { .. } => {
-            "fewer rules, or fewer repetitions in a sequence, let it be decided"
+            finding.with_help("fewer rules, or fewer repetitions in a sequence, let it be decided")
         }
-    })
+    }
 }
 
 /// Pushes what is found, up to where it gets too large.

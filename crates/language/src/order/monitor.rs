@@ -235,7 +235,7 @@ impl<'a> Unfolding<'a> {
                 Refused::Recall { .. } => Why::Recall,
                 Refused::Rule { rule, .. } | Refused::Deleted { rule } => Why::Rule(rule),
             }),
-            Err(TooLarge::Count { .. } | TooLarge::Late) => Verdict::Refused(Why::Together),
+            Err(TooLarge::Count { .. } | TooLarge::Late(_)) => Verdict::Refused(Why::Together),
         }
     }
 }

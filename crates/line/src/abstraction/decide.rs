@@ -3,7 +3,8 @@
 //! The table of what rests on what is the business of [`linewright_algebra::proof::prove`]; it asks these questions again and again
 //! with formulas left away.
 
-use super::{Abstraction, Unfit};
+use super::Abstraction;
+use crate::undecided::Undecided;
 pub use linewright_algebra::proof::Open;
 use linewright_algebra::proof::{self, Broken, Claim};
 use linewright_algebra::system::{FormulaRef, formulas, list, rule};
@@ -18,6 +19,8 @@ pub struct Verdict {
     pub open: Vec<Open>,
     /// What was not decided: only justice, for safety is decided or else there is no verdict.
     pub undecided: Vec<FormulaRef>,
+    /// The limit at which that was given up; none where it was not asked, the line being too large.
+    pub limit: Option<Limit>,
     /// What is open was found where parts may move late, and whether it is so when they move at once was not decided.
     pub late: bool,
 }
@@ -51,9 +54,9 @@ pub fn examine(
     line: &Line,
     limits: &Limits,
     most_variables: usize,
-) -> Result<(Abstraction, Verdict), Unfit> {
+) -> Result<(Abstraction, Verdict), Undecided> {
     let is_small = |a: &Abstraction| a.system.variables.len() <= most_variables;
-    let asked = |abstraction: &Abstraction| {
+    let asked = |abstraction: &Abstraction| -> Result<Verdict, Limit> {
         let mut verdict = safety(abstraction, limits)?;
         if verdict.open.is_empty() && is_small(abstraction) {
             justice(abstraction, limits, &mut verdict);
@@ -63,7 +66,7 @@ pub fn examine(
         Ok(verdict)
     };
     let loose = Abstraction::of(line)?;
-    let mut verdict = asked(&loose).map_err(|limit: Limit| Unfit(limit.to_string()))?;
+    let mut verdict = asked(&loose)?;
     if verdict.open.is_empty() {
         return Ok((loose, verdict));
     }
@@ -136,7 +139,10 @@ fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
     };
     match proof::decide(&alone, &asked, limits) {
         Ok(proof) => verdict.open.extend(proof.open),
-        Err(_) => verdict.undecided.extend(liveness(claim)),
+        Err(limit) => {
+            verdict.undecided.extend(liveness(claim));
+            verdict.limit = Some(limit);
+        }
     }
 }
 

@@ -45,9 +45,10 @@ pub(crate) mod words;
 pub use decide::{Open, Verdict, decide, examine};
 pub use findings::findings;
 pub use requirements::{GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, ORDERS_ARE_FINISHED};
-pub use shape::{Place, PlaceKind, Shape, Unfit, Ways, Work};
+pub use shape::{Place, PlaceKind, Shape, Ways, Work};
 pub use vocabulary::{Model, Phase, Queue, Vars, Vocabulary};
 
+use crate::undecided::Undecided;
 use linewright_algebra::proof::Claim;
 use linewright_algebra::system::System;
 use linewright_language::contract::line::Line;
@@ -72,7 +73,7 @@ impl Abstraction {
     ///
     /// # Errors
     /// When something in the line has no abstraction, or would make it too large.
-    pub fn of(line: &Line) -> Result<Self, Unfit> {
+    pub fn of(line: &Line) -> Result<Self, Undecided> {
         Self::with(line, false)
     }
 
@@ -80,11 +81,11 @@ impl Abstraction {
     ///
     /// # Errors
     /// As [`Abstraction::of`].
-    pub fn at_once(line: &Line) -> Result<Self, Unfit> {
+    pub fn at_once(line: &Line) -> Result<Self, Undecided> {
         Self::with(line, true)
     }
 
-    fn with(line: &Line, at_once: bool) -> Result<Self, Unfit> {
+    fn with(line: &Line, at_once: bool) -> Result<Self, Undecided> {
         let shape = Shape::of(line)?;
         shape.check_time(line)?;
         let vocabulary = Vocabulary::of(line, &shape)?;

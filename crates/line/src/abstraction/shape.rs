@@ -5,6 +5,7 @@
 //! has in the runner: one belt can hand over only in its own step, and take only in its own step.
 
 use super::belt::{self, Room};
+use crate::undecided::Undecided;
 use linewright_language::contract::line::{Belt, Line, Node, NodeKind, Task};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -85,10 +86,6 @@ pub struct Work {
     pub bill: Vec<(usize, u32)>,
 }
 
-/// Why a line has no abstraction.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Unfit(pub String);
-
 /// The places of a line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shape {
@@ -107,7 +104,7 @@ impl Shape {
     ///
     /// # Errors
     /// When something in it has no abstraction.
-    pub fn of(line: &Line) -> Result<Self, Unfit> {
+    pub fn of(line: &Line) -> Result<Self, Undecided> {
         let mut places = Vec::new();
         // Of each node: where its parts come in, and the place before a belt.
         let mut intake = vec![None; line.nodes.len()];
@@ -167,7 +164,7 @@ impl Shape {
         line: &Line,
         intake: &[Option<usize>],
         before: &[Option<usize>],
-    ) -> Result<(), Unfit> {
+    ) -> Result<(), Undecided> {
         let mut there: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); self.places.len()];
         let mut open: Vec<(usize, usize)> = Vec::new();
         for (place, declared) in self.places.iter().enumerate() {
@@ -183,7 +180,7 @@ impl Shape {
             }
             let to = self.ways(line, place, part, intake, before);
             if to.is_empty() {
-                return Err(Unfit(format!(
+                return Err(Undecided::because(format!(
                     "{} has no way onward from {}",
                     self.types[part], self.places[place].name
                 )));
@@ -226,11 +223,11 @@ impl Shape {
 
     /// Somewhere on the way of every part time has to pass, or else all others wait for ever for parts that move at once. Work always takes
     /// time here; where it takes none is found with the values of parts ([`crate::calls`]).
-    pub(super) fn check_time(&self, line: &Line) -> Result<(), Unfit> {
+    pub(super) fn check_time(&self, line: &Line) -> Result<(), Undecided> {
         let Some((from, to)) = self.timeless(line) else {
             return Ok(());
         };
-        Err(Unfit(format!(
+        Err(Undecided::because(format!(
             "parts go from {} to {} on and on, and no time passes",
             self.places[from].name, self.places[to].name
         )))
@@ -278,7 +275,7 @@ impl Shape {
     }
 
     /// A limit of work in progress counts a type; what would make that count inexact is refused.
-    fn check_limits(&self, line: &Line) -> Result<(), Unfit> {
+    fn check_limits(&self, line: &Line) -> Result<(), Undecided> {
         for place in &self.places {
             let PlaceKind::Supply {
                 part,
@@ -293,7 +290,7 @@ impl Shape {
                 matches!(other.kind, PlaceKind::Supply { part: p, .. } if self.contents[p][part] > 0)
             });
             if others.count() > 1 {
-                return Err(Unfit(format!(
+                return Err(Undecided::because(format!(
                     "{name} comes from several places, one of which has a limit"
                 )));
             }
@@ -302,7 +299,9 @@ impl Shape {
                     && self.contents[r.part][part] > 0
             });
             if waits {
-                return Err(Unfit(format!("{name} has a limit and may lie in a store")));
+                return Err(Undecided::because(format!(
+                    "{name} has a limit and may lie in a store"
+                )));
             }
         }
         Ok(())
@@ -384,7 +383,7 @@ impl Shape {
 }
 
 /// Asks the contracts of belts how much room they are sure of; belts of one machine are alike.
-fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Unfit> {
+fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Undecided> {
     let mut known: Vec<(&Belt, Room)> = Vec::new();
     for place in places {
         let PlaceKind::Conveyor { sure, .. } = &mut place.kind else {
@@ -399,24 +398,25 @@ fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Unfit> {
         let same = |other: &Belt| Arc::ptr_eq(&other.machine, &belt.machine);
         let room = match known.iter().find(|(other, _)| same(other)) {
             Some((_, room)) => *room,
-            None => belt::room(belt).map_err(|limit| {
-                Unfit(format!(
+            None => belt::room(belt).map_err(|limit| Undecided {
+                why: format!(
                     "the contract of {} is too large to be asked about its room: {limit}",
                     place.name
-                ))
+                ),
+                limit: Some(limit),
             })?,
         };
         known.push((belt, room));
         match room {
             Room::Sure(number) => *sure = number,
             Room::TakesNone => {
-                return Err(Unfit(format!(
+                return Err(Undecided::because(format!(
                     "the contract of {} does not say that it takes a part while it is empty",
                     place.name
                 )));
             }
             Room::BringsNone => {
-                return Err(Unfit(format!(
+                return Err(Undecided::because(format!(
                     "the contract of {} does not say that a part on it comes to its end",
                     place.name
                 )));

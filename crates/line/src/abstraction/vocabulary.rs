@@ -8,8 +8,9 @@
 //! What does not matter is left out, and nothing is lost by it: a queue in which only one type can be is a count, for its parts have
 //! the same future.
 
-use super::shape::{PlaceKind, Shape, Unfit};
+use super::shape::{PlaceKind, Shape};
 use super::words::{all, any, is};
+use crate::undecided::Undecided;
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, VarId, Variable};
 use linewright_language::contract::line::Line;
 use std::collections::BTreeMap;
@@ -83,7 +84,7 @@ impl Vocabulary {
     ///
     /// # Errors
     /// When there would be too many.
-    pub fn of(line: &Line, shape: &Shape) -> Result<Self, Unfit> {
+    pub fn of(line: &Line, shape: &Shape) -> Result<Self, Undecided> {
         let mut new = Self {
             variables: Vec::new(),
             places: Vec::new(),
@@ -98,7 +99,7 @@ impl Vocabulary {
             new.places.push(vars);
         }
         if slots > MOST_SLOTS {
-            return Err(Unfit(format!(
+            return Err(Undecided::because(format!(
                 "its queues have {slots} places for parts of different types, and at most {MOST_SLOTS} are told apart"
             )));
         }
@@ -133,7 +134,7 @@ impl Vocabulary {
         VarId(self.variables.len() as u32 - 1)
     }
 
-    fn place(&mut self, line: &Line, shape: &Shape, place: usize) -> Result<Vars, Unfit> {
+    fn place(&mut self, line: &Line, shape: &Shape, place: usize) -> Result<Vars, Undecided> {
         let declared = &shape.places[place];
         let span = line.nodes[declared.node].span;
         let mut vars = Vars::default();
@@ -205,7 +206,7 @@ impl Vocabulary {
                     vars.open = Some(add("open", Domain::Bool));
                 }
                 if *capacity > MOST_COUNTED {
-                    return Err(Unfit(format!(
+                    return Err(Undecided::because(format!(
                         "{} has room for {capacity} parts, and at most {MOST_COUNTED} are counted",
                         declared.name
                     )));
@@ -221,7 +222,7 @@ impl Vocabulary {
                     let mut labels = vec!["none".to_owned()];
                     labels.extend(types.iter().map(|t| shape.types[*t].clone()));
                     if *capacity as usize > MOST_SLOTS {
-                        return Err(Unfit(format!(
+                        return Err(Undecided::because(format!(
                             "{} has {capacity} places for parts of different types, and at most {MOST_SLOTS} are told apart",
                             declared.name
                         )));
@@ -241,7 +242,7 @@ impl Vocabulary {
             let turns = !matches!(declared.kind, PlaceKind::End { .. });
             let waiting = takers.len() - 1;
             if turns && waiting > MOST_WAITING {
-                return Err(Unfit(format!(
+                return Err(Undecided::because(format!(
                     "parts come to {} from {waiting} places, and the turns of at most {MOST_WAITING} are told apart",
                     declared.name
                 )));

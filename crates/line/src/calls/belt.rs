@@ -56,7 +56,7 @@ pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
                 )
                 .with_help("see what it guarantees of each place in terms of the places before it"),
             })),
-            Err(limit) => calls.undecided.push((node, limit.to_string())),
+            Err(limit) => calls.undecided.push((node, limit.into())),
         }
     }
 }

@@ -35,6 +35,7 @@ pub use findings::in_turn;
 pub use premises::{Premise, premises};
 pub use time::Timeless;
 
+use crate::undecided::Undecided;
 use linewright_core::diagnostics::Diagnostic;
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
@@ -59,7 +60,7 @@ pub struct Calls {
     /// What is odd, and breaks nothing: routes that no part takes.
     pub remarks: Vec<Diagnostic>,
     /// Stations and belts of which it was not decided whether they refuse a part, each with the reason.
-    pub undecided: Vec<(usize, String)>,
+    pub undecided: Vec<(usize, Undecided)>,
     /// By route: whether a part can take it. All are where something was not decided.
     pub taken: Vec<bool>,
     /// By route: whether every part that comes as far as to ask for its condition takes it.

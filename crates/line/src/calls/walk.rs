@@ -7,6 +7,7 @@
 use super::desk::{Answer, Desk, Refusal};
 use super::unread::unread;
 use super::{Bounds, Calls, Real, machine_of, ordered, plain};
+use crate::undecided::Undecided;
 use linewright_language::contract::line::{Defect, InitialValue, Line, NodeKind, Task};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::game::Limits;
@@ -85,7 +86,7 @@ pub(super) struct Walk<'a> {
     /// Values outside their ranges.
     pub misfits: Vec<Misfit>,
     /// Nodes of which not all is known, and why.
-    pub undecided: Vec<(usize, String)>,
+    pub undecided: Vec<(usize, Undecided)>,
     /// By part type and property: whether its values are left out, since nothing depends on them.
     pub unread: Vec<Vec<bool>>,
     steps: u64,
@@ -103,7 +104,7 @@ impl<'a> Walk<'a> {
             let known = interpreter(machine);
             if known.is_none() {
                 let why = format!("there is no controller for `{}`", machine.name);
-                undecided.push((node, why));
+                undecided.push((node, Undecided::because(why)));
             }
             known.map(Desk::new)
         });
@@ -138,7 +139,7 @@ impl<'a> Walk<'a> {
                 self.follow(vertex);
                 if let Err(limit) = limits.check_time() {
                     self.undecided
-                        .push((self.vertices[vertex].node, limit.to_string()));
+                        .push((self.vertices[vertex].node, limit.into()));
                     return self;
                 }
             }
@@ -157,12 +158,12 @@ impl<'a> Walk<'a> {
                     "its calls take more than {} steps to look at",
                     self.bounds.steps
                 );
-                self.undecided.push((node, why));
+                self.undecided.push((node, Undecided::because(why)));
                 return self;
             }
             if let Err(limit) = limits.check_time() {
                 let node = self.busiest().unwrap_or(0);
-                self.undecided.push((node, limit.to_string()));
+                self.undecided.push((node, limit.into()));
                 return self;
             }
         }
@@ -172,8 +173,9 @@ impl<'a> Walk<'a> {
     fn give_up(&mut self, node: usize, what: &str) {
         let most = self.bounds.values;
         let why = format!("{what} more than {most} combinations of values");
-        if !self.undecided.contains(&(node, why.clone())) {
-            self.undecided.push((node, why));
+        let undecided = (node, Undecided::because(why));
+        if !self.undecided.contains(&undecided) {
+            self.undecided.push(undecided);
         }
     }
 

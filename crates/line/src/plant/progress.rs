@@ -110,18 +110,23 @@ impl Run<'_> {
 
     /// Gives up when the deadline of the real clock is reached.
     pub(super) fn look_at_clock(&mut self) {
-        if self.end.is_some() || !self.setup.options.deadline.is_past() {
+        if self.end.is_some() {
             return;
         }
+        let Err(late) = self.setup.options.deadline.check() else {
+            return;
+        };
         self.end = Some(End::GaveUp);
         let message = format!(
-            "the run was not over when the time limit was reached: it has come to {}, with {} products",
+            "the run was not over when {late}: it has come to {}, with {} products",
             self.moment(),
             self.counters.products
         );
         self.journal.findings.push(
-            Diagnostic::error(codes::GAVE_UP, self.line.span, message)
-                .with_help("give it more time with --timeout SECONDS, or end it earlier with --parts or --until"),
+            Diagnostic::error(codes::GAVE_UP, self.line.span, message).with_help(format!(
+                "{}, or end it earlier with --parts or --until",
+                late.remedy()
+            )),
         );
     }
 }

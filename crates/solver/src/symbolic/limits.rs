@@ -26,9 +26,9 @@ pub struct Limits {
 /// Why a stage gave up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Limit {
-    /// The time ran out.
-    #[error("the time limit was reached")]
-    Time,
+    /// The time ran out, or it was interrupted.
+    #[error(transparent)]
+    Late(#[from] Late),
     /// The nodes would not fit.
     #[error("the memory limit was reached")]
     Memory,
@@ -43,9 +43,20 @@ pub enum Limit {
     Nodes(u64),
 }
 
-impl From<Late> for Limit {
-    fn from(Late: Late) -> Self {
-        Self::Time
+impl Limit {
+    /// Whether `--timeout`, `--memory` or Ctrl-C is to blame. All else depends on the question alone, and is the same wherever it is asked.
+    pub fn is_of_command(self) -> bool {
+        matches!(self, Self::Late(_) | Self::Memory)
+    }
+
+    /// What lets it come to its end; nothing but smaller domains where it is too large.
+    pub fn remedy(self) -> Option<&'static str> {
+        match self {
+            Self::Late(late) => Some(late.remedy()),
+            Self::Memory => Some("give it more memory with --memory MIB"),
+            Self::Size => None,
+            Self::Work(_) | Self::Nodes(_) => Some("let it do more work with --effort FACTOR"),
+        }
     }
 }
 

@@ -244,7 +244,10 @@ fn quantifying_and_renaming_on<K: Kernel>() {
         deadline: linewright_core::deadline::Deadline::in_time(std::time::Duration::ZERO),
         ..Limits::default()
     };
-    assert!(m.with_limits(&past).and(&f, &v(1)) == Err(Limit::Time));
+    assert!(
+        m.with_limits(&past).and(&f, &v(1))
+            == Err(Limit::Late(linewright_core::deadline::Late::Time))
+    );
     drop((f, primed, fused));
     assert!(m.peak_nodes() > 0);
 }

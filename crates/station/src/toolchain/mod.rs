@@ -260,11 +260,11 @@ impl Toolchain {
     }
 
     fn compile(&self, package: &Package, folder: &Path, path: &Path) -> Result<(), Error> {
-        if self.deadline.is_past() {
-            return Err(Error::TimeOver {
-                machine: package.name.clone(),
-            });
-        }
+        let given_up = |late| Error::GivenUp {
+            machine: package.name.clone(),
+            late,
+        };
+        self.deadline.check().map_err(given_up)?;
         create_folder(folder)?;
         // Beside its place, so that the library can be renamed into it.
         let work = WorkFolder::new(folder)?;
@@ -284,15 +284,15 @@ impl Toolchain {
                 cause: e.to_string(),
             }
         })?;
-        let output = output.ok_or_else(|| Error::TimeOver {
-            machine: package.name.clone(),
-        })?;
+        let output = output.map_err(given_up)?;
         let failed = |stderr: String| Error::CompilerFailed {
             command: shown.clone(),
             machine: package.name.clone(),
             stderr,
         };
         if !output.status.success() {
+            // Ctrl-C on a terminal ends the compiler as well.
+            self.deadline.check().map_err(given_up)?;
             // Microsoft's compiler says what is wrong on its standard output.
             let text = [output.stdout, output.stderr].concat();
             return Err(failed(format!("{}\n({})", text.trim_end(), output.status)));

@@ -1,7 +1,7 @@
 //! Programs that are tried: started with a deadline, and compilers with a line of C.
 
 use super::compiler::Compiler;
-use linewright_core::deadline::Deadline;
+use linewright_core::deadline::{Deadline, Late};
 use std::io::{Read, Seek};
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
@@ -28,14 +28,14 @@ impl Answer {
 /// Runs a program to its end; an error says why there is no answer. One that does not end is ended.
 pub(super) fn answer(command: &mut Command) -> Result<Answer, String> {
     let answer = answer_until(command, Deadline::in_time(PATIENCE)).map_err(|e| e.to_string())?;
-    answer.ok_or_else(|| format!("it did not answer within {} s", PATIENCE.as_secs()))
+    answer.map_err(|_| format!("it did not answer within {} s", PATIENCE.as_secs()))
 }
 
-/// Runs a program to its end, or ends it at a time: `None`.
+/// Runs a program to its end, or ends it when the deadline is past.
 pub(super) fn answer_until(
     command: &mut Command,
     deadline: Deadline,
-) -> std::io::Result<Option<Answer>> {
+) -> std::io::Result<Result<Answer, Late>> {
     // Files rather than pipes: what a program leaves running cannot hold them open for us.
     let (mut stdout, mut stderr) = (tempfile::tempfile()?, tempfile::tempfile()?);
     let mut child = command
@@ -45,19 +45,17 @@ pub(super) fn answer_until(
         .spawn()?;
     let mut pause = Duration::from_millis(1);
     let status = loop {
-        match child.try_wait()? {
-            Some(status) => break status,
-            None if !deadline.is_past() => {
-                std::thread::sleep(pause);
-                pause = (2 * pause).min(Duration::from_millis(20));
-            }
-            None => {
-                // It may have ended at this very moment; then there is nothing to end.
-                let _ = child.kill();
-                let _ = child.wait();
-                return Ok(None);
-            }
+        if let Some(status) = child.try_wait()? {
+            break status;
         }
+        if let Err(late) = deadline.check() {
+            // It may have ended at this very moment; then there is nothing to end.
+            let _ = child.kill();
+            let _ = child.wait();
+            return Ok(Err(late));
+        }
+        std::thread::sleep(pause);
+        pause = (2 * pause).min(Duration::from_millis(20));
     };
     let text = |file: &mut std::fs::File| {
         let mut bytes = Vec::new();
@@ -65,7 +63,7 @@ pub(super) fn answer_until(
         file.take(1 << 20).read_to_end(&mut bytes)?;
         Ok::<_, std::io::Error>(String::from_utf8_lossy(&bytes).into_owned())
     };
-    Ok(Some(Answer {
+    Ok(Ok(Answer {
         status,
         stdout: text(&mut stdout)?,
         stderr: text(&mut stderr)?,

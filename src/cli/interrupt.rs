@@ -1,6 +1,6 @@
-//! Ctrl-C: the first one ends what is being solved, and what is known is printed; the second one ends the program.
+//! Ctrl-C: the first one is a deadline that is past, so that what is known is printed; the second one ends the program.
 //!
-//! While nothing is being solved, Ctrl-C ends the program as it always does.
+//! A command that looks at its deadline watches; during any other, Ctrl-C ends the program as it always does.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -53,4 +53,9 @@ pub fn take() -> bool {
 /// Whether Ctrl-C was pressed.
 pub fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::SeqCst)
+}
+
+/// What is set when Ctrl-C is pressed.
+pub fn flag() -> &'static AtomicBool {
+    &INTERRUPTED
 }
