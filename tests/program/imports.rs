@@ -79,11 +79,12 @@ const FORBIDDEN: [(&str, &str, &[&str]); 3] = [
 ];
 
 /// Packages that only these crates may use.
-const CONFINED: [(&str, &[&str]); 4] = [
+const CONFINED: [(&str, &[&str]); 5] = [
     ("biodivine-lib-bdd", &["solver"]),
     ("oxidd", &["solver"]),
     ("pest", &["syntax"]),
     ("libloading", &["station"]),
+    ("minijinja", &["station"]),
 ];
 
 fn root() -> &'static Path {

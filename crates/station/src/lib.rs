@@ -21,6 +21,7 @@ pub mod probe;
 pub mod profile;
 pub mod simtalk;
 pub mod structured_text;
+mod template;
 pub mod toolchain;
 
 use linewright_core::deadline::Late;
