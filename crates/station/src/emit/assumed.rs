@@ -3,11 +3,11 @@
 //! Its guards were put together over inputs that the assumptions exclude, so it has transitions for some of those, too. Whether a
 //! step keeps the assumptions is therefore asked before any transition is looked for.
 
-use super::component::{cite, unused, without_comments};
+use super::component::{cite, unused};
 use super::expression;
 use super::text::{comment, wrap};
 use linewright_core::gr1::{Expr, Formula, Owner, Specification, Time, VarId};
-use std::fmt::Write;
+use serde::Serialize;
 
 /// The assumptions that a step must keep.
 pub(super) struct Assumptions<'a> {
@@ -16,10 +16,34 @@ pub(super) struct Assumptions<'a> {
     places: Vec<usize>,
     /// The variables whose values in the last step are asked for.
     kept: Vec<VarId>,
-    /// What is asked of step 0, as statements.
-    first: String,
+    /// What is asked of step 0.
+    first: Vec<Check>,
     /// What is asked of later steps.
-    later: String,
+    later: Vec<Check>,
+}
+
+/// A formula as a C condition.
+#[derive(Serialize)]
+pub(super) struct Check {
+    /// `grips (R-12): command = turn -> grip`
+    pub about: String,
+    pub holds: String,
+}
+
+/// The body of a C function that asks for several formulas.
+#[derive(Serialize)]
+pub(super) struct Checks<'a> {
+    /// The parameters that no formula reads.
+    unused: Vec<&'static str>,
+    checks: &'a [Check],
+}
+
+/// What is kept of the last step, in the state.
+#[derive(Serialize)]
+pub(super) struct Kept {
+    /// A comment with the names.
+    about: String,
+    count: usize,
 }
 
 impl<'a> Assumptions<'a> {
@@ -36,16 +60,14 @@ impl<'a> Assumptions<'a> {
             specification,
             places,
             kept: Vec::new(),
-            first: String::new(),
-            later: String::new(),
+            first: Vec::new(),
+            later: Vec::new(),
         };
         let side = &specification.assumptions;
-        for formula in side.initial.iter().chain(&side.invariants) {
-            found.first += &found.check(formula);
-        }
-        for formula in &side.invariants {
-            found.later += &found.check(formula);
-        }
+        let initial = side.initial.iter().chain(&side.invariants);
+        found.first = initial.filter_map(|f| found.check(f)).collect();
+        let invariants = side.invariants.iter();
+        found.later = invariants.filter_map(|f| found.check(f)).collect();
         for formula in &side.safety {
             formula.expr.simplify().for_each_var(&mut |v, t| {
                 if t == Time::Now && !found.kept.contains(&v) {
@@ -54,20 +76,20 @@ impl<'a> Assumptions<'a> {
             });
         }
         found.kept.sort_unstable();
-        for formula in &side.safety {
-            found.later += &found.check_of_two(formula);
-        }
+        let safety = side.safety.iter().filter_map(|f| found.check_of_two(f));
+        let safety: Vec<Check> = safety.collect();
+        found.later.extend(safety);
         found
     }
 
     /// A formula about the inputs of one step.
-    fn check(&self, formula: &Formula) -> String {
-        statement(formula, &|v, _| self.input(v))
+    fn check(&self, formula: &Formula) -> Option<Check> {
+        check(formula, &|v, _| self.input(v))
     }
 
     /// A formula about the last step and the inputs of this one.
-    fn check_of_two(&self, formula: &Formula) -> String {
-        statement(formula, &|v, t| match t {
+    fn check_of_two(&self, formula: &Formula) -> Option<Check> {
+        check(formula, &|v, t| match t {
             Time::Now => {
                 let place = self.kept.binary_search(&v);
                 format!("last[{}]", place.expect("it is kept"))
@@ -80,11 +102,8 @@ impl<'a> Assumptions<'a> {
         format!("values[{}]", self.places[v.index()])
     }
 
-    /// What is kept of the last step, as fields of the state.
-    pub fn fields(&self) -> String {
-        if self.kept.is_empty() {
-            return String::new();
-        }
+    /// What is kept of the last step, if anything.
+    pub fn kept(&self) -> Option<Kept> {
         let names = self.kept.iter();
         let names = names.map(|v| comment(&self.specification.variable(*v).name));
         let names: Vec<String> = names.collect();
@@ -92,44 +111,40 @@ impl<'a> Assumptions<'a> {
             "    /* The last step's values that assumptions speak of: {}. */",
             names.join(", ")
         );
-        let about = wrap(&about, "     * ");
-        format!("{about}\n    int64_t last[{}];\n", self.kept.len())
-    }
-
-    /// Statements that forget the last step.
-    pub fn reset(&self) -> String {
-        let kept = 0..self.kept.len();
-        kept.fold(String::new(), |mut out, place| {
-            let _ = writeln!(out, "    state->last[{place}] = 0;");
-            out
+        (!names.is_empty()).then(|| Kept {
+            about: wrap(&about, "     * ").trim_start().to_owned(),
+            count: names.len(),
         })
     }
 
-    /// The functions that tell whether a step keeps all of them, and the operators that they call.
-    pub fn definitions(&self) -> String {
-        let code = without_comments(&format!("{}{}", self.first, self.later));
-        let mut out = expression::operators(&code);
-        if !self.first.is_empty() {
-            let _ = write!(
-                out,
-                "/* What is assumed of step 0. */\nstatic int assumed_first(const int64_t *values)\n{{\n{}{}    return 1;\n}}\n\n",
-                unused(&self.first, &["values"]),
-                self.first
-            );
-        }
-        if !self.later.is_empty() {
-            let _ = write!(
-                out,
-                "/* What is assumed of every later step. */\nstatic int assumed(const int64_t *last, const int64_t *values)\n{{\n{}{}    return 1;\n}}\n\n",
-                unused(&self.later, &["last", "values"]),
-                self.later
-            );
-        }
-        out
+    /// The values that later steps ask for; `output` gives the text of an output's value.
+    pub fn kept_values(&self, output: impl Fn(usize) -> String) -> Vec<String> {
+        let kept = self.kept.iter();
+        let values = kept.map(|v| match self.specification.variable(*v).owner {
+            Owner::Environment => self.input(*v),
+            Owner::System => output(self.places[v.index()]),
+        });
+        values.collect()
     }
 
-    /// Statements that refuse a step that breaks one.
-    pub fn refuse(&self, code: &str) -> String {
+    /// The operators that the conditions call.
+    pub fn operators(&self) -> Vec<String> {
+        let code = self.first.iter().chain(&self.later);
+        expression::operators(&code.map(|c| c.holds.as_str()).collect::<String>())
+    }
+
+    /// What is asked of step 0, if anything.
+    pub fn first(&self) -> Option<Checks<'_>> {
+        checks(&self.first, &["values"])
+    }
+
+    /// What is asked of every later step, if anything.
+    pub fn later(&self) -> Option<Checks<'_>> {
+        checks(&self.later, &["last", "values"])
+    }
+
+    /// The condition of a step that breaks one, if there is any.
+    pub fn broken(&self) -> Option<String> {
         let last = if self.kept.is_empty() {
             "NULL"
         } else {
@@ -137,38 +152,27 @@ impl<'a> Assumptions<'a> {
         };
         let first = "!assumed_first(values)";
         let later = format!("!assumed({last}, values)");
-        let broken = match (self.first.is_empty(), self.later.is_empty()) {
-            (true, true) => return String::new(),
-            (false, true) => format!("state->state < 0 && {first}"),
-            (true, false) => format!("state->state >= 0 && {later}"),
-            (false, false) => format!("state->state < 0 ? {first} : {later}"),
-        };
-        format!("    if ({broken}) {{\n        return {code};\n    }}\n")
-    }
-
-    /// Statements that keep what later steps ask for; `output` gives the text of an output's value.
-    pub fn keep(&self, indent: &str, output: impl Fn(usize) -> String) -> String {
-        let kept = self.kept.iter().enumerate();
-        kept.fold(String::new(), |mut out, (place, v)| {
-            let value = match self.specification.variable(*v).owner {
-                Owner::Environment => self.input(*v),
-                Owner::System => output(self.places[v.index()]),
-            };
-            let _ = writeln!(out, "{indent}state->last[{place}] = {value};");
-            out
-        })
+        match (self.first.is_empty(), self.later.is_empty()) {
+            (true, true) => None,
+            (false, true) => Some(format!("state->state < 0 && {first}")),
+            (true, false) => Some(format!("state->state >= 0 && {later}")),
+            (false, false) => Some(format!("state->state < 0 ? {first} : {later}")),
+        }
     }
 }
 
-/// The statement that ends the function where a formula does not hold; none for one that always does.
-fn statement(formula: &Formula, name: &impl Fn(VarId, Time) -> String) -> String {
+fn checks<'a>(checks: &'a [Check], parameters: &[&'static str]) -> Option<Checks<'a>> {
+    (!checks.is_empty()).then(|| Checks {
+        unused: unused(checks.iter().map(|c| c.holds.as_str()), parameters),
+        checks,
+    })
+}
+
+/// A formula that must hold; none for one that always does.
+fn check(formula: &Formula, name: &impl Fn(VarId, Time) -> String) -> Option<Check> {
     let expr = formula.expr.simplify();
-    if expr == Expr::TRUE {
-        return String::new();
-    }
-    format!(
-        "    /* {} */\n    if (!({})) {{\n        return 0;\n    }}\n",
-        cite(formula),
-        wrap(&expression::truth(&expr, name), "          ")
-    )
+    (expr != Expr::TRUE).then(|| Check {
+        about: cite(formula),
+        holds: wrap(&expression::truth(&expr, name), "          "),
+    })
 }

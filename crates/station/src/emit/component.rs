@@ -1,20 +1,23 @@
 //! One component: its decisions or its functions as tables, its formulas, bindings, time and power as functions.
 
-use super::decisions::{self, Naming};
+use super::assumed::Check;
+use super::decisions::{self, WalkTables};
 use super::expression;
+use super::machine::Function;
 use super::splits::{Decisions, Way};
 use super::text::{comment, identifier, string, wrap};
 use super::walks::{Place, Walks};
-use super::{Names, table};
+use super::{Names, rows};
 use crate::messages::{self, Party};
+use crate::template::render;
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{Domain, Expr, Formula, Side, Time, Timing, VarId, shown};
 use linewright_language::contract::machine::{ActionTime, Component, Machine, RealExpr, Role};
 use linewright_solver::mealy;
 use linewright_solver::mealy::functions::Functions;
 use linewright_solver::symbolic::Bit;
+use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// What the emitter knows of one component.
 pub(super) struct Emitter<'a> {
@@ -74,10 +77,8 @@ fn walk_rows(walks: &Walks, signal: impl Fn(Bit) -> Signal) -> (Vec<String>, Vec
         match place {
             Place::Ask { bit, high, low } => {
                 let (high, low) = (places[*high], places[*low]);
-                rows.push(format!(
-                    "    {{ {high}, {low}, {} }},\n",
-                    signal(*bit).fields()
-                ));
+                let signal = signal(*bit).fields();
+                rows.push(format!("    {{ {high}, {low}, {signal} }},"));
             }
             Place::Put { bits, next: after } => {
                 let values = put(bits);
@@ -85,10 +86,8 @@ fn walk_rows(walks: &Walks, signal: impl Fn(Bit) -> Signal) -> (Vec<String>, Vec
                 for ((from, value), mask) in values {
                     let next = rows.len() + 2;
                     let next = if next > last { places[*after] } else { next };
-                    rows.push(format!(
-                        "    {{ {next}, {mask}, {value}, {}, 0 }},\n",
-                        PUT + from
-                    ));
+                    let from = PUT + from;
+                    rows.push(format!("    {{ {next}, {mask}, {value}, {from}, 0 }},"));
                 }
             }
         }
@@ -110,47 +109,206 @@ pub(super) fn variable_names(component: &Component, index: usize) -> Vec<String>
         .collect()
 }
 
+/// The fields of `component.c`.
+#[derive(Serialize)]
+struct Definitions<'a> {
+    title: String,
+    dashes: String,
+    prefix: &'a str,
+    variables: Vec<Variable<'a>>,
+    inputs: Vec<Input<'a>>,
+    outputs: Vec<&'a str>,
+    decisions: Option<DecisionTables<'a>>,
+    functions: Option<FunctionTables<'a>>,
+    unused_by_bindings: Vec<&'static str>,
+    bindings: Vec<String>,
+    sides: Vec<FormulaChecks>,
+    justice: Option<Justice>,
+    action: Option<Action>,
+}
+
+#[derive(Serialize)]
+struct Variable<'a> {
+    name: &'a str,
+    about: String,
+}
+
+/// An input whose binding could leave its domain.
+#[derive(Serialize)]
+struct Input<'a> {
+    name: String,
+    domain: String,
+    variable: &'a str,
+    low: String,
+    high: String,
+}
+
+/// The tables of a controller with explicit states.
+#[derive(Serialize)]
+struct DecisionTables<'a> {
+    splits: Vec<Split<'a>>,
+    leaves: Vec<Leaf>,
+    answers: Vec<Answer>,
+    ways: Vec<String>,
+    moore: bool,
+    first_answers: Vec<i64>,
+}
+
+/// A comparison of a variable with a bound, and where it leads.
+#[derive(Serialize)]
+struct Split<'a> {
+    variable: &'a str,
+    at_most: String,
+    above: String,
+    bound: String,
+    /// The condition in words.
+    about: String,
+}
+
+/// An answer and the place that it leads to.
+#[derive(Serialize)]
+struct Leaf {
+    answer: usize,
+    place: i64,
+}
+
+/// The values of the outputs, and what they are in words.
+#[derive(Serialize)]
+struct Answer {
+    values: String,
+    about: String,
+}
+
+/// The tables of a controller as functions.
+#[derive(Serialize)]
+struct FunctionTables<'a> {
+    signals: usize,
+    walk: String,
+    #[serde(flatten)]
+    tables: WalkTables,
+    shifted: Vec<Shifted<'a>>,
+    shifted_count: usize,
+    goal_count: usize,
+}
+
+/// A variable whose domain does not begin at 0.
+#[derive(Serialize)]
+struct Shifted<'a> {
+    variable: &'a str,
+    output: u8,
+    lowest: String,
+}
+
+/// Formulas of one kind, with what is said where one does not hold.
+#[derive(Serialize)]
+struct FormulaChecks {
+    title: String,
+    name: String,
+    rules: Vec<Rule>,
+    unused: Vec<&'static str>,
+    checks: Vec<Check>,
+}
+
+/// A rule's name and a message, as C strings.
+#[derive(Serialize)]
+pub(super) struct Rule {
+    name: String,
+    message: String,
+}
+
+#[derive(Serialize)]
+struct Justice {
+    unused: Vec<&'static str>,
+    checks: Vec<Check>,
+}
+
+/// When an action is executed, and what that takes.
+#[derive(Serialize)]
+struct Action {
+    active: Function,
+    time_of: &'static str,
+    seconds: Function,
+    watts: Function,
+}
+
+/// The entry of a component in the table of components.
+#[derive(Serialize)]
+pub(super) struct Entry {
+    name: String,
+    prefix: String,
+    moore: u8,
+    watches: u8,
+    first_value: usize,
+    inputs: usize,
+    outputs: usize,
+    controller: String,
+    assumes: Promises,
+    guarantees: Promises,
+    justice: String,
+    first_justice: usize,
+    active: String,
+    time: &'static str,
+    seconds: String,
+    watts: String,
+}
+
+/// The functions of one side's formulas and their rules.
+#[derive(Serialize)]
+struct Promises {
+    initial: String,
+    invariants: String,
+    safety: String,
+}
+
 impl Emitter<'_> {
     /// All definitions of the component.
     pub fn definitions(&self) -> String {
-        let mut out = String::new();
         let k = self.component;
-        let title = format!("{}: {} ", comment(&k.name), comment(&k.contract));
-        let _ = writeln!(
-            out,
-            "/* ---- {title}{} */\n",
-            "-".repeat(100_usize.saturating_sub(title.chars().count()))
-        );
-        let _ = writeln!(out, "/* Its variables, in the order of the contract. */");
-        let names: Vec<String> = self
-            .variables
-            .iter()
-            .zip(&k.specification.variables)
-            .map(|(name, v)| format!("    {name}, /* {} */\n", comment(&v.describe())))
-            .collect();
-        if !names.is_empty() {
-            let _ = writeln!(out, "enum {{\n{}}};\n", names.concat());
-        }
-        self.ports(&mut out);
-        match self.controller {
-            mealy::Controller::Machine(machine) => self.decisions(&mut out, machine),
-            mealy::Controller::Functions(functions) => self.functions(&mut out, functions),
-        }
-        self.bindings(&mut out);
+        let specification = &k.specification;
+        let title = format!("{}: {}", comment(&k.name), comment(&k.contract));
+        let variables = self.variables.iter().zip(&specification.variables);
+        let variables = variables.map(|(name, v)| Variable {
+            name,
+            about: comment(&v.describe()),
+        });
+        let outputs = specification.outputs();
+        let (decisions, functions) = match self.controller {
+            mealy::Controller::Machine(machine) => (Some(self.decisions(machine)), None),
+            mealy::Controller::Functions(functions) => (None, Some(self.functions(functions))),
+        };
+        let bindings = self.bindings();
         let party = Party::of_assumptions(k);
-        self.side(&mut out, &k.specification.assumptions, party);
-        self.side(&mut out, &k.specification.guarantees, Party::Machine);
-        self.justice(&mut out);
-        self.action(&mut out);
-        out
+        let mut sides = self.side(&specification.assumptions, party);
+        sides.extend(self.side(&specification.guarantees, Party::Machine));
+        render(
+            "station/component.c",
+            Definitions {
+                dashes: "-".repeat(99_usize.saturating_sub(title.chars().count())),
+                title,
+                prefix: &self.prefix,
+                variables: variables.collect(),
+                inputs: self.inputs(),
+                outputs: outputs.map(|id| self.variable(id)).collect(),
+                decisions,
+                functions,
+                unused_by_bindings: unused(
+                    bindings.iter().map(String::as_str),
+                    &["values", "current"],
+                ),
+                bindings,
+                sides,
+                justice: self.justice(),
+                action: self.action(),
+            },
+        )
     }
 
     /// Its entry in the table of components.
-    pub fn descriptor(&self) -> String {
+    pub fn entry(&self) -> Entry {
         let k = self.component;
         let specification = &k.specification;
         let p = &self.prefix;
-        let side = |side: &Side, word: &str| {
+        let promises = |side: &Side, word: &str| {
             let promise = |formulas: &[Formula], kind: &str| {
                 if formulas.is_empty() {
                     "{ NULL, NULL }".to_owned()
@@ -158,12 +316,11 @@ impl Emitter<'_> {
                     format!("{{ {p}_{word}_{kind}, {p}_{word}_{kind}_rules }}")
                 }
             };
-            format!(
-                "{{\n            {},\n            {},\n            {} }}",
-                promise(&side.initial, "initial"),
-                promise(&side.invariants, "invariants"),
-                promise(&side.safety, "safety")
-            )
+            Promises {
+                initial: promise(&side.initial, "initial"),
+                invariants: promise(&side.invariants, "invariants"),
+                safety: promise(&side.safety, "safety"),
+            }
         };
         let some = |is: bool, name: &str| {
             if is {
@@ -172,44 +329,42 @@ impl Emitter<'_> {
                 "NULL".to_owned()
             }
         };
-        let time = match k.time {
-            Some(ActionTime::PerExecution(_)) => "LW_TIME_EXECUTION",
-            _ => "LW_TIME_STEP",
-        };
         let action = k.active.is_some();
+        let moore = specification.timing == Timing::Moore;
         let controller = match self.controller {
             mealy::Controller::Machine(_) => {
-                let first = if specification.timing == Timing::Moore {
-                    format!("{p}_first_answer")
-                } else {
-                    "NULL".to_owned()
-                };
+                let first = some(moore, "first_answer");
                 format!("{p}_way, {p}_splits, {p}_leaves, {p}_answers, {first}, NULL")
             }
             mealy::Controller::Functions(_) => {
                 format!("NULL, NULL, NULL, NULL, NULL, &{p}_functions")
             }
         };
-        format!(
-            "    {{ {}, {}, {}, {}, {}, {},\n        {p}_input, {p}_output, {controller}, {p}_bind,\n        {},\n        {},\n        {}, {}, {}, {time}, {}, {} }},\n",
-            string(&k.name),
-            u8::from(specification.timing == Timing::Moore),
-            u8::from(k.role == Role::Watch),
-            self.first_value,
-            self.open_inputs().len(),
-            specification.outputs().count(),
-            side(&specification.assumptions, "assumes"),
-            side(&specification.guarantees, "guarantees"),
-            some(!specification.assumptions.justice.is_empty(), "justice"),
-            self.first_justice,
-            some(action, "active"),
-            some(action, "seconds"),
-            some(action, "watts"),
-        )
+        Entry {
+            name: string(&k.name),
+            prefix: p.clone(),
+            moore: u8::from(moore),
+            watches: u8::from(k.role == Role::Watch),
+            first_value: self.first_value,
+            inputs: self.open_inputs().len(),
+            outputs: specification.outputs().count(),
+            controller,
+            assumes: promises(&specification.assumptions, "assumes"),
+            guarantees: promises(&specification.guarantees, "guarantees"),
+            justice: some(!specification.assumptions.justice.is_empty(), "justice"),
+            first_justice: self.first_justice,
+            active: some(action, "active"),
+            time: match k.time {
+                Some(ActionTime::PerExecution(_)) => "LW_TIME_EXECUTION",
+                _ => "LW_TIME_STEP",
+            },
+            seconds: some(action, "seconds"),
+            watts: some(action, "watts"),
+        }
     }
 
     /// Its justice assumptions' entries in the table that the step limit reads.
-    pub fn justice_rules(&self) -> Vec<String> {
+    pub fn justice_rules(&self) -> Vec<Rule> {
         let justice = &self.component.specification.assumptions.justice;
         justice
             .iter()
@@ -217,12 +372,16 @@ impl Emitter<'_> {
             .collect()
     }
 
-    fn rule(&self, formula: &Formula, message: &str) -> String {
-        format!(
-            "    {{ {},\n      {} }},\n",
-            string(&messages::rule(self.component, formula)),
-            string(message)
-        )
+    fn rule(&self, formula: &Formula, message: &str) -> Rule {
+        Rule {
+            name: string(&messages::rule(self.component, formula)),
+            message: string(message),
+        }
+    }
+
+    /// The name of a variable.
+    fn variable(&self, id: VarId) -> &str {
+        &self.variables[id.index()]
     }
 
     /// The inputs whose bindings could leave their domains; the others need no check in a step.
@@ -240,35 +399,22 @@ impl Emitter<'_> {
             .collect()
     }
 
-    fn ports(&self, out: &mut String) {
-        let specification = &self.component.specification;
-        let p = &self.prefix;
-        let inputs: Vec<String> = self
-            .open_inputs()
-            .into_iter()
-            .map(|id| {
-                let v = specification.variable(id);
-                format!(
-                    "    {{ {}, {}, {}, {}, {} }},\n",
-                    string(&v.name),
-                    string(&v.describe()),
-                    self.variables[id.index()],
-                    expression::literal(v.domain.low()),
-                    expression::literal(v.domain.high())
-                )
-            })
-            .collect();
-        table(out, "lw_input", &format!("{p}_input"), &inputs, "{ 0 }");
-        let outputs: Vec<String> = specification
-            .outputs()
-            .map(|id| format!("    {},\n", self.variables[id.index()]))
-            .collect();
-        table(out, "int", &format!("{p}_output"), &outputs, "0");
+    fn inputs(&self) -> Vec<Input<'_>> {
+        let inputs = self.open_inputs().into_iter().map(|id| {
+            let v = self.component.specification.variable(id);
+            Input {
+                name: string(&v.name),
+                domain: string(&v.describe()),
+                variable: self.variable(id),
+                low: expression::literal(v.domain.low()),
+                high: expression::literal(v.domain.high()),
+            }
+        });
+        inputs.collect()
     }
 
     /// The transitions, as decisions.
-    fn decisions(&self, out: &mut String, controller: &mealy::Machine) {
-        let p = &self.prefix;
+    fn decisions(&self, controller: &mealy::Machine) -> DecisionTables<'_> {
         let decisions = Decisions::of(controller);
         let inputs: Vec<VarId> = self.component.specification.inputs().collect();
         let number = |way: &Way| match way {
@@ -283,66 +429,48 @@ impl Emitter<'_> {
                 let bound = shown(&port.domain, split.bound, &port.unit);
                 format!("{} <= {bound}", port.name)
             };
-            format!(
-                "    {{ {}, {}, {}, {} }}, /* {} */\n",
-                self.variables[inputs[split.input].index()],
-                number(&split.at_most),
-                number(&split.above),
-                expression::literal(split.bound),
-                comment(&condition)
-            )
+            Split {
+                variable: self.variable(inputs[split.input]),
+                at_most: number(&split.at_most),
+                above: number(&split.above),
+                bound: expression::literal(split.bound),
+                about: comment(&condition),
+            }
         });
-        let leaves = decisions.leaves.iter().map(|leaf| match leaf {
-            Some((answer, to)) => format!("    {{ {answer}, {to} }},\n"),
-            None => "    { 0, -1 },\n".to_owned(),
+        let leaves = decisions.leaves.iter();
+        let leaves = leaves.map(|leaf| {
+            let (answer, place) = leaf.map_or((0, -1), |(answer, to)| (answer, to as i64));
+            Leaf { answer, place }
         });
         let ports = &controller.outputs;
-        let answers = decisions
-            .answers
-            .iter()
-            .filter(|a| !a.is_empty())
-            .map(|values| {
-                let numbers: String = values
-                    .iter()
-                    .fold(String::new(), |s, v| s + &expression::literal(*v) + ", ");
-                let words: Vec<String> = ports
-                    .iter()
-                    .zip(values)
-                    .map(|(port, v)| {
-                        format!("{} = {}", port.name, shown(&port.domain, *v, &port.unit))
-                    })
-                    .collect();
-                format!("    {numbers}/* {} */\n", comment(&words.join(", ")))
-            });
-        let named = |place: usize| match place {
-            0 => "before step 0".to_owned(),
-            _ => format!("state {}", place - 1),
-        };
-        let ways = decisions.places.iter().enumerate();
-        let ways =
-            ways.map(|(place, way)| format!("    {}, /* {} */\n", number(way), named(place)));
-        out.push_str(
-            "/* The controller. A split is { variable, way if it is at most the bound, way if it is more, bound }; a way is a split's number, or\n * -1 - n for leaf n. A leaf is { answer, place it leads to }; place 0 is before step 0, place s + 1 is state s. */\n",
-        );
-        let table_of = |out: &mut String, of: &str, name: &str, rows: Vec<String>, empty: &str| {
-            table(out, of, &format!("{p}_{name}"), &rows, empty);
-        };
-        table_of(out, "lw_split", "splits", splits.collect(), "{ 0 }");
-        table_of(out, "lw_leaf", "leaves", leaves.collect(), "{ 0, -1 }");
-        table_of(out, "lw_number", "answers", answers.collect(), "0");
-        table_of(out, "int", "way", ways.collect(), "0");
-        if controller.timing == Timing::Moore {
-            let firsts = decisions.first_answers.iter().map(|answer| match answer {
-                Some(answer) => format!("    {answer},\n"),
-                None => "    -1,\n".to_owned(),
-            });
-            table_of(out, "int", "first_answer", firsts.collect(), "-1");
+        let answers = decisions.answers.iter().filter(|a| !a.is_empty());
+        let answers = answers.map(|values| {
+            let numbers = values.iter().map(|v| expression::literal(*v) + ",");
+            let words: Vec<String> = ports
+                .iter()
+                .zip(values)
+                .map(|(port, v)| format!("{} = {}", port.name, shown(&port.domain, *v, &port.unit)))
+                .collect();
+            let numbers: Vec<String> = numbers.collect();
+            Answer {
+                values: numbers.join(" "),
+                about: comment(&words.join(", ")),
+            }
+        });
+        let firsts = decisions.first_answers.iter();
+        let firsts = firsts.map(|answer| answer.map_or(-1, |a| a as i64));
+        DecisionTables {
+            splits: splits.collect(),
+            leaves: leaves.collect(),
+            answers: answers.collect(),
+            ways: decisions.places.iter().map(number).collect(),
+            moore: controller.timing == Timing::Moore,
+            first_answers: firsts.collect(),
         }
     }
 
     /// The functions: their decisions, and where the bits are that they look at.
-    fn functions(&self, out: &mut String, functions: &Functions) {
-        let p = &self.prefix;
+    fn functions(&self, functions: &Functions) -> FunctionTables<'_> {
         let specification = &self.component.specification;
         let mut shifted = Vec::new();
         // Where the bits of each pair are: the variable's number, that among the shifted ones, and the place in the value.
@@ -354,12 +482,11 @@ impl Emitter<'_> {
             let variable = specification.variable(id);
             let low = variable.domain.low();
             let moved = (low != 0).then(|| {
-                shifted.push(format!(
-                    "    {{ {}, {}, {} }},\n",
-                    self.variables[id.index()],
-                    u8::from(is_output),
-                    expression::literal(low),
-                ));
+                shifted.push(Shifted {
+                    variable: self.variable(id),
+                    output: u8::from(is_output),
+                    lowest: expression::literal(low),
+                });
                 shifted.len() - 1
             });
             for (shift, bit) in bits.iter().rev().enumerate() {
@@ -382,69 +509,32 @@ impl Emitter<'_> {
                 },
             }
         };
-        let naming = Naming {
-            types: "lw_",
-            tables: &format!("{p}_"),
-            signal: &|bit| signal(bit).fields(),
-        };
         let controls = &functions.controls;
-        let signals = 2 * functions.pairs();
-        let (rows, starts) = walk_rows(&Walks::of(controls), signal);
-        let _ = writeln!(
-            out,
-            "/* The controller as functions of {signals} signals: walks decide all outputs. Of a goal's modes the first that holds says\n * which. */",
-        );
-        table(out, "lw_node", &format!("{p}_walk"), &rows, "{ 0 }");
-        decisions::around_walks(out, controls, naming, &starts);
-        out.push_str("/* Its variables whose domains do not begin at 0: { variable, whether it is an output, lowest value }. */\n");
-        table(
-            out,
-            "lw_shifted",
-            &format!("{p}_shifted"),
-            &shifted,
-            "{ 0 }",
-        );
-        let _ = writeln!(
-            out,
-            "static const lw_functions {p}_functions = {{\n    {p}_nodes, {p}_shifted, {}, {p}_walk, {p}_walks, {p}_modes, {p}_goals, {}\n}};\n",
-            shifted.len(),
-            controls.goals.len()
-        );
+        let (walk, starts) = walk_rows(&Walks::of(controls), signal);
+        FunctionTables {
+            signals: 2 * functions.pairs(),
+            walk: rows(&walk, "{ 0 }"),
+            tables: decisions::around_walks(controls, &|bit| signal(bit).fields(), &starts),
+            shifted_count: shifted.len(),
+            shifted,
+            goal_count: controls.goals.len(),
+        }
     }
 
-    fn bindings(&self, out: &mut String) {
+    /// The statements that compute its inputs.
+    fn bindings(&self) -> Vec<String> {
         let wires = |v: VarId, _| format!("values[{}]", self.wires[v.index()]);
-        let lines: Vec<String> = self
-            .component
-            .specification
-            .inputs()
-            .zip(&self.component.bindings)
-            .map(|(id, binding)| {
-                let value = expression::integer(binding, &wires);
-                wrap(
-                    &format!("current[{}] = {value};", self.variables[id.index()]),
-                    "        ",
-                )
-            })
-            .collect();
-        let _ = writeln!(
-            out,
-            "static void {}_bind(const int64_t *values, int64_t *current)\n{{",
-            self.prefix
-        );
-        if !lines.iter().any(|l| l.contains("values[")) {
-            out.push_str("    (void)values;\n");
-        }
-        if lines.is_empty() {
-            out.push_str("    (void)current;\n");
-        }
-        for line in lines {
-            let _ = writeln!(out, "    {line}");
-        }
-        out.push_str("}\n\n");
+        let specification = &self.component.specification;
+        let inputs = specification.inputs().zip(&self.component.bindings);
+        let statements = inputs.map(|(id, binding)| {
+            let value = expression::integer(binding, &wires);
+            let statement = format!("current[{}] = {value};", self.variable(id));
+            wrap(&statement, "        ")
+        });
+        statements.collect()
     }
 
-    fn side(&self, out: &mut String, side: &Side, party: Party) {
+    fn side(&self, side: &Side, party: Party) -> Vec<FormulaChecks> {
         let (word, title) = match party {
             Party::Plant => ("assumes", "What it assumes"),
             Party::Caller => ("assumes", "The orders that it watches over"),
@@ -455,32 +545,28 @@ impl Emitter<'_> {
             (&side.invariants, "invariants", "in every step"),
             (&side.safety, "safety", "from every step to the next"),
         ];
-        for (formulas, kind, when) in lists {
-            if formulas.is_empty() {
-                continue;
-            }
-            let name = format!("{}_{word}_{kind}", self.prefix);
-            let rules: Vec<String> = formulas
+        let lists = lists.into_iter().filter(|(list, ..)| !list.is_empty());
+        let rules = lists.map(|(formulas, kind, when)| {
+            let rules = formulas
                 .iter()
-                .map(|f| self.rule(f, &messages::broken(self.component, f, party)))
-                .collect();
-            let mut body = String::new();
-            for (i, formula) in formulas.iter().enumerate() {
-                let _ = writeln!(
-                    body,
-                    "    /* {} */\n    if (!({})) {{\n        return {i};\n    }}",
-                    cite(formula),
-                    self.formula(formula, kind == "safety")
-                );
+                .map(|f| self.rule(f, &messages::broken(self.component, f, party)));
+            let checks = formulas.iter().map(|f| Check {
+                about: cite(f),
+                holds: self.formula(f, kind == "safety"),
+            });
+            let checks: Vec<Check> = checks.collect();
+            FormulaChecks {
+                title: format!("{title} {when}"),
+                name: format!("{word}_{kind}"),
+                rules: rules.collect(),
+                unused: unused(
+                    checks.iter().map(|c| c.holds.as_str()),
+                    &["previous", "current"],
+                ),
+                checks,
             }
-            let _ = writeln!(out, "/* {title} {when}. */");
-            table(out, "lw_rule", &format!("{name}_rules"), &rules, "{ 0 }");
-            let _ = writeln!(
-                out,
-                "static int {name}(const int64_t *previous, const int64_t *current)\n{{\n{}{body}    return -1;\n}}\n",
-                unused(&body, &["previous", "current"])
-            );
-        }
+        });
+        rules.collect()
     }
 
     /// A formula, which speaks of two steps or of the current one.
@@ -502,70 +588,44 @@ impl Emitter<'_> {
         })
     }
 
-    fn justice(&self, out: &mut String) {
+    fn justice(&self) -> Option<Justice> {
         let justice = &self.component.specification.assumptions.justice;
-        if justice.is_empty() {
-            return;
+        let checks = justice.iter().map(|formula| {
+            let of_two = formula.expr.mentions_next();
+            let holds = self.formula(formula, of_two);
+            Check {
+                about: cite(formula),
+                holds: if of_two {
+                    format!("earlier && ({holds})")
+                } else {
+                    holds
+                },
+            }
+        });
+        let checks: Vec<Check> = checks.collect();
+        let conditions = checks.iter().map(|c| c.holds.as_str());
+        let mut unused = unused(conditions, &["previous", "current"]);
+        if !justice.iter().any(|f| f.expr.mentions_next()) {
+            unused.push("earlier");
         }
-        let mut body = String::new();
-        for (i, formula) in justice.iter().enumerate() {
-            let holds = self.formula(formula, formula.expr.mentions_next());
-            let holds = if formula.expr.mentions_next() {
-                format!("earlier && ({holds})")
-            } else {
-                holds
-            };
-            let _ = writeln!(
-                body,
-                "    /* {} */\n    if ({holds}) {{\n        held[{i}] = step;\n    }}",
-                cite(formula)
-            );
-        }
-        let unused_earlier = if body.contains("earlier &&") {
-            ""
-        } else {
-            "    (void)earlier;\n"
-        };
-        let _ = writeln!(
-            out,
-            "/* What it assumes to happen again and again. */\nstatic void {}_justice(const int64_t *previous, const int64_t *current, int earlier, int64_t step, int64_t *held)\n{{\n{}{unused_earlier}{body}}}\n",
-            self.prefix,
-            unused(&body, &["previous", "current"])
-        );
+        (!checks.is_empty()).then_some(Justice { unused, checks })
     }
 
-    fn action(&self, out: &mut String) {
-        let Some(active) = &self.component.active else {
-            return;
-        };
-        let p = &self.prefix;
+    fn action(&self) -> Option<Action> {
+        let active = self.component.active.as_ref()?;
         let wires = |v: VarId, _| format!("values[{}]", self.wires[v.index()]);
-        let condition = expression::truth(active, &wires);
-        let unused = if condition.contains("values[") {
-            ""
-        } else {
-            "    (void)values;\n"
-        };
-        let _ = writeln!(
-            out,
-            "/* Whether it is being executed in this step. */\nstatic int {p}_active(const int64_t *values)\n{{\n{unused}    return {};\n}}\n",
-            wrap(&condition, "        ")
-        );
         let step_seconds = RealExpr::Number(self.machine.step_seconds);
-        let (seconds, what) = match &self.component.time {
-            None => (&step_seconds, "a step, in seconds"),
-            Some(ActionTime::PerStep(expr)) => (expr, "a step, in seconds"),
-            Some(ActionTime::PerExecution(expr)) => (expr, "an execution, in seconds"),
+        let (seconds, time_of) = match &self.component.time {
+            None => (&step_seconds, "a step"),
+            Some(ActionTime::PerStep(expr)) => (expr, "a step"),
+            Some(ActionTime::PerExecution(expr)) => (expr, "an execution"),
         };
-        let _ = writeln!(out, "/* The time of {what}. */");
-        super::real_function(out, &format!("{p}_seconds"), seconds, self.wires);
-        let _ = writeln!(out, "/* The power it draws, in watts. */");
-        super::real_function(
-            out,
-            &format!("{p}_watts"),
-            &self.component.watts,
-            self.wires,
-        );
+        Some(Action {
+            active: Function::condition(&expression::truth(active, &wires)),
+            time_of,
+            seconds: Function::real(seconds, self.wires),
+            watts: Function::real(&self.component.watts, self.wires),
+        })
     }
 }
 
@@ -579,17 +639,14 @@ pub(super) fn cite(formula: &Formula) -> String {
     comment(&format!("{}{requirement}: {}", formula.name, formula.text))
 }
 
-/// The statements that keep a compiler from warning about parameters, which are arrays.
-pub(super) fn unused(body: &str, parameters: &[&str]) -> String {
-    let code = without_comments(body);
-    parameters
-        .iter()
-        .filter(|name| !code.contains(&format!("{name}[")))
-        .fold(String::new(), |s, name| s + &format!("    (void){name};\n"))
-}
-
-/// The lines of a text that are no comments, in which a contract's words stand.
-pub(super) fn without_comments(text: &str) -> String {
-    let lines = text.lines().filter(|l| !l.trim_start().starts_with("/*"));
-    lines.fold(String::new(), |s, line| s + line + "\n")
+/// The parameters, which are arrays, that no piece of a function's body reads: a compiler would warn about them.
+pub(super) fn unused<'a>(
+    code: impl IntoIterator<Item = &'a str>,
+    parameters: &[&'static str],
+) -> Vec<&'static str> {
+    let mut unused = parameters.to_vec();
+    for piece in code {
+        unused.retain(|name| !piece.contains(&format!("{name}[")));
+    }
+    unused
 }

@@ -9,7 +9,6 @@
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp, VarId, eval};
 use linewright_language::contract::machine::{RealBinary, RealExpr, RealUnary};
-use std::fmt::Write;
 
 /// What an expression is in C, which decides how it may be used.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -73,21 +72,16 @@ pub fn real_literal(value: f64) -> String {
 const RUNTIME: &str = include_str!("../../../../ffi/machine.h");
 
 /// The operators that a text calls, defined as in the runtime.
-pub fn operators(text: &str) -> String {
+pub fn operators(text: &str) -> Vec<String> {
     let calls = |name: &str| text.contains(&format!("{name}("));
-    let mut out = String::new();
-    for name in ["lw_abs", "lw_min", "lw_max", "lw_div", "lw_mod", "lw_int"] {
-        // The rest is computed with the division.
-        if calls(name) || name == "lw_div" && calls("lw_mod") {
-            let _ = writeln!(out, "{}", operator(name).replace("LW_MAY_BE_UNUSED ", ""));
-        }
-    }
-    if out.is_empty() {
-        return out;
-    }
-    format!(
-        "/* Operators of contracts that C lacks. No value leaves an int64_t, and no divisor is 0. */\n{out}"
-    )
+    let names = ["lw_abs", "lw_min", "lw_max", "lw_div", "lw_mod", "lw_int"];
+    // The rest is computed with the division.
+    let called = names
+        .into_iter()
+        .filter(|name| calls(name) || *name == "lw_div" && calls("lw_mod"));
+    called
+        .map(|name| operator(name).replace("LW_MAY_BE_UNUSED ", ""))
+        .collect()
 }
 
 /// The definition of one operator in the runtime.
@@ -95,7 +89,7 @@ fn operator(name: &str) -> &'static str {
     let head = format!("LW_MAY_BE_UNUSED static int64_t {name}(");
     let definition = RUNTIME.find(&head).and_then(|start| {
         let rest = &RUNTIME[start..];
-        Some(&rest[..rest.find("\n}\n")? + 3])
+        Some(&rest[..rest.find("\n}\n")? + 2])
     });
     definition.expect("the runtime defines its operators; please report this")
 }

@@ -1,0 +1,163 @@
+/* The controller of the contract @{contract}, synthesized and verified by linewright.
+ *
+ *     cc -std=c99 -O2 -c @{name}.c
+ */
+#include "@{name}.h"
+
+#include <stddef.h>
+
+/* An input that lies between two values. */
+typedef struct {
+    uint32_t input;
+    int64_t low, high;
+} test;
+
+/* Rows of the next table, from the first up to the last, which is not included. */
+typedef struct {
+    uint32_t first, last;
+} range;
+
+/* What is done when one of the cubes holds. */
+typedef struct {
+    uint32_t first, last, answer;
+    int32_t to;
+} transition;
+
+static const test tests[] = {
+@ for test in tests
+    { @{test.input}, @{test.low}, @{test.high} }, /* @{test.name} */
+@ else
+    { 0, 0, 0 }
+@ endfor
+};
+
+/* Conjunctions of tests. */
+static const range cubes[] = {
+@ for cube in cubes
+    { @{cube.first}, @{cube.last} },
+@ else
+    { 0, 0 }
+@ endfor
+};
+
+static const transition transitions[] = {
+@ for transition in transitions
+    { @{transition.first}, @{transition.last}, @{transition.answer}, @{transition.to} },
+@ else
+    { 0, 0, 0, 0 }
+@ endfor
+};
+
+/* The transitions of step 0, and of every state. */
+static const range states[] = {
+@ for state in states
+    { @{state.first}, @{state.last} },
+@ endfor
+};
+
+@ if outputs
+static const int64_t answers[] = {
+@ for values in answers
+    @{values}
+@ else
+    0
+@ endfor
+};
+
+@ endif
+@ if operators
+/* Operators of contracts that C lacks. No value leaves an int64_t, and no divisor is 0. */
+@ endif
+@ for operator in operators
+@{operator}
+
+@ endfor
+@ if assumed_first
+/* What is assumed of step 0. */
+static int assumed_first(const int64_t *values)
+{
+@ for name in assumed_first.unused
+    (void)@{name};
+@ endfor
+@ for check in assumed_first.checks
+    /* @{check.about} */
+    if (!(@{check.holds})) {
+        return 0;
+    }
+@ endfor
+    return 1;
+}
+
+@ endif
+@ if assumed
+/* What is assumed of every later step. */
+static int assumed(const int64_t *last, const int64_t *values)
+{
+@ for name in assumed.unused
+    (void)@{name};
+@ endfor
+@ for check in assumed.checks
+    /* @{check.about} */
+    if (!(@{check.holds})) {
+        return 0;
+    }
+@ endfor
+    return 1;
+}
+
+@ endif
+void @{name}_reset(@{name}_state *state)
+{
+    state->state = -1;
+@ for value in kept
+    state->last[@{loop.index0}] = 0;
+@ endfor
+}
+
+int @{name}_step(@{name}_state *state, const @{name}_inputs *inputs, @{name}_outputs *outputs)
+{
+    int64_t values[@{values}];
+    const range *here = &states[state->state + 1];
+    uint32_t t, c, k;
+@ for input in inputs
+    if (inputs->@{input.field} < @{input.low} || inputs->@{input.field} > @{input.high}) {
+        return @{name}_OUTSIDE_DOMAIN;
+    }
+@ else
+    (void)inputs;
+@ endfor
+@ for input in inputs
+    values[@{loop.index0}] = inputs->@{input.field};
+@ else
+    values[0] = 0;
+@ endfor
+@ if broken
+    if (@{broken}) {
+        return @{name}_ASSUMPTION_BROKEN;
+    }
+@ endif
+    for (t = here->first; t < here->last; t++) {
+        const transition *taken = &transitions[t];
+        for (c = taken->first; c < taken->last; c++) {
+            int holds = 1;
+            for (k = cubes[c].first; k < cubes[c].last; k++) {
+                int64_t value = values[tests[k].input];
+                holds = holds && tests[k].low <= value && value <= tests[k].high;
+            }
+            if (holds) {
+@ for output in outputs
+                outputs->@{output.field} = (@{output.kind})@{output.value};
+@ endfor
+@ for value in kept
+                state->last[@{loop.index0}] = @{value};
+@ endfor
+@ if not outputs
+                (void)outputs;
+@ endif
+                state->state = taken->to;
+                return @{name}_OK;
+            }
+        }
+    }
+    return @{name}_ASSUMPTION_BROKEN;
+}

@@ -1,0 +1,22 @@
+/* The machine @{name}, emitted by linewright from its contracts.
+@ if doc
+ *
+ * @{doc}
+@ endif
+ *
+ * Compile this file alone, with the files of ffi/ beside it:
+ *
+ *     cc -std=c99 -O2 -fPIC -shared -fvisibility=hidden -ffp-contract=off -pthread THIS.c -o THIS.so -lm
+ */
+@{unit}
+
+#ifndef UF_USE_VENDOR_HEADER
+static const char lw_description[] =
+    @{description};
+#else
+static const char lw_description[] =
+    @{vendors_description};
+#endif
+
+#include "runtime.c"
+#include "plant_simulation.c"

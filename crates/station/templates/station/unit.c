@@ -1,0 +1,7 @@
+@{sizes}
+#define LW_HANDLE_MARK @{mark}
+
+#include "machine.h"
+
+@{body}
+
