@@ -4,9 +4,45 @@ use super::Version;
 use super::variables::{Kind, kind};
 use crate::emit::expression::{literal, real_literal};
 use crate::emit::text::{comment, string};
+use crate::template::render;
 use linewright_core::gr1::Domain;
 use linewright_language::contract::machine::Machine;
-use std::fmt::Write;
+use serde::Serialize;
+
+/// The fields of `unit.c`.
+#[derive(Serialize)]
+struct Source<'a> {
+    name: String,
+    version: &'static str,
+    prefix: &'static str,
+    unit: &'a str,
+    token: String,
+    tables: &'a str,
+    adapter: &'static str,
+}
+
+/// The fields of `tables.c`.
+#[derive(Serialize)]
+struct Tables {
+    first_operation: usize,
+    idle_watts: String,
+    step_text: String,
+    wires: Vec<Wire>,
+    properties: Vec<Property>,
+}
+
+#[derive(Serialize)]
+struct Wire {
+    kind: &'static str,
+    before: String,
+    about: String,
+}
+
+#[derive(Serialize)]
+struct Property {
+    default: String,
+    about: String,
+}
 
 /// The whole file.
 pub(super) fn source(
@@ -20,69 +56,47 @@ pub(super) fn source(
         Version::Two => ("2.0", "FMI2_FUNCTION_PREFIX"),
         Version::Three => ("3.0", "FMI3_FUNCTION_PREFIX"),
     };
-    format!(
-        "/* The machine {}, emitted by linewright from its contracts as a co-simulation unit of FMI {number}.\n *\n * \
-         Compile this file alone, with the others of this folder beside it:\n *\n *     \
-         cc -std=c99 -O2 -fPIC -shared -fvisibility=hidden -ffp-contract=off -pthread THIS.c -o THIS.so -lm\n *\n * \
-         Linked into a program, {prefix} begins the names of its functions. */\n\
-         #define LW_PRIVATE\n{unit}\
-         /* ---- FMI {} */\n\n\
-         #include \"fmi.h\"\n\n\
-         /* modelDescription.xml describes the unit. */\nstatic const char lw_description[] = \"\";\n\n\
-         #define LW_FMI_TOKEN {}\n{}\
-         #include \"runtime.c\"\n#include \"{}\"\n",
-        comment(&machine.name),
-        "-".repeat(98),
-        string(token),
-        tables,
-        version.adapter(),
+    render(
+        "fmi/unit.c",
+        Source {
+            name: comment(&machine.name),
+            version: number,
+            prefix,
+            unit: unit.trim_end(),
+            token: string(token),
+            tables: tables.trim_end(),
+            adapter: version.adapter(),
+        },
     )
 }
 
 /// What the adapters must know beside the machine's own tables.
 pub(super) fn tables(machine: &Machine, first_operation: usize) -> String {
-    let mut out = format!(
-        "#define LW_FMI_FIRST_OPERATION {first_operation}\n#define LW_FMI_IDLE_WATTS {}\n#define LW_FMI_STEP_TEXT {}\n\n",
-        real_literal(machine.idle_watts),
-        string(&machine.step_seconds.to_string())
-    );
     let plant = machine.plant.iter().map(|p| &p.domain);
     let outputs = machine.components.iter().flat_map(|c| {
         let ids = c.specification.outputs();
         ids.map(|id| &c.specification.variable(id).domain)
     });
-    let _ = writeln!(
-        out,
-        "/* The type of every wire, and what it shows before the first step. */\nstatic const lw_fmi_wire lw_fmi_wire_table[] = {{"
-    );
-    let mut empty = true;
-    for (wire, domain) in plant.chain(outputs).enumerate() {
-        empty = false;
-        let _ = writeln!(
-            out,
-            "    {{ {}, {} }}, /* {} */",
-            type_name(domain),
-            literal(before(domain)),
-            comment(&machine.wire_name(wire))
-        );
-    }
-    if empty {
-        out.push_str("    { 0, 0 }\n");
-    }
-    out.push_str("};\n\n/* What properties and parameters are where the host says nothing. */\nstatic const double lw_fmi_defaults[] = {\n");
-    for property in &machine.properties {
-        let _ = writeln!(
-            out,
-            "    {}, /* {} */",
-            real_literal(property.default),
-            comment(&property.name)
-        );
-    }
-    if machine.properties.is_empty() {
-        out.push_str("    0.0\n");
-    }
-    out.push_str("};\n\n");
-    out
+    let wires = plant.chain(outputs).enumerate();
+    let wires = wires.map(|(wire, domain)| Wire {
+        kind: type_name(domain),
+        before: literal(before(domain)),
+        about: comment(&machine.wire_name(wire)),
+    });
+    let properties = machine.properties.iter().map(|property| Property {
+        default: real_literal(property.default),
+        about: comment(&property.name),
+    });
+    render(
+        "fmi/tables.c",
+        Tables {
+            first_operation,
+            idle_watts: real_literal(machine.idle_watts),
+            step_text: string(&machine.step_seconds.to_string()),
+            wires: wires.collect(),
+            properties: properties.collect(),
+        },
+    )
 }
 
 /// The value nearest to 0.

@@ -215,7 +215,11 @@ impl Interface {
                 Output,
                 Kind::Integer,
                 "",
-                "0, or the code of the last step that was refused: -3 a value outside its domain, -5 a broken assumption, -6 a broken guarantee, -7 the step limit, -9 a fault of the generator, -10 a skill called against an order",
+                concat!(
+                    "0, or the code of the last step that was refused: -3 a value outside its domain, ",
+                    "-5 a broken assumption, -6 a broken guarantee, -7 the step limit, ",
+                    "-9 a fault of the generator, -10 a skill called against an order"
+                ),
             ),
         ];
         let with_operations: [Row; 6] = [

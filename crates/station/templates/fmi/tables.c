@@ -1,0 +1,22 @@
+#define LW_FMI_FIRST_OPERATION @{first_operation}
+#define LW_FMI_IDLE_WATTS @{idle_watts}
+#define LW_FMI_STEP_TEXT @{step_text}
+
+/* The type of every wire, and what it shows before the first step. */
+static const lw_fmi_wire lw_fmi_wire_table[] = {
+@ for wire in wires
+    { @{wire.kind}, @{wire.before} }, /* @{wire.about} */
+@ else
+    { 0, 0 }
+@ endfor
+};
+
+/* What properties and parameters are where the host says nothing. */
+static const double lw_fmi_defaults[] = {
+@ for property in properties
+    @{property.default}, /* @{property.about} */
+@ else
+    0.0
+@ endfor
+};
+
