@@ -6,11 +6,12 @@
 use crate::structured_text::names::{Names, comment, identifier, stem, string};
 use crate::structured_text::tables::{element, named_table};
 use crate::structured_text::{Block, Section, Type, Variable, Width};
+use crate::template::render;
 use linewright_language::order::layout::Layout;
 use linewright_language::order::monitor::Why;
 use linewright_language::order::table::Table;
+use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// How long the text of a rule may be: what systems take where no length is given.
 const LONGEST: usize = 80;
@@ -227,35 +228,66 @@ fn length(table: &Variable) -> i64 {
     }
 }
 
+/// The fields of `description.txt`.
+#[derive(Serialize)]
+struct Description<'a> {
+    name: String,
+    kept: &'a str,
+    allowed: &'a str,
+    violated: &'a str,
+    rule: &'a str,
+    reset: &'a str,
+    orders: Vec<String>,
+}
+
+/// The description, paragraph by paragraph.
 fn description(table: &Table, words: &Words) -> Vec<String> {
-    let Words {
-        reset,
-        allowed,
-        violated,
-        rule,
-        ..
-    } = words;
-    let mut lines = vec![
-        format!(
-            "The skill orders of {} {}, as a monitor made by linewright.",
-            comment(&table.name),
-            table.kept
-        ),
-        String::new(),
-        format!(
-            "Call an instance once in every cycle, from one task. A skill is called when its input becomes TRUE; inputs that become TRUE in \
-             the same cycle are called at once. It is an interlock: what is refused changes nothing, and is asked for again in every cycle \
-             until it is allowed or its input is FALSE. Do what the granted_ outputs say, in the same cycle: each is TRUE while its skill \
-             is called and was allowed. {allowed} is FALSE while something that is called is refused. {violated} stays TRUE after a \
-             refusal, with the reason in {rule}, until {reset}."
-        ),
-    ];
-    if !table.rules.is_empty() {
-        lines.extend([String::new(), "What it watches:".to_owned()]);
-        let rules = table.rules.iter();
-        lines.extend(rules.map(|r| format!("  order {}", comment(&r.to_string()))));
-    }
-    lines
+    let orders = table.rules.iter().map(|r| comment(&r.to_string()));
+    let text = render(
+        "monitor/description.txt",
+        Description {
+            name: comment(&table.name),
+            kept: &table.kept,
+            allowed: &words.allowed,
+            violated: &words.violated,
+            rule: &words.rule,
+            reset: &words.reset,
+            orders: orders.collect(),
+        },
+    );
+    text.lines().map(str::to_owned).collect()
+}
+
+/// The fields of `monitor.st`.
+#[derive(Serialize)]
+struct Body<'a> {
+    allowed: &'a str,
+    reset: &'a str,
+    state: &'a str,
+    start: u32,
+    violated: &'a str,
+    rule: &'a str,
+    set: &'a str,
+    to: &'a str,
+    /// The state after the set, or why there is none.
+    next: String,
+    skills: Vec<Skill<'a>>,
+    reasons: Vec<Reason>,
+}
+
+/// The input of a skill, its output, and the set with it.
+#[derive(Serialize)]
+struct Skill<'a> {
+    name: &'a str,
+    granted: &'a str,
+    set_with: String,
+}
+
+/// A reason for which a call is refused.
+#[derive(Serialize)]
+struct Reason {
+    code: i64,
+    text: String,
 }
 
 fn body(
@@ -267,57 +299,43 @@ fn body(
     next: &Variable,
     index: Width,
 ) -> String {
-    let Words {
-        reset,
-        allowed,
-        violated,
-        rule,
-        state,
-        set,
-        to,
-        ..
-    } = words;
-    let each = |line: &dyn Fn(&str, &str) -> String| {
-        let ports = words.skills.iter().zip(&words.granted);
-        ports.fold(String::new(), |mut out, (skill, granted)| {
-            out += &line(skill, granted);
-            out
-        })
-    };
-    let mut out = format!(
-        "{allowed} := FALSE;\nIF {reset} THEN\n    {state} := {};\n    {violated} := FALSE;\n    {rule} := '';\n{}ELSE\n    {set} := 0;\n",
-        table.start,
-        each(&|_, granted| format!("    {granted} := FALSE;\n")),
-    );
+    let (state, set) = (&words.state, &words.set);
     let count = table.skills.len();
-    for (number, (skill, granted)) in words.skills.iter().zip(&words.granted).enumerate() {
+    let skills = words.skills.iter().zip(&words.granted).enumerate();
+    let skills = skills.map(|(number, (name, granted))| {
         let place = format!("{}[{count} * {set} + {number}]", set_with.name);
-        let _ = write!(
-            out,
-            "    IF {skill} AND NOT {granted} THEN\n        {set} := {};\n    END_IF;\n",
-            element(set_with).convert(index, &place)
-        );
-    }
-    let place = format!("{}[{} * {state} + {set}]", next.name, sets.count());
-    let _ = write!(
-        out,
-        "    {to} := {};\n    {allowed} := ({to} >= 0);\n    IF {allowed} THEN\n        {state} := {to};\n{}    ELSE\n        (* What is granted stays so. *)\n{}        {violated} := TRUE;\n        CASE {to} OF\n",
-        element(next).convert(index, &place),
-        each(&|skill, granted| format!("        {granted} := {skill};\n")),
-        each(&|skill, granted| format!("        {granted} := {granted} AND {skill};\n")),
-    );
+        Skill {
+            name,
+            granted,
+            set_with: element(set_with).convert(index, &place),
+        }
+    });
     let reasons = (0..table.rules.len()).map(Why::Rule);
-    for why in reasons.chain([Why::Recall, Why::Together]) {
+    let reasons = reasons.chain([Why::Recall, Why::Together]).map(|why| {
         let text = match why {
             Why::Rule(rule) => table.rules[rule].name.clone(),
             other => other.text(&table.rules),
         };
-        let _ = writeln!(
-            out,
-            "            {}: {rule} := {};",
-            refusal(layout, why),
-            string(&text, LONGEST)
-        );
-    }
-    out + "        END_CASE;\n    END_IF;\nEND_IF;\n"
+        Reason {
+            code: refusal(layout, why),
+            text: string(&text, LONGEST),
+        }
+    });
+    let place = format!("{}[{} * {state} + {set}]", next.name, sets.count());
+    render(
+        "monitor/monitor.st",
+        Body {
+            allowed: &words.allowed,
+            reset: &words.reset,
+            state,
+            start: table.start,
+            violated: &words.violated,
+            rule: &words.rule,
+            set,
+            to: &words.to,
+            next: element(next).convert(index, &place),
+            skills: skills.collect(),
+            reasons: reasons.collect(),
+        },
+    )
 }

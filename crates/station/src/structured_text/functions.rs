@@ -7,8 +7,10 @@ use super::interface::{Interface, Port};
 use super::tables::{element, table};
 use super::text::indented;
 use super::{Initial, Parts, Type, Variable, Width, codes, literal};
+use crate::template::render;
 use linewright_solver::mealy::functions::Functions;
 use linewright_solver::symbolic::{Bit, Edge};
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -94,7 +96,10 @@ impl Tables {
                 "node_signal",
                 signals,
                 1,
-                "a decision asks for a signal; edge 2n leads to decision n, 2n + 1 to its negation, 0 is FALSE and 1 is TRUE",
+                concat!(
+                    "a decision asks for a signal; edge 2n leads to decision n, ",
+                    "2n + 1 to its negation, 0 is FALSE and 1 is TRUE"
+                ),
             ),
             node_high: make("node_high", highs, 1, "the edge where the signal is TRUE"),
             node_low: make("node_low", lows, 1, "the edge where it is FALSE"),
@@ -142,6 +147,60 @@ impl Tables {
             self.goal_reached,
         ]
     }
+}
+
+/// The fields of `functions_reset.st`.
+#[derive(Serialize)]
+struct Reset<'a> {
+    goal: &'a str,
+    row: &'a str,
+    last: i64,
+    memory: &'a str,
+}
+
+/// The fields of `functions.st`.
+#[derive(Serialize)]
+struct Step<'a> {
+    row: &'a str,
+    last: &'a str,
+    value: &'a str,
+    goal: &'a str,
+    memory: &'a str,
+    signals: &'a str,
+    refused: &'a str,
+    fine: &'a str,
+    /// How many bits of the last step's values there are.
+    pairs: usize,
+    /// Statements that write the inputs to their signals.
+    inputs: Vec<String>,
+    first_promises: usize,
+    /// How many promises there are of step 0 and of later steps together.
+    promises: usize,
+    promise_error: &'a str,
+    evaluate_promise: String,
+    first_mode: String,
+    end_of_modes: String,
+    evaluate_mode: String,
+    first_output: String,
+    /// How many outputs are computed in a step.
+    count: usize,
+    evaluate_output: String,
+    output_signal: &'a str,
+    evaluate_reached: String,
+    goals: usize,
+    /// Statements that set the outputs from their signals.
+    outputs: Vec<String>,
+}
+
+/// The fields of `evaluate.st`.
+#[derive(Serialize)]
+struct Evaluate<'a> {
+    edge: &'a str,
+    value: &'a str,
+    start: String,
+    signal: String,
+    high: String,
+    low: String,
 }
 
 /// The scratch variables of a step.
@@ -206,12 +265,14 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
     let step = step(
         interface, functions, &tables, &scratch, &goal, &memory, index,
     );
-    let reset = format!(
-        "{} := -1;\nFOR {at} := 0 TO {} DO\n    {}[{at}] := FALSE;\nEND_FOR;\n",
-        goal.name,
-        pairs - 1,
-        memory.name,
-        at = scratch.at.name
+    let reset = render(
+        "structured_text/functions_reset.st",
+        Reset {
+            goal: &goal.name,
+            row: &scratch.at.name,
+            last: pairs - 1,
+            memory: &memory.name,
+        },
     );
     let Scratch {
         signals,
@@ -255,122 +316,62 @@ fn step(
     index: Width,
 ) -> String {
     let own = interface.own();
-    let (refused, fine) = (&own.refused, &own.fine);
     let controls = &functions.controls;
-    let (at, last, edge, value) = (
-        &scratch.at.name,
-        &scratch.last.name,
-        &scratch.edge.name,
-        &scratch.value.name,
-    );
-    let (goal_name, memory_name, signals) = (&goal.name, &memory.name, &scratch.signals.name);
-    let pairs = functions.pairs();
+    let (at, edge, goal_name) = (&scratch.at.name, &scratch.edge.name, &goal.name);
+    let signals = &scratch.signals.name;
     let get = |table: &Variable, place: &str| {
         element(table).convert(index, &format!("{}[{place}]", table.name))
     };
     // The value of the function that `place` of a table names.
-    let evaluate = |table: &Variable, place: &str| {
+    let evaluate = |table: &Variable, place: &str, levels: usize| {
         let node = format!("{edge} / 2");
-        let signal = format!("{signals}[{}[{node}]]", tables.node_signal.name);
-        format!(
-            "{edge} := {};\n\
-             {value} := ({edge} MOD 2 = 1);\n\
-             WHILE {edge} > 1 DO\n\
-             \x20   IF {signal} THEN\n\
-             \x20       {edge} := {};\n\
-             \x20   ELSE\n\
-             \x20       {edge} := {};\n\
-             \x20   END_IF;\n\
-             \x20   IF {edge} MOD 2 = 1 THEN\n\
-             \x20       {value} := NOT {value};\n\
-             \x20   END_IF;\n\
-             END_WHILE;\n",
-            get(table, place),
-            get(&tables.node_high, &node),
-            get(&tables.node_low, &node),
-        )
+        let statements = render(
+            "structured_text/evaluate.st",
+            Evaluate {
+                edge,
+                value: &scratch.value.name,
+                start: get(table, place),
+                signal: format!("{signals}[{}[{node}]]", tables.node_signal.name),
+                high: get(&tables.node_high, &node),
+                low: get(&tables.node_low, &node),
+            },
+        );
+        indented(&statements, levels).trim_end().to_owned()
     };
-
-    let mut out = String::from("(* The signals of this step. *)\n");
-    if pairs > 0 {
-        let _ = write!(
-            out,
-            "FOR {at} := 0 TO {} DO\n    {signals}[2 * {at}] := {memory_name}[{at}];\nEND_FOR;\n",
-            pairs - 1
-        );
-    }
-    for (port, bits) in interface.inputs.iter().zip(&functions.input_bits) {
-        out.push_str(&take_apart(port, bits, scratch));
-    }
-    let first = controls.assumed_first.len();
-    let later = controls.assumed.len();
-    if first + later > 0 {
-        let _ = write!(
-            out,
-            "(* What is assumed of it. *)\n\
-             IF {goal_name} < 0 THEN\n    {at} := 0;\n    {last} := {};\nELSE\n    {at} := {first};\n    {last} := {};\nEND_IF;\n\
-             WHILE ({refused} = {fine}) AND ({at} <= {last}) DO\n{}\
-             \x20   IF NOT {value} THEN\n        {refused} := {}[{at}];\n    END_IF;\n    {at} := {at} + 1;\nEND_WHILE;\n",
-            first as i64 - 1,
-            first as i64 + later as i64 - 1,
-            indented(&evaluate(&tables.promise, at), 1),
-            tables.promise_error.name,
-        );
-    }
-
-    let mut answer = String::new();
-    let count = controls.first.len();
-    let _ = write!(
-        answer,
-        "(* Where the outputs are found: those of step 0, or of the first mode of the goal that holds. *)\n\
-         {last} := 0;\n\
-         IF {goal_name} >= 0 THEN\n\
-         \x20   {row} := {} - 1;\n\
-         \x20   {last} := {} - 1;\n\
-         \x20   {value} := FALSE;\n\
-         \x20   WHILE (NOT {value}) AND ({row} < {last}) DO\n\
-         \x20       {row} := {row} + 1;\n{}\
-         \x20   END_WHILE;\n\
-         \x20   {last} := {};\n\
-         END_IF;\n",
-        get(&tables.goal_mode, goal_name),
-        get(&tables.goal_mode, &format!("{goal_name} + 1")),
-        indented(&evaluate(&tables.mode_when, at), 2),
-        get(&tables.mode_first, at),
-        row = at,
-    );
-    if count > 0 {
-        let _ = write!(
-            answer,
-            "FOR {at} := {last} TO {last} + {} DO\n{}    {signals}[{}[{at}]] := {value};\nEND_FOR;\n",
-            count - 1,
-            indented(&evaluate(&tables.output_edge, at), 1),
-            tables.output_signal.name,
-        );
-    }
-    let _ = write!(
-        answer,
-        "(* The goal that is pursued next. *)\n\
-         IF {goal_name} < 0 THEN\n    {goal_name} := 0;\nELSE\n{}    IF {value} THEN\n        {goal_name} := ({goal_name} + 1) MOD {};\n    END_IF;\nEND_IF;\n",
-        indented(&evaluate(&tables.goal_reached, goal_name), 1),
-        controls.goals.len(),
-    );
-    if pairs > 0 {
-        let _ = write!(
-            answer,
-            "FOR {at} := 0 TO {} DO\n    {memory_name}[{at}] := {signals}[2 * {at} + 1];\nEND_FOR;\n",
-            pairs - 1
-        );
-    }
-    for (port, bits) in interface.outputs.iter().zip(&functions.output_bits) {
-        answer.push_str(&put_together(port, bits, scratch));
-    }
-    let _ = write!(
-        out,
-        "IF {refused} = {fine} THEN\n{}END_IF;\n",
-        indented(&answer, 1)
-    );
-    out
+    let inputs = interface.inputs.iter().zip(&functions.input_bits);
+    let inputs = inputs.map(|(port, bits)| take_apart(port, bits, scratch));
+    let inputs = inputs.filter(|statements| !statements.is_empty());
+    let outputs = interface.outputs.iter().zip(&functions.output_bits);
+    let outputs = outputs.map(|(port, bits)| indented(&put_together(port, bits, scratch), 1));
+    render(
+        "structured_text/functions.st",
+        Step {
+            row: at,
+            last: &scratch.last.name,
+            value: &scratch.value.name,
+            goal: goal_name,
+            memory: &memory.name,
+            signals,
+            refused: &own.refused,
+            fine: &own.fine,
+            pairs: functions.pairs(),
+            inputs: inputs.map(|s| s.trim_end().to_owned()).collect(),
+            first_promises: controls.assumed_first.len(),
+            promises: controls.assumed_first.len() + controls.assumed.len(),
+            promise_error: &tables.promise_error.name,
+            evaluate_promise: evaluate(&tables.promise, at, 1),
+            first_mode: get(&tables.goal_mode, goal_name),
+            end_of_modes: get(&tables.goal_mode, &format!("{goal_name} + 1")),
+            evaluate_mode: evaluate(&tables.mode_when, at, 3),
+            first_output: get(&tables.mode_first, at),
+            count: controls.first.len(),
+            evaluate_output: evaluate(&tables.output_edge, at, 2),
+            output_signal: &tables.output_signal.name,
+            evaluate_reached: evaluate(&tables.goal_reached, goal_name, 2),
+            goals: controls.goals.len(),
+            outputs: outputs.map(|s| s.trim_end().to_owned()).collect(),
+        },
+    )
 }
 
 /// Statements that write the bits of an input to its signals of this step, the least significant first.

@@ -3,8 +3,10 @@
 use super::names::{Names, comment, identifier, part, stem};
 use super::text::{indented, wrap_condition};
 use super::{Block, Enumeration, Initial, Parts, Section, Type, Variable, Width, literal};
-use linewright_core::gr1::{Domain, Formula, Specification, Timing, described};
+use crate::template::render;
+use linewright_core::gr1::{Domain, Formula, Side, Specification, Timing, described};
 use linewright_solver::mealy;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -42,6 +44,7 @@ pub(super) struct Interface<'a> {
 }
 
 /// The block's own variables that every form uses.
+#[derive(Serialize)]
 pub(super) struct Own {
     pub enable: String,
     pub reset: String,
@@ -52,6 +55,31 @@ pub(super) struct Own {
     pub refused: String,
     /// The label that says that there is none.
     pub fine: String,
+}
+
+/// The fields of `description.txt`.
+#[derive(Serialize)]
+struct Description<'a> {
+    contract: String,
+    timing: &'static str,
+    enable: &'a str,
+    error: &'a str,
+    error_id: &'a str,
+    reset: &'a str,
+    assumptions: Vec<String>,
+    guarantees: Vec<String>,
+}
+
+/// The fields of `call.st`.
+#[derive(Serialize)]
+struct Call<'a> {
+    #[serde(flatten)]
+    own: &'a Own,
+    /// What sets state and outputs back.
+    beginning: String,
+    /// What refuses inputs outside their domains.
+    checks: String,
+    step: String,
 }
 
 impl<'a> Interface<'a> {
@@ -297,78 +325,48 @@ impl<'a> Interface<'a> {
             Timing::Mealy => "the outputs of a step may depend on the inputs of the same step",
             Timing::Moore => "the outputs of a step do not depend on the inputs of the same step",
         };
-        let mut lines = vec![
-            format!(
-                "The controller of the contract {}, synthesized and verified by linewright: {timing}.",
-                comment(&self.contract)
-            ),
-            String::new(),
-            format!(
-                "Call an instance once in every cycle, from one task. A call in which {} is TRUE makes one step of the contract: it \
-                 reads the inputs and writes the outputs. Leave it TRUE for a step a cycle; for a step an event, connect the event \
-                 through R_TRIG. Between steps the outputs keep their values. A step whose inputs leave their domains or break an assumption is refused: \
-                 outputs and state are as before, {} is TRUE, and {} says why. With {} the block is as before its first call.",
-                own.enable, own.error, own.error_id, own.reset
-            ),
-        ];
-        let mut list = |title: &str, word: &str, side: &linewright_core::gr1::Side| {
+        let list = |side: &Side| {
             let mut seen = Vec::new();
             for formula in side.all() {
-                let line = format!("  {word} {}", text(formula));
-                if !seen.contains(&line) {
-                    seen.push(line);
+                let formula = text(formula);
+                if !seen.contains(&formula) {
+                    seen.push(formula);
                 }
             }
-            if !seen.is_empty() {
-                lines.extend([String::new(), title.to_owned()]);
-                lines.extend(seen);
-            }
+            seen
         };
-        let specification = self.specification;
-        list("What it relies on:", "assume", &specification.assumptions);
-        list(
-            "What it guarantees:",
-            "guarantee",
-            &specification.guarantees,
+        let text = render(
+            "structured_text/description.txt",
+            Description {
+                contract: comment(&self.contract),
+                timing,
+                enable: &own.enable,
+                error: &own.error,
+                error_id: &own.error_id,
+                reset: &own.reset,
+                assumptions: list(&self.specification.assumptions),
+                guarantees: list(&self.specification.guarantees),
+            },
         );
-        lines
+        text.lines().map(str::to_owned).collect()
     }
 
     fn body(&self, parts: &Parts) -> String {
-        let own = &self.own;
-        let Own {
-            enable,
-            reset,
-            stepped,
-            error,
-            error_id,
-            refused,
-            fine,
-        } = own;
-        let mut before = parts.reset.clone();
+        let mut beginning = parts.reset.clone();
         for port in &self.outputs {
-            let _ = writeln!(before, "{} := {};", port.name, port.usual());
+            let _ = writeln!(beginning, "{} := {};", port.name, port.usual());
         }
-        let mut out = format!(
-            "{stepped} := FALSE;\nIF {reset} THEN\n{}    {error} := FALSE;\n    {error_id} := {fine};\nELSIF {enable} THEN\n    {refused} := {fine};\n",
-            indented(&before, 1)
-        );
         let checks = self.domain_checks();
-        if checks.is_empty() {
-            out.push_str(&indented(&parts.step, 1));
-        } else {
-            out.push_str(&indented(&checks, 1));
-            let _ = write!(
-                out,
-                "    IF {refused} = {fine} THEN\n{}    END_IF;\n",
-                indented(&parts.step, 2)
-            );
-        }
-        let _ = write!(
-            out,
-            "    {stepped} := ({refused} = {fine});\n    {error} := NOT {stepped};\n    {error_id} := {refused};\nEND_IF;\n"
-        );
-        out
+        let levels = if checks.is_empty() { 1 } else { 2 };
+        render(
+            "structured_text/call.st",
+            Call {
+                own: &self.own,
+                beginning: indented(&beginning, 1).trim_end().to_owned(),
+                checks: indented(&checks, 1).trim_end().to_owned(),
+                step: indented(&parts.step, levels).trim_end().to_owned(),
+            },
+        )
     }
 
     /// Refuses inputs outside their domains. Systems differ in whether an enumeration can have other values than its labels.

@@ -7,10 +7,42 @@ use super::assumptions::Assumptions;
 use super::interface::Interface;
 use super::text::indented;
 use super::{Initial, Parts, Type, Variable, Width, codes, literal, machine};
+use crate::template::render;
 use linewright_core::gr1::Specification;
 use linewright_solver::mealy::Machine;
+use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt::Write;
+
+/// The fields of `tables.st`.
+#[derive(Serialize)]
+struct TableStep<'a> {
+    /// Statements that put the inputs into the table of values.
+    inputs: Vec<String>,
+    taken: &'a str,
+    row: &'a str,
+    cube: &'a str,
+    test: &'a str,
+    holds: &'a str,
+    number: &'a str,
+    values: &'a str,
+    first_transition: String,
+    end_of_transitions: String,
+    first_cube: String,
+    end_of_cubes: String,
+    first_test: String,
+    end_of_tests: String,
+    test_input: String,
+    test_low: String,
+    test_high: String,
+    refused: &'a str,
+    no_step: &'a str,
+    /// Where the answer of the transition begins.
+    answer: String,
+    /// Statements that set the outputs from there.
+    outputs: Vec<String>,
+    state: &'a str,
+    next_state: String,
+}
 
 /// A table in the making.
 #[derive(Default)]
@@ -142,78 +174,57 @@ pub(super) fn parts(
         "the inputs as numbers",
     );
 
-    let mut step = String::from("(* The inputs as numbers. *)\n");
-    for (place, port) in interface.inputs.iter().enumerate() {
+    let input_values = interface.inputs.iter().enumerate();
+    let input_values = input_values.map(|(place, port)| {
         let target = format!("{}[{place}]", values.name);
-        step.push_str(&codes::read(port, &target, value));
-    }
-    let own = interface.own();
-    // Everything is as wide as the widest of its kind, so that nothing is converted in the loops.
-    let get = |table: &Variable, index_text: &str, width: Width| {
-        element(table).convert(width, &format!("{}[{index_text}]", table.name))
-    };
-    let (at_name, cube_name, test_name) = (&at.name, &cube.name, &test.name);
-    let place = format!("{} + 1", state.name);
-    let next_place = format!("{} + 2", state.name);
-    let _ = write!(
-        step,
-        "(* The transition that one of its cubes allows. *)\n\
-         {taken} := -1;\n\
-         {at_name} := {};\n\
-         WHILE ({taken} < 0) AND ({at_name} < {}) DO\n\
-         \x20   {cube_name} := {};\n\
-         \x20   WHILE ({taken} < 0) AND ({cube_name} < {}) DO\n\
-         \x20       {holds} := TRUE;\n\
-         \x20       FOR {test_name} := {} TO {} - 1 DO\n\
-         \x20           {number} := {values}[{}];\n\
-         \x20           {holds} := {holds} AND ({number} >= {}) AND ({number} <= {});\n\
-         \x20       END_FOR;\n\
-         \x20       IF {holds} THEN\n\
-         \x20           {taken} := {at_name};\n\
-         \x20       END_IF;\n\
-         \x20       {cube_name} := {cube_name} + 1;\n\
-         \x20   END_WHILE;\n\
-         \x20   {at_name} := {at_name} + 1;\n\
-         END_WHILE;\n",
-        get(s, &place, index),
-        get(s, &next_place, index),
-        get(t, at_name, index),
-        get(t, &format!("{at_name} + 1"), index),
-        get(c, cube_name, index),
-        get(c, &format!("{cube_name} + 1"), index),
-        get(i, test_name, index),
-        get(l, test_name, value),
-        get(h, test_name, value),
-        taken = taken.name,
-        holds = holds.name,
-        number = number.name,
-        values = values.name,
-    );
-    let _ = write!(
-        step,
-        "IF {0} < 0 THEN\n    {1} := {2};\nELSE\n",
-        taken.name,
-        own.refused,
-        assumptions.no_step()
-    );
-    let mut done = format!("{at_name} := {};\n", get(a, &taken.name, index));
-    for (place, port) in interface.outputs.iter().enumerate() {
+        codes::read(port, &target, value).trim_end().to_owned()
+    });
+    let outputs = interface.outputs.iter().enumerate();
+    let outputs = outputs.map(|(place, port)| {
         let source = match place {
-            0 => format!("{}[{at_name}]", o.name),
-            _ => format!("{}[{at_name} + {place}]", o.name),
+            0 => format!("{}[{}]", o.name, at.name),
+            _ => format!("{}[{} + {place}]", o.name, at.name),
         };
-        done.push_str(&codes::write(port, &source, element(o)));
-    }
+        let statements = codes::write(port, &source, element(o));
+        indented(&statements, 1).trim_end().to_owned()
+    });
     let Type::Integer(width) = state.kind else {
         unreachable!("a state is a number")
     };
-    let _ = writeln!(
-        done,
-        "{} := {};",
-        state.name,
-        element(g).convert(width, &format!("{}[{}]", g.name, taken.name))
+    let own = interface.own();
+    // Everything is as wide as the widest of its kind, so that nothing is converted in the loops.
+    let get = |table: &Variable, place: &str, width: Width| {
+        element(table).convert(width, &format!("{}[{place}]", table.name))
+    };
+    let behind = |variable: &Variable, places: u8| format!("{} + {places}", variable.name);
+    let step = render(
+        "structured_text/tables.st",
+        TableStep {
+            inputs: input_values.collect(),
+            taken: &taken.name,
+            row: &at.name,
+            cube: &cube.name,
+            test: &test.name,
+            holds: &holds.name,
+            number: &number.name,
+            values: &values.name,
+            first_transition: get(s, &behind(&state, 1), index),
+            end_of_transitions: get(s, &behind(&state, 2), index),
+            first_cube: get(t, &at.name, index),
+            end_of_cubes: get(t, &behind(&at, 1), index),
+            first_test: get(c, &cube.name, index),
+            end_of_tests: get(c, &behind(&cube, 1), index),
+            test_input: get(i, &test.name, index),
+            test_low: get(l, &test.name, value),
+            test_high: get(h, &test.name, value),
+            refused: &own.refused,
+            no_step: assumptions.no_step(),
+            answer: get(a, &taken.name, index),
+            outputs: outputs.collect(),
+            state: &state.name,
+            next_state: get(g, &taken.name, width),
+        },
     );
-    let _ = writeln!(step, "{}END_IF;", indented(&done, 1));
     let step = assumptions.around(own, &step);
     let reset = format!("{} := -1;\n{}", state.name, assumptions.reset());
     let mut locals = vec![state];

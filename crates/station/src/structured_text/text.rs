@@ -1,10 +1,36 @@
 //! A block as Structured Text.
 
 use super::{Block, Enumeration, Initial, Section, Type, Variable};
+use crate::template::render;
+use serde::Serialize;
 use std::fmt::Write;
 
 /// A variable and its comment stand on one line of at most so many characters, or on two.
 const WIDTH: usize = 110;
+
+/// The fields of `block.st`.
+#[derive(Serialize)]
+struct BlockText<'a> {
+    types: Vec<TypeText<'a>>,
+    description: String,
+    name: &'a str,
+    sections: Vec<SectionText>,
+    body: &'a str,
+}
+
+#[derive(Serialize)]
+struct TypeText<'a> {
+    description: &'a str,
+    name: &'a str,
+    /// Labels with commas and comments.
+    labels: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct SectionText {
+    keywords: &'static str,
+    variables: Vec<String>,
+}
 
 /// Breaks a long text at its spaces; `indent` begins the further lines.
 pub(super) fn wrap(text: &str, indent: &str) -> String {
@@ -63,26 +89,22 @@ impl Type {
 }
 
 impl Enumeration {
-    fn to_text(&self) -> String {
-        let mut out = String::new();
-        if !self.description.is_empty() {
-            let _ = writeln!(out, "(* {} *)", self.description);
-        }
-        let _ = writeln!(out, "TYPE {} :\n(", self.name);
-        for (place, (label, meaning)) in self.labels.iter().enumerate() {
-            let comma = if place + 1 < self.labels.len() {
-                ","
-            } else {
-                ""
+    fn text(&self) -> TypeText<'_> {
+        let last = self.labels.len().saturating_sub(1);
+        let labels = self.labels.iter().enumerate();
+        let labels = labels.map(|(place, (label, meaning))| {
+            let comma = if place < last { "," } else { "" };
+            let meaning = match meaning.as_str() {
+                "" => String::new(),
+                meaning => format!(" (* {meaning} *)"),
             };
-            let _ = write!(out, "    {label}{comma}");
-            if !meaning.is_empty() {
-                let _ = write!(out, " (* {meaning} *)");
-            }
-            out.push('\n');
+            format!("{label}{comma}{meaning}")
+        });
+        TypeText {
+            description: &self.description,
+            name: &self.name,
+            labels: labels.collect(),
         }
-        out.push_str(");\nEND_TYPE\n\n");
-        out
     }
 }
 
@@ -114,24 +136,24 @@ impl Variable {
 impl Block {
     /// The types and the function block, as text.
     pub fn to_text(&self) -> String {
-        let mut out = String::new();
-        for declared in &self.types {
-            out.push_str(&declared.to_text());
-        }
-        out.push_str("(*\n");
-        out.push_str(&self.description_text());
-        let _ = writeln!(out, "*)\nFUNCTION_BLOCK {}", self.name);
-        for (section, variables) in &self.sections {
-            let _ = writeln!(out, "{}", section.keywords());
-            for variable in variables {
-                out.push_str(&indented(&variable.to_text(), 1));
+        let sections = self.sections.iter().map(|(section, variables)| {
+            let variables = variables.iter();
+            let texts = variables.map(|v| indented(&v.to_text(), 1).trim_end().to_owned());
+            SectionText {
+                keywords: section.keywords(),
+                variables: texts.collect(),
             }
-            out.push_str("END_VAR\n");
-        }
-        out.push('\n');
-        out.push_str(&self.body);
-        out.push_str("END_FUNCTION_BLOCK\n");
-        out
+        });
+        render(
+            "structured_text/block.st",
+            BlockText {
+                types: self.types.iter().map(Enumeration::text).collect(),
+                description: self.description_text().trim_end().to_owned(),
+                name: &self.name,
+                sections: sections.collect(),
+                body: self.body.trim_end(),
+            },
+        )
     }
 
     /// The description in lines of a bearable width.
