@@ -3,10 +3,30 @@
 
 use super::{Encoding, Profile};
 use crate::emit::text::{comment, string};
-use std::fmt::Write as _;
+use crate::template::render;
+use serde::Serialize;
 
 /// The header's name in a package.
 pub const NAME: &str = "uf_profile.h";
+
+/// The fields of `uf_profile.h`.
+#[derive(Serialize)]
+struct Header<'a> {
+    name: String,
+    state: &'static str,
+    found: String,
+    size: u32,
+    value_offset: u32,
+    integer_bits: u32,
+    encoding: &'static str,
+    tag_offset: u32,
+    tag_bits: u32,
+    tag_integer: u64,
+    tag_real: u64,
+    tag_string: u64,
+    tag_boolean: Option<u64>,
+    more_real: &'a [u64],
+}
 
 impl Profile {
     /// The text of `uf_profile.h`.
@@ -24,38 +44,24 @@ impl Profile {
             Encoding::Windows1252 => "LW_UF_WINDOWS_1252",
             Encoding::Utf16 => "LW_UF_UTF_16",
         };
-        let mut out = format!(
-            "/* The layout of UF_Value: profile {}, {state}.\n * {}.\n * Emitted by linewright; another profile is given with `build --profile FILE`. */\n",
-            comment(&string(&self.name)),
-            comment(self.found.trim_end_matches('.')),
-        );
-        out.push_str("#ifndef LW_UF_PROFILE_H\n#define LW_UF_PROFILE_H\n\n");
-        let lines = [
-            ("LW_UF_SIZE", layout.size.to_string()),
-            ("LW_UF_VALUE_OFFSET", layout.value.to_string()),
-            ("LW_UF_INTEGER", format!("int{}_t", layout.integer_bits)),
-            ("LW_UF_ENCODING", encoding.to_owned()),
-            ("LW_UF_TAG_OFFSET", tag.offset.to_string()),
-            ("LW_UF_TAG", format!("uint{}_t", tag.bits)),
-            ("LW_UF_TAG_INTEGER", format!("{}U", tag.integer)),
-            ("LW_UF_TAG_REAL", format!("{}U", tag.real)),
-            ("LW_UF_TAG_STRING", format!("{}U", tag.string)),
-        ];
-        for (name, value) in lines {
-            let _ = writeln!(out, "#define {name} {value}");
-        }
-        if let Some(boolean) = tag.boolean {
-            let _ = writeln!(out, "#define LW_UF_TAG_BOOLEAN {boolean}U");
-        }
-        if !tag.more_real.is_empty() {
-            let tests: Vec<String> = tag
-                .more_real
-                .iter()
-                .map(|t| format!("(tag) == {t}U"))
-                .collect();
-            let _ = writeln!(out, "#define LW_UF_MORE_REAL(tag) ({})", tests.join(" || "));
-        }
-        out.push_str("\n#endif\n");
-        out
+        render(
+            "profile/uf_profile.h",
+            Header {
+                name: comment(&string(&self.name)),
+                state,
+                found: comment(self.found.trim_end_matches('.')),
+                size: layout.size,
+                value_offset: layout.value,
+                integer_bits: layout.integer_bits,
+                encoding,
+                tag_offset: tag.offset,
+                tag_bits: tag.bits,
+                tag_integer: tag.integer,
+                tag_real: tag.real,
+                tag_string: tag.string,
+                tag_boolean: tag.boolean,
+                more_real: &tag.more_real,
+            },
+        )
     }
 }
