@@ -18,6 +18,7 @@ pub struct Equivalent {
 const CERTIFY: &str = "crates/solver/src/mealy/certify.rs";
 const COUNTER: &str = "crates/solver/src/mealy/verify/counter.rs";
 const FAIR: &str = "crates/solver/src/mealy/verify/fair.rs";
+const FORM: &str = "crates/solver/src/mealy/verify/form.rs";
 const RESIDUAL: &str = "crates/solver/src/mealy/verify/residual.rs";
 const VERIFY: &str = "crates/solver/src/mealy/verify/mod.rs";
 
@@ -25,10 +26,10 @@ pub const EQUIVALENT: &[Equivalent] = &[
     Equivalent {
         file: COUNTER,
         function: "leaf",
-        right: "letter.edges.last() != Some(& edge)",
+        right: "answers.edges.last() != Some(& edge)",
         wrong: "true",
         number: 1,
-        why: "`distinct` leaves each edge of a node once, so an edge that is put down again goes there",
+        why: "`close` leaves each edge of a node once, so an edge that is put down again goes there",
     },
     Equivalent {
         file: FAIR,
@@ -54,6 +55,14 @@ pub const EQUIVALENT: &[Equivalent] = &[
         number: 1,
         why: "node 0 is met from another root, or lies on no cycle but its own edges: then it alone keeps the part NEW, \
               which is as good a name as any",
+    },
+    Equivalent {
+        file: FORM,
+        function: "of",
+        right: "0",
+        wrong: "1",
+        number: 1,
+        why: "whether justice is satisfied in step 0 is never asked: the node before it lies on no cycle",
     },
     Equivalent {
         file: RESIDUAL,
@@ -109,7 +118,7 @@ pub const EQUIVALENT: &[Equivalent] = &[
         right: "edges.last() != Some(& edge)",
         wrong: "true",
         number: 1,
-        why: "`distinct` leaves each edge of a node once, so an edge that is put down again goes there",
+        why: "`close` leaves each edge of a node once, so an edge that is put down again goes there",
     },
     Equivalent {
         file: CERTIFY,

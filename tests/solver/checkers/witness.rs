@@ -3,7 +3,8 @@
 use super::artefacts::Artefact;
 use super::copies::checker;
 use super::copies::verify::residual::{Pool, Tree, key};
-use super::copies::verify::{self, Edge, fair};
+use super::copies::verify::product::Edge;
+use super::copies::verify::{self, fair};
 use super::definition::{broken, holds, matching, part, valuations, with};
 use crate::game::value;
 use linewright::game::Limits;
@@ -242,12 +243,12 @@ pub fn product(specification: &Specification, of: &Artefact, limits: &Limits) ->
             let check = verify::Check::new(specification, machine, limits);
             let mut check = check.expect("no limit");
             assert_eq!(check.explore(), Ok(None));
-            (check.edges, check.labels)
+            (check.product.edges, check.product.labels)
         }
         Artefact::Counterstrategy(machine) => {
             let mut check = verify::counter::Check::new(specification, machine, limits);
             assert_eq!(check.explore(), Ok(None));
-            (check.edges, check.labels)
+            (check.product.edges, check.product.labels)
         }
         _ => panic!("nothing is built of it"),
     };

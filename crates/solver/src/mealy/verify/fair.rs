@@ -1,6 +1,6 @@
 //! Fair cycles: strongly connected parts (Tarjan 1972, without recursion) in which every assumption's justice occurs.
 
-use super::Edge;
+use super::product::Edge;
 use crate::game::{Limit, Limits};
 use std::collections::{HashMap, VecDeque};
 

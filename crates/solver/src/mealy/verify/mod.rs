@@ -13,15 +13,21 @@
 mod clause;
 mod counter;
 mod fair;
+mod form;
+mod letter;
+mod product;
 mod residual;
 
 pub use clause::Clause;
 pub use counter::verify_counterstrategy;
 
-use super::{Cube, Machine, Transition};
+use super::{Machine, Transition};
 use crate::game::{Limit, Limits};
+use form::{Rules, malformed};
+use letter::{Letter, Taken};
 use linewright_core::gr1::interval::{Interval, interval};
-use linewright_core::gr1::{Formula, Specification, Time, Timing, VarId};
+use linewright_core::gr1::{Specification, Time, VarId};
+use product::{Edge, Product};
 use residual::{Id, Place, Pool, Tree, key};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -49,7 +55,8 @@ pub fn verify(
     limits: &Limits,
 ) -> Result<Result<(), Violation>, Limit> {
     let mut check = Check::new(specification, machine, limits)?;
-    if let Some(clause) = check.malformed() {
+    let ports = [&*check.inputs, &*check.outputs];
+    if let Some(clause) = malformed(machine, specification, ports, specification.timing) {
         return Ok(Err(Violation {
             clause,
             trace: Vec::new(),
@@ -72,30 +79,6 @@ struct Context {
     justice: Vec<Id>,
 }
 
-/// A state of the product.
-struct Node {
-    /// `None` before step 0.
-    state: Option<usize>,
-    context: Place,
-    /// How it was first reached: from which node, with which valuation.
-    from: Option<(usize, Vec<i64>)>,
-}
-
-/// A step of the product.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Edge {
-    to: usize,
-    /// Which justice formulas the transition satisfies.
-    label: u32,
-}
-
-/// The edges in order, each once.
-fn distinct(mut edges: Vec<Edge>) -> Vec<Edge> {
-    edges.sort_unstable();
-    edges.dedup();
-    edges
-}
-
 struct Check<'a> {
     specification: &'a Specification,
     machine: &'a Machine,
@@ -107,14 +90,12 @@ struct Check<'a> {
     contexts: Tree,
     /// Asks for next inputs.
     legal: Tree,
+    /// How many formulas of a context are the environment's rules.
     assumptions: usize,
     guarantee_names: Vec<String>,
     known: HashMap<Place, Rc<Context>>,
-    start: Place,
     step: Place,
-    nodes: Vec<Node>,
-    edges: Vec<Vec<Edge>>,
-    labels: Vec<Vec<bool>>,
+    product: Product,
     pairs: u64,
     most_pairs: u64,
     /// The place in `legal` where an assumption is broken.
@@ -150,42 +131,10 @@ impl<'a> Check<'a> {
         let no = pool.constant(0);
         let broken = legal.place(&pool, vec![no]);
 
-        // Both lists have the same shape: assumptions, guarantees, justice of both sides. Those that speak of one step speak of
-        // the step to come. In step 0 safety and justice have nothing to say.
-        let (assumed, guaranteed) = (&specification.assumptions, &specification.guarantees);
-        let mut start = Vec::new();
-        let mut step = Vec::new();
-        let mut guarantee_names = Vec::new();
-        for (side, names) in [(assumed, None), (guaranteed, Some(&mut guarantee_names))] {
-            let yes = pool.constant(1);
-            let mut list = |formulas: &[Formula], at_start: bool, at_step: bool| {
-                for formula in formulas {
-                    let shifted = pool.add(&formula.expr, &|_| Time::Next);
-                    start.push(if at_start { shifted } else { yes });
-                    step.push(if !at_step {
-                        yes
-                    } else if at_start {
-                        shifted
-                    } else {
-                        pool.add(&formula.expr, &|t| t)
-                    });
-                }
-            };
-            list(&side.initial, true, false);
-            list(&side.invariants, true, true);
-            list(&side.safety, false, true);
-            if let Some(names) = names {
-                let formulas = side.initial.iter().chain(&side.invariants);
-                let formulas = formulas.chain(&side.safety);
-                names.extend(formulas.map(|f| f.name.clone()));
-            }
-        }
-        for formula in assumed.justice.iter().chain(&guaranteed.justice) {
-            start.push(no);
-            step.push(pool.add(&formula.expr, &|t| t));
-        }
-        let start = contexts.place(&pool, start);
-        let step = contexts.place(&pool, step);
+        let rules = Rules::of(specification, &mut pool);
+        let start = contexts.place(&pool, rules.start);
+        let step = contexts.place(&pool, rules.step);
+        let assumptions = rules.counts[0];
         Ok(Self {
             specification,
             machine,
@@ -195,63 +144,15 @@ impl<'a> Check<'a> {
             outputs,
             contexts,
             legal,
-            assumptions: assumed.initial.len() + assumed.invariants.len() + assumed.safety.len(),
-            guarantee_names,
+            assumptions,
+            guarantee_names: rules.names[assumptions..].to_vec(),
             known: HashMap::new(),
-            start,
             step,
-            nodes: Vec::new(),
-            edges: Vec::new(),
-            labels: Vec::new(),
+            product: Product::new(start),
             pairs: 0,
             most_pairs: limits.most_nodes.unwrap_or(MOST_PAIRS).min(MOST_PAIRS),
             broken,
         })
-    }
-
-    /// What is wrong with the machine's form, if anything: its ports, its targets, its outputs, a Moore machine's outputs.
-    fn malformed(&self) -> Option<Clause> {
-        let machine = self.machine;
-        let same = |ports: &[super::Port], ids: &[VarId]| {
-            let variables = ids.iter().map(|v| self.specification.variable(*v));
-            ports.len() == ids.len()
-                && ports
-                    .iter()
-                    .zip(variables)
-                    .all(|(p, v)| p.name == v.name && p.domain == v.domain)
-        };
-        if !same(&machine.inputs, &self.inputs) || !same(&machine.outputs, &self.outputs) {
-            return Some(Clause::Ports);
-        }
-        if machine.timing != self.specification.timing {
-            return Some(Clause::Timing);
-        }
-        let lists = std::iter::once(&machine.initial).chain(&machine.states);
-        for transitions in lists {
-            for transition in transitions {
-                if transition.to >= machine.states.len() {
-                    return Some(Clause::Target);
-                }
-                if transition.output.len() != self.outputs.len() {
-                    return Some(Clause::Values);
-                }
-                for (port, value) in machine.outputs.iter().zip(&transition.output) {
-                    if !port.domain.contains(*value) {
-                        return Some(Clause::Domain(port.name.clone()));
-                    }
-                }
-                let tests = transition.guard.0.iter().flat_map(|c| &c.0);
-                if tests.into_iter().any(|t| t.input >= self.inputs.len()) {
-                    return Some(Clause::Guard);
-                }
-                if self.specification.timing == Timing::Moore
-                    && transition.output != transitions[0].output
-                {
-                    return Some(Clause::First);
-                }
-            }
-        }
-        None
     }
 
     fn context(&mut self, place: Place) -> Rc<Context> {
@@ -276,16 +177,8 @@ impl<'a> Check<'a> {
 
     /// Builds the product; gives the first violation of safety.
     fn explore(&mut self) -> Result<Option<Violation>, Limit> {
-        let mut numbers: HashMap<(usize, Place), usize> = HashMap::new();
-        let mut labels: HashMap<Vec<bool>, u32> = HashMap::new();
-        self.nodes.push(Node {
-            state: None,
-            context: self.start,
-            from: None,
-        });
-        let mut current = 0;
-        while current < self.nodes.len() {
-            let context = self.context(self.nodes[current].context);
+        while let Some(current) = self.product.next() {
+            let context = self.context(self.product.node(current).1);
             let mut edges: Vec<Edge> = Vec::new();
             let mut label = vec![false; context.justice.len()];
             let wrong = self.letters(current, &mut |check, transition, next| {
@@ -298,32 +191,16 @@ impl<'a> Check<'a> {
                 for (bit, id) in label.iter_mut().zip(&context.justice) {
                     *bit = check.pool.eval(*id, next) != 0;
                 }
-                let number = if let Some(number) = labels.get(&label) {
-                    *number
-                } else {
-                    let number = check.labels.len() as u32;
-                    check.labels.push(label.clone());
-                    labels.insert(label.clone(), number);
-                    number
-                };
                 let place = check.contexts.descend(&mut check.pool, check.step, next);
-                let fresh = check.nodes.len();
-                let to = *numbers.entry((transition.to, place)).or_insert(fresh);
-                if to == fresh {
-                    check.nodes.push(Node {
-                        state: Some(transition.to),
-                        context: place,
-                        from: Some((current, next.to_vec())),
-                    });
-                }
-                let edge = Edge { to, label: number };
+                let to = (transition.to, place);
+                let edge = check.product.edge(current, next, &label, to);
                 if edges.last() != Some(&edge) {
                     edges.push(edge);
                 }
                 None
             })?;
             if let Some((clause, next)) = wrong {
-                let mut trace = self.trace_to(current);
+                let mut trace = self.product.trace_to(current);
                 trace.push(next);
                 return Ok(Some(Violation {
                     clause,
@@ -331,8 +208,7 @@ impl<'a> Check<'a> {
                     repeats_from: None,
                 }));
             }
-            self.edges.push(distinct(edges));
-            current += 1;
+            self.product.close(edges);
         }
         Ok(None)
     }
@@ -346,26 +222,17 @@ impl<'a> Check<'a> {
         visit: &mut Visit<'_, 'a>,
     ) -> Result<Option<(Clause, Vec<i64>)>, Limit> {
         self.limits.check_time()?;
-        let context = self.context(self.nodes[node].context);
-        let transitions = self.machine.transitions(self.nodes[node].state);
-        let cubes = transitions.iter().enumerate().flat_map(|(t, transition)| {
-            let cubes = transition.guard.0.iter();
-            cubes.map(move |cube| (t, cube))
-        });
-        let next = self.specification.variables.iter();
-        let mut walk = Walk {
-            transitions,
-            candidates: vec![Vec::new(); self.inputs.len() + 1],
-            next: next.map(|v| v.domain.low()).collect(),
-        };
-        walk.candidates[0] = cubes.collect();
-        let broken = self.walk(&mut walk, 0, context.legal, visit)?;
-        Ok(broken.map(|clause| (clause, walk.next)))
+        let (state, context) = self.product.node(node);
+        let legal = self.context(context).legal;
+        let transitions = self.machine.transitions(state);
+        let mut letter = Letter::new(self.specification, transitions, self.inputs.len());
+        let broken = self.walk(&mut letter, 0, legal, visit)?;
+        Ok(broken.map(|clause| (clause, letter.next)))
     }
 
     fn walk(
         &mut self,
-        walk: &mut Walk<'a>,
+        letter: &mut Letter<'a>,
         depth: usize,
         place: Place,
         visit: &mut Visit<'_, 'a>,
@@ -374,45 +241,13 @@ impl<'a> Check<'a> {
             return Ok(None);
         }
         let Some(input) = self.inputs.get(depth).copied() else {
-            self.pairs += 1;
-            if self.pairs > self.most_pairs {
-                return Err(Limit::Size);
-            }
-            if self.pairs.is_multiple_of(1 << 16) {
-                self.limits.check_time()?;
-            }
-            let clause = match walk.candidates[depth][..] {
-                [(t, _)] => {
-                    let transition = &walk.transitions[t];
-                    for (v, value) in self.outputs.iter().zip(&transition.output) {
-                        walk.next[v.index()] = *value;
-                    }
-                    return Ok(visit(self, transition, &walk.next));
-                }
-                [] => Clause::Gap,
-                _ => Clause::Overlap,
-            };
-            // Nothing of the letter before.
-            for v in &self.outputs {
-                walk.next[v.index()] = self.specification.variable(*v).domain.low();
-            }
-            return Ok(Some(clause));
+            return self.leaf(letter, visit);
         };
         let domain = &self.specification.variable(input).domain;
         for value in domain.low()..=domain.high() {
-            walk.next[input.index()] = value;
-            let (before, after) = walk.candidates.split_at_mut(depth + 1);
-            after[0].clear();
-            after[0].extend(before[depth].iter().filter(|(_, cube)| {
-                let tests = cube.0.iter().filter(|t| t.input == depth);
-                tests.into_iter().all(|t| t.low <= value && value <= t.high)
-            }));
-            let below = if self.legal.question(place) == Some(depth) {
-                self.legal.answer(&mut self.pool, place, value)
-            } else {
-                place
-            };
-            let broken = self.walk(walk, depth + 1, below, visit)?;
+            letter.choose(depth, input, value);
+            let below = self.legal.follow(&mut self.pool, place, depth, value);
+            let broken = self.walk(letter, depth + 1, below, visit)?;
             if broken.is_some() {
                 return Ok(broken);
             }
@@ -420,28 +255,48 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// The valuations of the play by which a node was first reached.
-    fn trace_to(&self, mut node: usize) -> Vec<Vec<i64>> {
-        let mut trace = Vec::new();
-        while let Some((from, valuation)) = &self.nodes[node].from {
-            trace.push(valuation.clone());
-            node = *from;
+    /// Inputs that keep the assumptions.
+    fn leaf(
+        &mut self,
+        letter: &mut Letter<'a>,
+        visit: &mut Visit<'_, 'a>,
+    ) -> Result<Option<Clause>, Limit> {
+        self.pairs += 1;
+        if self.pairs > self.most_pairs {
+            return Err(Limit::Size);
         }
-        trace.reverse();
-        trace
+        if self.pairs.is_multiple_of(1 << 16) {
+            self.limits.check_time()?;
+        }
+        let clause = match letter.taken() {
+            Taken::One(transition) => {
+                for (v, value) in self.outputs.iter().zip(&transition.output) {
+                    letter.next[v.index()] = *value;
+                }
+                return Ok(visit(self, transition, &letter.next));
+            }
+            Taken::Nothing => Clause::Gap,
+            Taken::Several => Clause::Overlap,
+        };
+        // Nothing of the letter before.
+        for v in &self.outputs {
+            letter.next[v.index()] = self.specification.variable(*v).domain.low();
+        }
+        Ok(Some(clause))
     }
 
     /// Looks for a fair play that breaks a justice guarantee.
     fn justice(&mut self) -> Result<Result<(), Violation>, Limit> {
         let assumed = self.specification.assumptions.justice.len();
         for (j, formula) in self.specification.guarantees.justice.iter().enumerate() {
-            let bad = |label: u32| !self.labels[label as usize][assumed + j];
-            let fair = |label: u32, i: usize| self.labels[label as usize][i];
-            let Some(cycle) = fair::fair_cycle(&self.edges, assumed, &bad, &fair, self.limits)?
+            let product = &self.product;
+            let bad = |label: u32| !product.satisfies(label, assumed + j);
+            let fair = |label: u32, i: usize| product.satisfies(label, i);
+            let Some(cycle) = fair::fair_cycle(&product.edges, assumed, &bad, &fair, self.limits)?
             else {
                 continue;
             };
-            let mut trace = self.trace_to(cycle[0].0);
+            let mut trace = product.trace_to(cycle[0].0);
             let repeats_from = Some(trace.len());
             for (from, edge) in cycle {
                 trace.push(self.letter_of(from, edge)?);
@@ -457,14 +312,14 @@ impl<'a> Check<'a> {
 
     /// A valuation that takes the product along an edge.
     fn letter_of(&mut self, from: usize, edge: Edge) -> Result<Vec<i64>, Limit> {
-        let context = self.context(self.nodes[from].context);
-        let target = (self.nodes[edge.to].state, self.nodes[edge.to].context);
+        let context = self.context(self.product.node(from).1);
+        let target = self.product.node(edge.to);
         let found = self.letters(from, &mut |check, transition, next| {
             let place = check.contexts.descend(&mut check.pool, check.step, next);
-            let mut label = check.labels[edge.label as usize]
-                .iter()
-                .zip(&context.justice);
-            let same = label.all(|(bit, id)| *bit == (check.pool.eval(*id, next) != 0));
+            let mut justice = context.justice.iter().enumerate();
+            let same = justice.all(|(i, id)| {
+                check.product.satisfies(edge.label, i) == (check.pool.eval(*id, next) != 0)
+            });
             // Whatever is given stops the enumeration here.
             (same && target == (Some(transition.to), place)).then_some(Clause::Gap)
         })?;
@@ -474,11 +329,3 @@ impl<'a> Check<'a> {
 
 /// What is called for every letter: with the transition taken and the valuation of the step.
 type Visit<'v, 'a> = dyn FnMut(&mut Check<'a>, &Transition, &[i64]) -> Option<Clause> + 'v;
-
-/// The state of an enumeration of letters.
-struct Walk<'a> {
-    transitions: &'a [Transition],
-    /// By depth, the cubes that the inputs chosen so far satisfy.
-    candidates: Vec<Vec<(usize, &'a Cube)>>,
-    next: Vec<i64>,
-}

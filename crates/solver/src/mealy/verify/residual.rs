@@ -334,6 +334,15 @@ impl Tree {
         child
     }
 
+    /// Where the value of the variable at this place of the order leads: nowhere else, unless it is what is asked for.
+    pub fn follow(&mut self, pool: &mut Pool, place: Place, rank: usize, value: i64) -> Place {
+        if self.question(place) == Some(rank) {
+            self.answer(pool, place, value)
+        } else {
+            place
+        }
+    }
+
     /// Answers with the values of a valuation until nothing more is asked for. Keys are looked up by their variable.
     pub fn descend(&mut self, pool: &mut Pool, mut place: Place, values: &[i64]) -> Place {
         while let Some(question) = self.question(place) {

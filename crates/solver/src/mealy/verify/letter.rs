@@ -1,0 +1,73 @@
+//! A letter being chosen, variable by variable, and the transitions whose guards it may still satisfy.
+
+use crate::mealy::{Cube, Transition};
+use linewright_core::gr1::{Specification, VarId};
+
+/// A valuation of the next step, of which the first variables that guards ask for are chosen. The others have the smallest value of their
+/// domains.
+#[derive(Debug)]
+pub(super) struct Letter<'a> {
+    transitions: &'a [Transition],
+    /// By the number of chosen variables, the cubes that they satisfy, each with its transition.
+    candidates: Vec<Vec<(usize, &'a Cube)>>,
+    /// The valuation.
+    pub(super) next: Vec<i64>,
+}
+
+/// The transitions that a letter satisfies.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Taken<'a> {
+    /// This one.
+    One(&'a Transition),
+    /// None.
+    Nothing,
+    /// Several, or one by several of its cubes.
+    Several,
+}
+
+impl<'a> Letter<'a> {
+    /// Nothing is chosen yet, of so many variables.
+    pub(super) fn new(
+        specification: &Specification,
+        transitions: &'a [Transition],
+        variables: usize,
+    ) -> Self {
+        let cubes = transitions.iter().enumerate().flat_map(|(t, transition)| {
+            let cubes = transition.guard.0.iter();
+            cubes.map(move |cube| (t, cube))
+        });
+        let mut candidates = vec![Vec::new(); variables + 1];
+        candidates[0] = cubes.collect();
+        let low = specification.variables.iter().map(|v| v.domain.low());
+        Self {
+            transitions,
+            candidates,
+            next: low.collect(),
+        }
+    }
+
+    /// Chooses a value of the variable that comes after `chosen` others.
+    pub(super) fn choose(&mut self, chosen: usize, variable: VarId, value: i64) {
+        self.next[variable.index()] = value;
+        let (before, after) = self.candidates.split_at_mut(chosen + 1);
+        after[0].clear();
+        after[0].extend(before[chosen].iter().filter(|(_, cube)| {
+            let mut tests = cube.0.iter().filter(|t| t.input == chosen);
+            tests.all(|t| t.low <= value && value <= t.high)
+        }));
+    }
+
+    /// The cubes that the first `chosen` variables satisfy.
+    pub(super) fn candidates(&self, chosen: usize) -> &[(usize, &'a Cube)] {
+        &self.candidates[chosen]
+    }
+
+    /// The transition that is taken once all variables are chosen.
+    pub(super) fn taken(&self) -> Taken<'a> {
+        match self.candidates.last().map(Vec::as_slice) {
+            Some([(t, _)]) => Taken::One(&self.transitions[*t]),
+            Some([_, _, ..]) => Taken::Several,
+            _ => Taken::Nothing,
+        }
+    }
+}

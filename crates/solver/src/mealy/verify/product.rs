@@ -1,0 +1,114 @@
+//! The product that both checkers build, node by node: what is checked, with all that may play against it.
+
+use super::residual::Place;
+use std::collections::HashMap;
+
+/// A step of the product.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Edge {
+    pub(super) to: usize,
+    /// Which justice formulas the transition satisfies.
+    pub(super) label: u32,
+}
+
+/// A state of the product.
+#[derive(Debug)]
+struct Node {
+    /// `None` before step 0.
+    state: Option<usize>,
+    context: Place,
+    /// How it was first reached: from which node, with which valuation.
+    from: Option<(usize, Vec<i64>)>,
+}
+
+/// The nodes that were reached, and the steps between those that were looked at. Node 0 is where every play begins.
+#[derive(Debug)]
+pub(super) struct Product {
+    nodes: Vec<Node>,
+    numbers: HashMap<(usize, Place), usize>,
+    /// By node; of the first nodes only, as long as others have not been looked at.
+    pub(super) edges: Vec<Vec<Edge>>,
+    /// By number, whether each justice formula is satisfied.
+    pub(super) labels: Vec<Vec<bool>>,
+    label_numbers: HashMap<Vec<bool>, u32>,
+}
+
+impl Product {
+    /// The node where every play begins.
+    pub(super) fn new(start: Place) -> Self {
+        Self {
+            nodes: vec![Node {
+                state: None,
+                context: start,
+                from: None,
+            }],
+            numbers: HashMap::new(),
+            edges: Vec::new(),
+            labels: Vec::new(),
+            label_numbers: HashMap::new(),
+        }
+    }
+
+    /// The next node to be looked at; none once all have been.
+    pub(super) fn next(&self) -> Option<usize> {
+        let next = self.edges.len();
+        (next < self.nodes.len()).then_some(next)
+    }
+
+    /// Puts down the steps from the node that [`Self::next`] gave.
+    pub(super) fn close(&mut self, mut edges: Vec<Edge>) {
+        edges.sort_unstable();
+        edges.dedup();
+        self.edges.push(edges);
+    }
+
+    /// The state of a node, and what the formulas still say there.
+    pub(super) fn node(&self, node: usize) -> (Option<usize>, Place) {
+        let Node { state, context, .. } = self.nodes[node];
+        (state, context)
+    }
+
+    /// The step with this valuation and label from one node to a state and a context, whose node is made where there is none yet.
+    pub(super) fn edge(
+        &mut self,
+        from: usize,
+        valuation: &[i64],
+        label: &[bool],
+        (state, context): (usize, Place),
+    ) -> Edge {
+        let label = if let Some(number) = self.label_numbers.get(label) {
+            *number
+        } else {
+            let number = self.labels.len() as u32;
+            self.labels.push(label.to_vec());
+            self.label_numbers.insert(label.to_vec(), number);
+            number
+        };
+        let fresh = self.nodes.len();
+        let to = *self.numbers.entry((state, context)).or_insert(fresh);
+        if to == fresh {
+            self.nodes.push(Node {
+                state: Some(state),
+                context,
+                from: Some((from, valuation.to_vec())),
+            });
+        }
+        Edge { to, label }
+    }
+
+    /// Whether a label says that the justice formula at this place is satisfied.
+    pub(super) fn satisfies(&self, label: u32, place: usize) -> bool {
+        self.labels[label as usize][place]
+    }
+
+    /// The valuations of the play by which a node was first reached.
+    pub(super) fn trace_to(&self, mut node: usize) -> Vec<Vec<i64>> {
+        let mut trace = Vec::new();
+        while let Some((from, valuation)) = &self.nodes[node].from {
+            trace.push(valuation.clone());
+            node = *from;
+        }
+        trace.reverse();
+        trace
+    }
+}
