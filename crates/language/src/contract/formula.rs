@@ -78,7 +78,7 @@ pub(super) fn classify<'a>(
     label: &Label<'_>,
     side: &mut Side,
 ) {
-    e.origin = Origin {
+    e.memory.origin = Origin {
         name: label.name.clone(),
         requirement: label.requirement.clone(),
         span: formula.span,
@@ -116,8 +116,7 @@ pub(super) fn one_line(text: &str) -> String {
         rest = end.map_or("", |end| &comment[end..]);
     }
     words.push_str(rest);
-    let words: Vec<&str> = words.split_whitespace().collect();
-    words.join(" ")
+    words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// Adds what a formula says; whether its shape has a place in GR(1). One that has none is refused for all values of its quantifiers alike.
@@ -194,7 +193,7 @@ fn visit<'a>(
             true
         }
         _ => {
-            let finding = refusal::refusal(e, formula, place, &at.around, label);
+            let finding = refusal::refusal(&e.names, formula, place, &at.around, label);
             e.findings.push(finding);
             false
         }
@@ -251,7 +250,7 @@ fn leaf<'a>(
     // `always (next true -> P)` holds in every step that another one follows: a transition, and no invariant.
     let primed = expr.mentions_next() || place == Place::Always && speaks_of_next(formula);
     if place == Place::Top && primed {
-        let finding = refusal::without_always(e, formula, &at.around, label);
+        let finding = refusal::without_always(&e.names, formula, &at.around, label);
         e.findings.push(finding);
         return false;
     }
@@ -297,7 +296,7 @@ fn promise(
     side: &mut Side,
 ) {
     for obligation in obligations.unwrap_or_default() {
-        let parts = match &e.monitors {
+        let parts = match &e.memory.monitors {
             Some(monitors) if !label.guarantee && monitors.occur_in(&obligation.expr) => {
                 monitors.assumed(&obligation)
             }

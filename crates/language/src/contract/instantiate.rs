@@ -1,6 +1,6 @@
 //! From a contract's syntax tree and arguments to its specification.
 
-use super::elaborate::Elaborator;
+use super::elaborate::{Elaborator, Findings, fitted};
 use super::formula::{Label, classify};
 use super::scope::{self, Decl, Scope, double};
 use super::shape::measured;
@@ -38,7 +38,7 @@ pub(super) fn arguments<'a>(
                     known.collect::<Vec<_>>().join(", ")
                 ),
             };
-            caller.error_with(
+            caller.findings.error_with(
                 codes::ARGUMENT,
                 name.span,
                 format!("`{callee}` has no parameter `{}`", name.text),
@@ -57,7 +57,7 @@ pub(super) fn arguments<'a>(
             ast::DomainKind::Labels(labels) => {
                 Some(Type::Enum(labels.iter().map(|l| l.text.clone()).collect()))
             }
-            ast::DomainKind::Named(ty) => caller.types.get(&ty.text).cloned(),
+            ast::DomainKind::Named(ty) => caller.names.types.get(&ty.text).cloned(),
             _ => None,
         });
         if let Some(value) = caller.value(
@@ -88,7 +88,7 @@ pub(super) fn bind<'a>(
             continue;
         };
         if length.is_some() {
-            e.error_with(
+            e.findings.error_with(
                 codes::TYPE_MISMATCH,
                 p.domain.span,
                 "a parameter is a number, a truth value or a label",
@@ -109,9 +109,10 @@ pub(super) fn bind<'a>(
             }
         };
         let number = value
-            .and_then(|v| checked(e, p, &v, &ty, &domain, place))
+            .and_then(|v| checked(&mut e.findings, p, &v, &ty, &domain, place))
             .unwrap_or(domain.low());
-        e.constants
+        e.names
+            .constants
             .insert(p.name.text.clone(), Value::Scalar(Term::Int(number), ty));
         values.push((p.name.text.clone(), number));
     }
@@ -131,7 +132,7 @@ fn missing(parameter: &ast::Parameter, call: Option<Span>) -> Diagnostic {
 
 /// The value of a parameter, if it fits.
 fn checked(
-    e: &mut Elaborator<'_>,
+    findings: &mut Findings,
     parameter: &ast::Parameter,
     value: &Value,
     ty: &Type,
@@ -144,7 +145,7 @@ fn checked(
             if domain.contains(*i) {
                 return Some(*i);
             }
-            e.error_with(
+            findings.error_with(
                 codes::ARGUMENT,
                 place,
                 format!("{i} is outside the range of `{name}`"),
@@ -155,17 +156,17 @@ fn checked(
             term @ (Term::Int(_) | Term::Real(_)),
             found @ (Type::Number(_) | Type::Measured(_)),
         ) if found != ty && matches!(ty, Type::Measured(_)) => {
-            let term = e.fitted(place, (term.clone(), found.clone()), ty)?;
+            let term = fitted(place, (term.clone(), found.clone()), ty, findings)?;
             let value = Value::Scalar(term, ty.clone());
-            return checked(e, parameter, &value, ty, domain, place);
+            return checked(findings, parameter, &value, ty, domain, place);
         }
-        Value::Scalar(Term::Int(_) | Term::Real(_), found) if found != ty => e.error_with(
+        Value::Scalar(Term::Int(_) | Term::Real(_), found) if found != ty => findings.error_with(
             codes::ARGUMENT,
             place,
             format!("`{name}` is {}, not {}", ty.describe(), found.describe()),
             format!("its values are {}", domain.describe()),
         ),
-        _ => e.error_with(
+        _ => findings.error_with(
             codes::NOT_CONSTANT,
             place,
             format!("the value of `{name}` has to be known beforehand"),
@@ -203,8 +204,9 @@ pub(super) fn taxonomy_codes(
 
 /// The codes that a contract or machine states, looked up elsewhere.
 pub(super) fn stated_codes(header: &ast::Header) -> Vec<TaxonomyCode> {
-    let codes = header.codes.iter();
-    codes
+    header
+        .codes
+        .iter()
         .map(|c| TaxonomyCode {
             text: c.text.clone(),
             span: c.span,
@@ -222,10 +224,10 @@ pub(super) fn instantiate(
     findings: &mut Vec<Diagnostic>,
 ) -> Option<Contract> {
     let mut e = scope.elaborator();
-    e.next = true;
+    e.dialect.next = true;
     let arguments = bind(&mut e, &contract.header.parameters, given, call);
     let Some(arguments) = arguments else {
-        findings.append(&mut e.findings);
+        findings.append(&mut e.findings.list);
         return None;
     };
     let mut variables: Vec<Variable> = Vec::new();
@@ -237,7 +239,7 @@ pub(super) fn instantiate(
         .collect();
     declare(&mut e, contract, &mut variables, &mut places);
     let taken = places.keys().map(|name| (*name).to_owned());
-    e.monitors = Some(Monitors::new(VarId(variables.len() as u32), taken));
+    e.memory.monitors = Some(Monitors::new(VarId(variables.len() as u32), taken));
     let mut sides = [Side::default(), Side::default()];
     let mut counts = [0usize; 2];
     let mut rules: BTreeMap<&str, Span> = BTreeMap::new();
@@ -275,13 +277,13 @@ pub(super) fn instantiate(
         };
         classify(&mut e, expr, &label, &mut sides[side]);
     }
-    let broken = e.refused();
-    findings.append(&mut e.findings);
+    let broken = e.findings.refused();
+    findings.append(&mut e.findings.list);
     if broken {
         return None;
     }
     let [assumptions, mut guarantees] = sides;
-    if let Some(monitors) = &e.monitors {
+    if let Some(monitors) = &e.memory.monitors {
         monitors.define(&mut guarantees);
         variables.extend(monitors.variables().cloned());
     }
@@ -342,18 +344,19 @@ fn declare<'a>(
                         continue;
                     }
                     // A variable hides what has its name outside.
-                    e.constants.remove(&name.text);
-                    e.defines.remove(&name.text);
+                    e.names.hide(&name.text);
                     let Some(shape) = &shape else {
-                        e.broken.insert(name.text.clone());
+                        e.names.broken.insert(name.text.clone());
                         continue;
                     };
                     // A variable is a good deal more than a node to all later stages.
-                    if e.spend(name.span, 32 * shape.leaves()).is_none() {
+                    if e.expansion
+                        .spend(name.span, 32 * shape.leaves(), &mut e.findings)
+                        .is_none()
+                    {
                         continue;
                     }
                     let entry = shape.declare(name.text.clone(), &mut |leaf, domain, unit| {
-                        let id = VarId(variables.len() as u32);
                         variables.push(Variable {
                             name: leaf,
                             owner: if *ownership == Ownership::Input {
@@ -366,25 +369,21 @@ fn declare<'a>(
                             unit: unit.map(|u| u.name().to_owned()).unwrap_or_default(),
                             span: name.span,
                         });
-                        e.domains.push(Some(domain.clone()));
-                        if let Some(unit) = unit {
-                            e.measures.insert(id, unit);
-                        }
-                        id
+                        e.variables.add(domain.clone(), unit)
                     });
-                    e.variables.insert(name.text.clone(), entry);
+                    e.names.variables.insert(name.text.clone(), entry);
                 }
             }
             ContractItem::Counter(counter) if fresh(e, &counter.name) => {
                 let name = &counter.name.text;
-                e.constants.remove(name);
-                e.counters.insert(name.clone(), counter);
+                e.names.constants.remove(name);
+                e.names.counters.insert(name.clone(), counter);
             }
             ContractItem::Define(define) if fresh(e, &define.name) => {
-                e.findings.extend(scope::double_formals(define));
+                e.findings.list.extend(scope::double_formals(define));
                 let name = &define.name.text;
-                e.constants.remove(name);
-                e.defines.insert(name.clone(), define);
+                e.names.constants.remove(name);
+                e.names.defines.insert(name.clone(), define);
             }
             _ => {}
         }

@@ -21,7 +21,7 @@ pub(super) fn lower<'a>(
     if let (PatternKind::Absence(_) | PatternKind::Universality(_), Some(bound)) =
         (&pattern.kind, &pattern.bound)
     {
-        e.error_with(
+        e.findings.error_with(
             codes::PAST,
             bound.span,
             "`never` and `always` have no bound",
@@ -39,7 +39,7 @@ pub(super) fn lower<'a>(
         PatternKind::Precedence(s, p) => {
             let (first, then) = (e.state(s, "precedes"), e.state(p, "precedes"));
             if let Some(bound) = &pattern.bound {
-                e.error_with(
+                e.findings.error_with(
                     codes::PAST,
                     bound.span,
                     "`precedes` has no bound",
@@ -111,8 +111,8 @@ fn remember(
     scope: &Scope,
     origin: &Origin,
 ) -> Option<Vec<Obligation>> {
-    let monitors = e.monitors.as_mut()?;
+    let monitors = e.memory.monitors.as_mut()?;
     let obligations = monitors.pattern(pattern, scope, origin);
-    e.see_monitors();
+    e.variables.add_monitors(monitors);
     Some(obligations)
 }

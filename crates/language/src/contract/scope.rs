@@ -1,6 +1,6 @@
 //! What is in sight in a file: its own declarations and those of everything that it imports.
 
-use super::elaborate::{Elaborator, Outside};
+use super::elaborate::{Elaborator, Findings, Names, Outside, fitted_value};
 use super::shape::Shape;
 use super::units::Unit;
 use super::value::{Term, Type, Value};
@@ -84,31 +84,31 @@ impl<'a> Scope<'a> {
 
     /// Evaluates types and constants, each after those that it needs.
     pub fn settle(&mut self, findings: &mut Vec<Diagnostic>) {
-        let mut e = Elaborator::new();
+        let mut e = Elaborator::default();
         let types = self.types.iter().copied().map(Decl::Type);
         let constants = self.constants.iter().copied().map(Decl::Constant);
         let decls: Vec<_> = types.chain(constants).collect();
         settle(&mut e, &decls);
-        findings.append(&mut e.findings);
-        self.values = std::mem::take(&mut e.constants);
-        self.named_types = std::mem::take(&mut e.types);
-        self.shapes = std::mem::take(&mut e.shapes);
-        self.broken = std::mem::take(&mut e.broken);
+        findings.append(&mut e.findings.list);
+        self.values = std::mem::take(&mut e.names.constants);
+        self.named_types = std::mem::take(&mut e.names.types);
+        self.shapes = std::mem::take(&mut e.names.shapes);
+        self.broken = std::mem::take(&mut e.names.broken);
     }
 
     /// An elaborator with this scope's types and constants in sight.
     pub fn elaborator(&self) -> Elaborator<'a> {
-        let mut e = Elaborator::new();
-        e.constants.clone_from(&self.values);
-        e.types.clone_from(&self.named_types);
-        e.shapes.clone_from(&self.shapes);
-        e.defines.clone_from(&self.defines);
-        e.outside = Outside {
+        let mut names = Names::default();
+        names.constants.clone_from(&self.values);
+        names.types.clone_from(&self.named_types);
+        names.shapes.clone_from(&self.shapes);
+        names.defines.clone_from(&self.defines);
+        names.broken.clone_from(&self.broken);
+        names.outside = Outside {
             constants: self.values.clone(),
             defines: self.defines.clone(),
         };
-        e.broken.clone_from(&self.broken);
-        e
+        Elaborator::new(names)
     }
 }
 
@@ -211,8 +211,8 @@ pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
                     path.push((needed, 0));
                 } else if !finished[needed] {
                     let name = decls[needed].name();
-                    if e.broken.insert(name.text.clone()) {
-                        e.error_with(
+                    if e.names.broken.insert(name.text.clone()) {
+                        e.findings.error_with(
                             codes::NAME_DOUBLE,
                             name.span,
                             format!("`{}` is defined by itself", name.text),
@@ -224,7 +224,7 @@ pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
             }
             finished[at] = true;
             let name = decls[at].name();
-            if e.broken.contains(&name.text) {
+            if e.names.broken.contains(&name.text) {
                 continue;
             }
             let done = match decls[at] {
@@ -232,13 +232,13 @@ pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
                 Decl::Constant(d) => constant(e, d),
             };
             if done.is_none() {
-                e.broken.insert(name.text.clone());
-                e.constants.remove(&name.text);
+                e.names.broken.insert(name.text.clone());
+                e.names.constants.remove(&name.text);
             }
         }
     }
     // What is broken was reported here; what uses it from now on cannot be trusted.
-    e.tainted = false;
+    e.findings.tainted = false;
 }
 
 fn type_decl<'a>(e: &mut Elaborator<'a>, decl: &'a ast::TypeDecl) -> Option<()> {
@@ -249,18 +249,18 @@ fn type_decl<'a>(e: &mut Elaborator<'a>, decl: &'a ast::TypeDecl) -> Option<()> 
         }
         other => other,
     };
-    e.types.insert(decl.name.text.clone(), shape.ty());
-    e.shapes.insert(decl.name.text.clone(), shape);
+    e.names.types.insert(decl.name.text.clone(), shape.ty());
+    e.names.shapes.insert(decl.name.text.clone(), shape);
     Some(())
 }
 
 fn constant<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Option<()> {
     // With a type of its own it is counted in that type's unit.
-    let plant = decl.domain.is_none() && uses_units(e, &decl.value);
-    let real = std::mem::replace(&mut e.real, plant);
+    let plant = decl.domain.is_none() && uses_units(&e.names, &decl.value);
+    let real = std::mem::replace(&mut e.dialect.real, plant);
     let value = constant_value(e, decl);
-    e.real = real;
-    e.constants.insert(decl.name.text.clone(), value?);
+    e.dialect.real = real;
+    e.names.constants.insert(decl.name.text.clone(), value?);
     Some(())
 }
 
@@ -271,21 +271,21 @@ fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Optio
     let shape = e.shape(domain)?;
     let expected = shape.ty();
     let value = e.value(&decl.value, Some(&expected), Time::Now)?;
-    let value = e.fitted_value(decl.value.span, value, &expected)?;
-    within(e, decl, &shape, &value)?;
+    let value = fitted_value(decl.value.span, value, &expected, &mut e.findings)?;
+    within(&mut e.findings, decl, &shape, &value)?;
     Some(value)
 }
 
 /// Reports a value that is outside of its range.
 fn within(
-    e: &mut Elaborator<'_>,
+    findings: &mut Findings,
     decl: &ast::ConstDecl,
     shape: &Shape,
     value: &Value,
 ) -> Option<()> {
     match (shape, value) {
         (Shape::Scalar(domain, unit), Value::Scalar(Term::Int(i), _)) if !domain.contains(*i) => {
-            e.error_with(
+            findings.error_with(
                 codes::ARGUMENT,
                 decl.value.span,
                 format!(
@@ -297,28 +297,28 @@ fn within(
             );
             None
         }
-        (Shape::Array(of, _), Value::Array(values)) => {
-            values.iter().try_for_each(|v| within(e, decl, of, v))
-        }
+        (Shape::Array(of, _), Value::Array(values)) => values
+            .iter()
+            .try_for_each(|v| within(findings, decl, of, v)),
         (Shape::Record(shapes), Value::Record(members)) => shapes
             .iter()
             .zip(members)
-            .try_for_each(|((_, s), (_, v))| within(e, decl, s, v)),
+            .try_for_each(|((_, s), (_, v))| within(findings, decl, s, v)),
         _ => Some(()),
     }
 }
 
 /// Whether a constant is a quantity of the plant: a unit occurs in it, or another such constant.
-fn uses_units(e: &Elaborator<'_>, value: &ast::Expr) -> bool {
+fn uses_units(known: &Names<'_>, value: &ast::Expr) -> bool {
     match &value.kind {
         ast::ExprKind::Quantity(..) => true,
         ast::ExprKind::Path(names) => {
             let [name] = names.as_slice() else {
                 return false;
             };
-            e.constants.get(&name.text).is_some_and(Value::is_real)
+            known.constants.get(&name.text).is_some_and(Value::is_real)
         }
-        _ => value.children().iter().any(|c| uses_units(e, c)),
+        _ => value.children().iter().any(|c| uses_units(known, c)),
     }
 }
 

@@ -1,6 +1,8 @@
 //! Finite types.
 
-use super::{Elaborator, MAX_DOMAIN, MAX_EXPANSION, nearest};
+use super::expansion::MAX_EXPANSION;
+use super::units::fitted;
+use super::{Elaborator, nearest};
 use crate::contract::shape::Shape;
 use crate::contract::units::Unit;
 use crate::contract::value::{Term, Type};
@@ -9,6 +11,8 @@ use linewright_core::gr1::{Domain, Time};
 use linewright_syntax::ast::{self, ExprKind};
 use std::collections::BTreeSet;
 
+/// A domain has at most so many values.
+const MAX_DOMAIN: i64 = 1 << 20;
 /// A variable is made of at most so many scalars.
 const MAX_LEAVES: usize = 1 << 16;
 
@@ -17,7 +21,7 @@ impl<'a> Elaborator<'a> {
     pub fn domain(&mut self, domain: &'a ast::Domain) -> Option<(Domain, Option<usize>)> {
         let (base, unit, length) = self.measured_domain(domain)?;
         if let Some(unit) = unit {
-            self.error_with(
+            self.findings.error_with(
                 codes::TYPE_MISMATCH,
                 domain.span,
                 format!(
@@ -43,7 +47,7 @@ impl<'a> Elaborator<'a> {
                 _ => None,
             },
             Shape::Array(..) | Shape::Record(_) => {
-                self.error_with(
+                self.findings.error_with(
                     codes::TYPE_MISMATCH,
                     domain.span,
                     "records, and arrays of arrays, stand in contracts only",
@@ -61,7 +65,7 @@ impl<'a> Elaborator<'a> {
                 let mut labels: Vec<String> = Vec::new();
                 for name in names {
                     if labels.contains(&name.text) {
-                        self.error_with(
+                        self.findings.error_with(
                             codes::NAME_DOUBLE,
                             name.span,
                             format!("the label `{}` is there already", name.text),
@@ -79,7 +83,7 @@ impl<'a> Elaborator<'a> {
             ast::DomainKind::Array(length, of) => {
                 let length_value = self.constant_int(length)?;
                 if !(1..=MAX_EXPANSION).contains(&length_value) {
-                    self.error_with(
+                    self.findings.error_with(
                         codes::DOMAIN_EMPTY,
                         length.span,
                         format!("an array has 1 to {MAX_EXPANSION} elements, not {length_value}"),
@@ -90,7 +94,7 @@ impl<'a> Elaborator<'a> {
                 let of = self.shape(of)?;
                 let length = length_value as usize;
                 if of.leaves().saturating_mul(length) > MAX_LEAVES {
-                    self.error_with(
+                    self.findings.error_with(
                         codes::DOMAIN_EMPTY,
                         domain.span,
                         format!("this is made of more than {MAX_LEAVES} values"),
@@ -105,14 +109,15 @@ impl<'a> Elaborator<'a> {
                 Some(Shape::Scalar(Domain::Bool, None))
             }
             ast::DomainKind::Named(name) => {
-                if let Some(shape) = self.shapes.get(&name.text) {
+                if let Some(shape) = self.names.shapes.get(&name.text) {
                     return Some(shape.clone());
                 }
-                if self.broken.contains(&name.text) {
-                    self.tainted = true;
+                if self.names.broken.contains(&name.text) {
+                    self.findings.tainted = true;
                     return None;
                 }
                 let known: Vec<String> = self
+                    .names
                     .shapes
                     .keys()
                     .cloned()
@@ -126,7 +131,7 @@ impl<'a> Elaborator<'a> {
                         None => "declare it with `type`, or import the file that does".to_owned(),
                     }
                 };
-                self.error_with(
+                self.findings.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
                     format!("there is no type `{}`", name.text),
@@ -135,7 +140,7 @@ impl<'a> Elaborator<'a> {
                 None
             }
             ast::DomainKind::Unit(unit) => {
-                self.error_with(
+                self.findings.error_with(
                     codes::TYPE_MISMATCH,
                     domain.span,
                     format!("`{unit}` alone is a real number of the plant; a contract counts in whole numbers"),
@@ -163,7 +168,7 @@ impl<'a> Elaborator<'a> {
         let (l, h) = (self.bound_of(low, unit), self.bound_of(high, unit));
         let (low, high) = (l?, h?);
         if low > high {
-            self.error_with(
+            self.findings.error_with(
                 codes::DOMAIN_EMPTY,
                 domain.span,
                 format!("{low}..{high} is empty"),
@@ -172,7 +177,7 @@ impl<'a> Elaborator<'a> {
             return None;
         }
         if high.saturating_sub(low) >= MAX_DOMAIN {
-            self.error_with(
+            self.findings.error_with(
                 codes::DOMAIN_EMPTY,
                 domain.span,
                 format!("{low}..{high} has more than {MAX_DOMAIN} values"),
@@ -194,12 +199,17 @@ impl<'a> Elaborator<'a> {
             (Term::Real(x), Type::Number(d)) if *d == crate::contract::units::Dimension::None => {
                 unit.count(*x * unit.factor()).map(Term::Int)?
             }
-            _ => self.fitted(e.span, (term, ty), &Type::Measured(unit))?,
+            _ => fitted(
+                e.span,
+                (term, ty),
+                &Type::Measured(unit),
+                &mut self.findings,
+            )?,
         };
         if let Term::Int(i) = term {
             return Some(i);
         }
-        self.error_with(
+        self.findings.error_with(
             codes::NOT_CONSTANT,
             e.span,
             "this has to be known before the machine runs",
@@ -213,7 +223,7 @@ impl<'a> Elaborator<'a> {
         let mut shapes = Vec::with_capacity(members.len());
         for (name, domain) in members {
             if !seen.insert(&name.text) {
-                self.error_with(
+                self.findings.error_with(
                     codes::NAME_DOUBLE,
                     name.span,
                     format!("the record has a member `{}` already", name.text),

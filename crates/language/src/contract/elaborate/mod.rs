@@ -5,6 +5,10 @@
 //! enumeration in sight that has it.
 
 mod domains;
+mod expansion;
+mod findings;
+mod index;
+mod lookup;
 mod names;
 mod operators;
 mod past;
@@ -13,165 +17,81 @@ mod quantifiers;
 mod records;
 mod suspects;
 mod units;
+mod variables;
 
-use super::shape::{Entry, Shape};
-use super::units::Unit;
+pub(super) use expansion::MAX_EXPANSION;
+pub(super) use findings::Findings;
+pub(super) use linewright_core::diagnostics::nearest;
+pub(super) use names::{Names, Outside};
+pub(super) use units::{fitted, fitted_value};
+pub(super) use variables::VariableTable;
+
 use super::value::{Dimension, Term, Type, Value};
-pub(in crate::contract) use linewright_core::diagnostics::nearest;
-use linewright_core::diagnostics::{Code, Diagnostic, codes, has_errors};
+use expansion::{Expansion, MAX_FORMULA_DEPTH};
+use linewright_core::diagnostics::codes;
 use linewright_core::gr1::monitors::{Monitors, Origin};
-use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, UnaryOp, VarId};
+use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp};
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, ExprKind};
 use linewright_syntax::format;
-use std::collections::{BTreeMap, BTreeSet};
+use records::member;
+use units::aligned;
 
-/// Quantifiers and arrays expand to at most so many instances.
-pub(super) const MAX_EXPANSION: i64 = 4096;
-/// A domain has at most so many values.
-pub(super) const MAX_DOMAIN: i64 = 1 << 20;
-
-/// Expressions nest so deep at most, defines written out: later stages walk formulas by recursion.
-const MAX_NESTED: usize = 400;
-/// A formula's tree is at most so deep once arrays are written out.
-const MAX_FORMULA_DEPTH: usize = 600;
-/// What one contract or machine may cost to write out: nodes that are made, copied or looked at.
-const MAX_WORK: usize = 1_000_000;
-
-/// What stands outside of all contracts, for the defines that stand there, too.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Outside<'a> {
-    /// Constants.
-    pub constants: BTreeMap<String, Value>,
-    /// Defines.
-    pub defines: BTreeMap<String, &'a ast::Define>,
-}
-
-/// A property's unit, for reading it: its dimension and how many base units it is.
-pub(super) type UnitOf = (Dimension, f64);
-
-/// What names mean, and where findings go.
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "independent settings of one walk"
-)]
-pub(super) struct Elaborator<'a> {
-    /// Variables by name; dotted for a component's.
-    pub variables: BTreeMap<String, Entry>,
-    /// The domains of variables by id; `None` for real ones.
-    pub domains: Vec<Option<Domain>>,
-    /// The units of real variables by id.
-    pub units: BTreeMap<VarId, UnitOf>,
-    /// The units of whole-number variables by id.
-    pub measures: BTreeMap<VarId, Unit>,
-    /// Constants, parameters and quantified names.
-    pub constants: BTreeMap<String, Value>,
-    /// Named types in sight.
-    pub types: BTreeMap<String, Type>,
-    /// What the named types are made of.
-    pub shapes: BTreeMap<String, Shape>,
-    /// Defines by name.
-    pub defines: BTreeMap<String, &'a ast::Define>,
-    /// What a define of the file sees: what stands outside of all contracts.
-    pub outside: Outside<'a>,
+/// How expressions are understood.
+#[derive(Default)]
+pub(super) struct Dialect {
     /// Whether real numbers are understood: `/` is then the division of real numbers.
     pub real: bool,
     /// Whether next values are understood.
     pub next: bool,
+    /// The operator over other steps within which `next` has no meaning.
+    looking_back: Option<String>,
+}
+
+/// What earlier steps leave behind.
+#[derive(Default)]
+pub(super) struct Memory {
     /// What remembers earlier steps, in a contract.
     pub monitors: Option<Monitors>,
     /// The formula that is being resolved, for the monitors that it needs.
     pub origin: Origin,
-    /// Counters by name.
-    pub counters: BTreeMap<String, &'a ast::Counter>,
-    /// The operator over other steps within which `next` has no meaning.
-    looking_back: Option<String>,
-    /// What was found.
-    pub findings: Vec<Diagnostic>,
-    /// Names whose declaration was reported: their uses are not, ...
-    pub broken: BTreeSet<String>,
-    /// ... but nothing that used one can be trusted.
-    pub tainted: bool,
-    defining: Vec<String>,
-    /// Quantified names in sight, innermost last, with what each one hides.
-    bound: Vec<(String, Option<Value>)>,
-    expansions: i64,
-    nested: usize,
-    work: usize,
-    exhausted: bool,
-    /// The expression that all those at hand stand within, where it was asked for.
-    root: Option<Span>,
+}
+
+/// Gives expressions their meaning, and reports what has none.
+#[derive(Default)]
+pub(super) struct Elaborator<'a> {
+    /// What names mean.
+    pub names: Names<'a>,
+    /// Domains and units of variables.
+    pub variables: VariableTable,
+    /// How expressions are understood.
+    pub dialect: Dialect,
+    /// What earlier steps leave behind.
+    pub memory: Memory,
+    /// What is wrong.
+    pub findings: Findings,
+    /// How far defines, quantifiers and arrays were written out.
+    pub expansion: Expansion,
 }
 
 impl<'a> Elaborator<'a> {
-    pub fn new() -> Self {
+    /// An elaborator that sees these names.
+    pub fn new(names: Names<'a>) -> Self {
         Self {
-            variables: BTreeMap::new(),
-            domains: Vec::new(),
-            units: BTreeMap::new(),
-            constants: BTreeMap::new(),
-            types: BTreeMap::new(),
-            measures: BTreeMap::new(),
-            shapes: BTreeMap::new(),
-            defines: BTreeMap::new(),
-            outside: Outside::default(),
-            real: false,
-            next: false,
-            monitors: None,
-            origin: Origin::default(),
-            counters: BTreeMap::new(),
-            looking_back: None,
-            findings: Vec::new(),
-            broken: BTreeSet::new(),
-            tainted: false,
-            defining: Vec::new(),
-            bound: Vec::new(),
-            expansions: 0,
-            nested: 0,
-            work: 0,
-            exhausted: false,
-            root: None,
-        }
-    }
-
-    /// Whether something is wrong, here or with a name that was used.
-    pub fn refused(&self) -> bool {
-        self.tainted || has_errors(&self.findings)
-    }
-
-    /// Counts work; `None` and one finding where there is too much of it.
-    pub fn spend(&mut self, span: Span, amount: usize) -> Option<()> {
-        self.work = self.work.saturating_add(amount);
-        if self.work > MAX_WORK {
-            self.too_large(span);
-            return None;
-        }
-        Some(())
-    }
-
-    /// Reports that a formula grows too large, once.
-    pub fn too_large(&mut self, span: Span) {
-        self.tainted = true;
-        if !std::mem::replace(&mut self.exhausted, true) {
-            let span = self.root.filter(|_| self.nested > 0).unwrap_or(span);
-            self.error_with(
-                codes::TOO_LARGE,
-                span,
-                "this becomes too large once defines, quantifiers and arrays are written out",
-                "use smaller ranges and arrays, fewer nested quantifiers, or an internal variable that holds a value for reuse",
-            );
+            names,
+            ..Self::default()
         }
     }
 
     /// A term as a formula of whole numbers; reports what is none.
     pub fn formula(&mut self, term: &Term, span: Span) -> Option<Expr> {
         if term.depth() > MAX_FORMULA_DEPTH {
-            self.too_large(span);
+            self.expansion.too_large(span, &mut self.findings);
             return None;
         }
         let expr = term.to_expr();
         if expr.is_none() {
-            self.error_with(
+            self.findings.error_with(
                 codes::TYPE_MISMATCH,
                 span,
                 "whole numbers without units are counted here, and this is a quantity of the plant",
@@ -181,100 +101,12 @@ impl<'a> Elaborator<'a> {
         expr
     }
 
-    /// Does something with a quantified name in sight.
-    pub fn with_bound<T>(
-        &mut self,
-        name: &str,
-        value: Value,
-        run: impl FnOnce(&mut Self) -> T,
-    ) -> T {
-        let hidden = self.constants.insert(name.to_owned(), value);
-        self.bound.push((name.to_owned(), hidden));
-        let result = run(self);
-        if let Some((name, hidden)) = self.bound.pop() {
-            self.replace_constant(name, hidden);
-        }
-        result
-    }
-
-    fn replace_constant(&mut self, name: String, value: Option<Value>) -> Option<Value> {
-        match value {
-            Some(value) => self.constants.insert(name, value),
-            None => self.constants.remove(&name),
-        }
-    }
-
-    /// Does something with only what stands outside of all contracts in sight.
-    pub(super) fn outside<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
-        let variables = std::mem::take(&mut self.variables);
-        let counters = std::mem::take(&mut self.counters);
-        let outside = self.outside.clone();
-        let constants = std::mem::replace(&mut self.constants, outside.constants);
-        let defines = std::mem::replace(&mut self.defines, outside.defines);
-        let result = run(self);
-        self.variables = variables;
-        self.counters = counters;
-        self.constants = constants;
-        self.defines = defines;
-        result
-    }
-
-    /// Does something without the quantified names: a define means the same wherever it is used.
-    pub(super) fn unbound<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
-        let mut bound = std::mem::take(&mut self.bound);
-        for (name, value) in bound.iter_mut().rev() {
-            *value = self.replace_constant(name.clone(), value.take());
-        }
-        let result = run(self);
-        for (name, value) in &mut bound {
-            *value = self.replace_constant(name.clone(), value.take());
-        }
-        self.bound = bound;
-        result
-    }
-
-    /// Records an error. There is none without a next step.
-    pub fn error_with(
-        &mut self,
-        code: Code,
-        span: Span,
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) {
-        self.findings
-            .push(Diagnostic::error(code, span, message).with_help(help));
-    }
-
-    pub(in crate::contract) fn mismatch(&mut self, span: Span, expected: &str, found: &Type) {
-        let help = match found {
-            Type::Int | Type::Number(_) | Type::Measured(_) if expected != "a truth value" => {
-                "write a value of that kind, or give the declaration the other type"
-            }
-            Type::Array(..) if expected.starts_with("an array") => {
-                "give it as many elements, and of the same kind"
-            }
-            Type::Bool => "a truth value counts as a number with `if ... then 1 else 0`",
-            Type::Enum(_) => "a label is compared with `=`, `!=` or `in {...}`",
-            Type::Array(..) => "name one element with `[i]`, or quantify over `forall i in 0..n-1`",
-            Type::Record(_) => "name one member, such as `target.x`",
-            Type::Int | Type::Number(_) | Type::Measured(_) => {
-                "compare the number with something to get a truth value"
-            }
-        };
-        self.error_with(
-            codes::TYPE_MISMATCH,
-            span,
-            format!("expected {expected}, found {}", found.describe()),
-            help,
-        );
-    }
-
     /// A truth value over current (and, where allowed, next) values.
     pub fn boolean(&mut self, e: &'a ast::Expr, time: Time) -> Option<Term> {
         match self.value(e, Some(&Type::Bool), time)? {
             Value::Scalar(term, Type::Bool) => Some(term),
             other => {
-                self.mismatch(e.span, "a truth value", &other.ty());
+                self.findings.mismatch(e.span, "a truth value", &other.ty());
                 None
             }
         }
@@ -283,9 +115,12 @@ impl<'a> Elaborator<'a> {
     /// A scalar of a type.
     pub fn scalar(&mut self, e: &'a ast::Expr, expected: &Type) -> Option<Term> {
         match self.value(e, Some(expected), Time::Now)? {
-            Value::Scalar(term, found) => self.fitted(e.span, (term, found), expected),
+            Value::Scalar(term, found) => {
+                fitted(e.span, (term, found), expected, &mut self.findings)
+            }
             value => {
-                self.mismatch(e.span, &expected.describe(), &value.ty());
+                self.findings
+                    .mismatch(e.span, &expected.describe(), &value.ty());
                 None
             }
         }
@@ -299,7 +134,7 @@ impl<'a> Elaborator<'a> {
                 Some(x as i64)
             }
             Some(Value::Scalar(_, Type::Int)) => {
-                self.error_with(
+                self.findings.error_with(
                     codes::NOT_CONSTANT,
                     e.span,
                     "this has to be known before the machine runs",
@@ -308,7 +143,8 @@ impl<'a> Elaborator<'a> {
                 None
             }
             Some(other) => {
-                self.mismatch(e.span, "a whole number", &other.ty());
+                self.findings
+                    .mismatch(e.span, "a whole number", &other.ty());
                 None
             }
             None => None,
@@ -320,7 +156,7 @@ impl<'a> Elaborator<'a> {
         let term = self.quantity(e, dimension)?;
         let value = constant_real(&term);
         if value.is_none() {
-            self.error_with(
+            self.findings.error_with(
                 codes::NOT_CONSTANT,
                 e.span,
                 "this has to be known before the line runs",
@@ -340,7 +176,7 @@ impl<'a> Elaborator<'a> {
             }
             Type::Int | Type::Number(Dimension::None) if is_zero(&term) => Some(term),
             Type::Int | Type::Number(Dimension::None) => {
-                self.error_with(
+                self.findings.error_with(
                     codes::TYPE_MISMATCH,
                     e.span,
                     "a unit is missing",
@@ -349,7 +185,7 @@ impl<'a> Elaborator<'a> {
                 None
             }
             other => {
-                self.mismatch(e.span, dimension.word(), &other);
+                self.findings.mismatch(e.span, dimension.word(), &other);
                 None
             }
         }
@@ -362,24 +198,17 @@ impl<'a> Elaborator<'a> {
         expected: Option<&Type>,
         time: Time,
     ) -> Option<Value> {
-        self.spend(e.span, 1)?;
-        if self.nested == MAX_NESTED {
-            self.too_large(e.span);
-            return None;
-        }
-        if self.nested == 0 {
-            self.root = Some(e.span);
-        }
-        self.nested += 1;
+        self.expansion.spend(e.span, 1, &mut self.findings)?;
+        self.expansion.enter(e.span, &mut self.findings)?;
         let value = self.value_of(e, expected, time);
-        self.nested -= 1;
+        self.expansion.leave();
         value
     }
 
     fn value_of(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Value> {
         match &e.kind {
             ExprKind::Unknown => {
-                self.tainted = true;
+                self.findings.tainted = true;
                 None
             }
             ExprKind::Bool(b) => Some(Value::Scalar(Term::truth(*b), Type::Bool)),
@@ -388,9 +217,9 @@ impl<'a> Elaborator<'a> {
             ExprKind::Path(names) => self.path(e.span, names, expected, time),
             ExprKind::Index(base, index) => self.index(e.span, base, index, expected, time),
             ExprKind::Next(inner) => {
-                if let Some(word) = &self.looking_back {
+                if let Some(word) = &self.dialect.looking_back {
                     let message = format!("`next` stands within `{word}`");
-                    self.error_with(
+                    self.findings.error_with(
                         codes::NEXT_NESTED,
                         e.span,
                         message,
@@ -398,8 +227,8 @@ impl<'a> Elaborator<'a> {
                     );
                     return None;
                 }
-                if !self.next {
-                    self.error_with(
+                if !self.dialect.next {
+                    self.findings.error_with(
                         codes::NEXT_NESTED,
                         e.span,
                         "`next` has no meaning here",
@@ -408,7 +237,7 @@ impl<'a> Elaborator<'a> {
                     return None;
                 }
                 if time == Time::Next {
-                    self.error_with(
+                    self.findings.error_with(
                         codes::NEXT_NESTED,
                         e.span,
                         "`next` stands within `next`",
@@ -432,7 +261,7 @@ impl<'a> Elaborator<'a> {
             ExprKind::Neg(inner) => {
                 let (a, ty) = self.any_scalar(inner, expected, time)?;
                 if !ty.is_numeric() {
-                    self.mismatch(inner.span, "a number", &ty);
+                    self.findings.mismatch(inner.span, "a number", &ty);
                     return None;
                 }
                 let term = match a {
@@ -446,13 +275,13 @@ impl<'a> Elaborator<'a> {
             ExprKind::Quantifier(kind, name, domain, body) => {
                 self.quantifier(e.span, (*kind, expected), name, domain, body, time)
             }
-            ExprKind::Call(name, arguments) if self.defines.contains_key(&name.text) => {
+            ExprKind::Call(name, arguments) if self.names.defines.contains_key(&name.text) => {
                 self.predicate(e.span, name, arguments, expected, time)
             }
             ExprKind::Call(name, arguments) => self.call(e.span, name, arguments, time),
             ExprKind::Field(base, name) => {
                 let value = self.value(base, None, time)?;
-                self.member(base.span, value, name)
+                member(base.span, value, name, &mut self.findings)
             }
             ExprKind::Record(members) => self.record(e.span, members, expected, time),
             ExprKind::List(members) => {
@@ -471,7 +300,7 @@ impl<'a> Elaborator<'a> {
                     {
                         let found = v.ty();
                         let expected = first.map(|t| t.describe()).unwrap_or_default();
-                        self.mismatch(m.span, &expected, &found);
+                        self.findings.mismatch(m.span, &expected, &found);
                         return None;
                     }
                 }
@@ -479,17 +308,25 @@ impl<'a> Elaborator<'a> {
             }
             ExprKind::Member(of, members) => {
                 let (x, ty) = self.any_scalar(of, None, time)?;
-                self.spend(e.span, x.size().saturating_mul(members.len()))?;
+                self.expansion.spend(
+                    e.span,
+                    x.size().saturating_mul(members.len()),
+                    &mut self.findings,
+                )?;
                 let mut terms = Vec::new();
                 for m in members {
                     let (m_term, m_ty) = self.any_scalar(m, Some(&ty), time)?;
                     if !comparable(&ty, &m_ty) {
-                        self.mismatch(m.span, &ty.describe(), &m_ty);
+                        self.findings.mismatch(m.span, &ty.describe(), &m_ty);
                         return None;
                     }
                     let (x, m_term) = if ty.is_numeric() {
-                        let (x, m, _) =
-                            self.aligned(m.span, (x.clone(), ty.clone()), (m_term, m_ty))?;
+                        let (x, m, _) = aligned(
+                            m.span,
+                            (x.clone(), ty.clone()),
+                            (m_term, m_ty),
+                            &mut self.findings,
+                        )?;
                         (x, m)
                     } else {
                         (x.clone(), m_term)
@@ -509,9 +346,10 @@ impl<'a> Elaborator<'a> {
                 let x = self.number(x, time)?;
                 let low = self.number(low, time)?;
                 let high = self.number(high, time)?;
-                self.spend(e.span, x.0.size())?;
-                let (low, above, _) = self.aligned(e.span, low, x.clone())?;
-                let (below, high, _) = self.aligned(e.span, x, high)?;
+                self.expansion
+                    .spend(e.span, x.0.size(), &mut self.findings)?;
+                let (low, above, _) = aligned(e.span, low, x.clone(), &mut self.findings)?;
+                let (below, high, _) = aligned(e.span, x, high, &mut self.findings)?;
                 Some(Value::Scalar(
                     Term::binary(
                         BinaryOp::And,
@@ -532,7 +370,7 @@ impl<'a> Elaborator<'a> {
             ExprKind::Until(op, ..) => &format!("`{}`", op.word()),
             _ => "this pattern",
         };
-        let (message, help) = match self.defining.last() {
+        let (message, help) = match self.expansion.defining.last() {
             Some(name) => (
                 format!("{word} stands in the definition `{name}`, which is the condition of one step"),
                 format!(
@@ -545,7 +383,8 @@ impl<'a> Elaborator<'a> {
                 "give it an assumption or guarantee of its own, or look back with `once`, `since` and `previous`".to_owned(),
             ),
         };
-        self.error_with(codes::NOT_GR1, e.span, message, help);
+        self.findings
+            .error_with(codes::NOT_GR1, e.span, message, help);
     }
 
     /// A scalar of whatever type.
@@ -564,7 +403,8 @@ impl<'a> Elaborator<'a> {
                     "name one element with `[i]`, or quantify over `forall i in 0..n-1`"
                 };
                 let message = format!("this is {}", other.ty().describe());
-                self.error_with(codes::TYPE_MISMATCH, e.span, message, help);
+                self.findings
+                    .error_with(codes::TYPE_MISMATCH, e.span, message, help);
                 None
             }
         }
@@ -575,7 +415,7 @@ impl<'a> Elaborator<'a> {
         if ty.is_numeric() {
             Some((term, ty))
         } else {
-            self.mismatch(e.span, "a number", &ty);
+            self.findings.mismatch(e.span, "a number", &ty);
             None
         }
     }

@@ -1,12 +1,14 @@
 //! Operators: logic, equality, arithmetic, choice; dimensions and ranges.
 
-use super::{Elaborator, comparable, constant_real, is_zero};
+use super::findings::Findings;
+use super::units::{aligned, same_dimension};
+use super::{Elaborator, comparable, constant_real};
 use crate::contract::value::{Dimension, Term, Type, Value};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::interval::{Interval, Problem, interval};
 use linewright_core::gr1::{BinaryOp, Time, UnaryOp};
 use linewright_core::source::Span;
-use linewright_syntax::ast::{self, ExprKind};
+use linewright_syntax::ast;
 
 impl<'a> Elaborator<'a> {
     pub(super) fn operation(
@@ -59,7 +61,7 @@ impl<'a> Elaborator<'a> {
             }
             A::Lt | A::Le | A::Gt | A::Ge => {
                 let (x, y) = (self.number(a, time), self.number(b, time));
-                let (x, y, _) = self.aligned(span, x?, y?)?;
+                let (x, y, _) = aligned(span, x?, y?, &mut self.findings)?;
                 let term = Term::binary(compared(op), x, y);
                 self.compared(span, op.sign(), &term, a, b);
                 Some(Value::Scalar(term, Type::Bool))
@@ -78,7 +80,7 @@ impl<'a> Elaborator<'a> {
         b: &'a ast::Expr,
         time: Time,
     ) -> Option<(Value, Value)> {
-        if self.is_label(a) && !self.is_label(b) {
+        if self.names.is_label(a) && !self.names.is_label(b) {
             let right = self.value(b, None, time)?;
             let left = self.value(a, Some(&right.ty()), time)?;
             return Some((left, right));
@@ -89,33 +91,15 @@ impl<'a> Elaborator<'a> {
         Some((left?, right?))
     }
 
-    pub(super) fn is_label(&self, e: &ast::Expr) -> bool {
-        match &e.kind {
-            ExprKind::Path(names) => {
-                let [name] = names.as_slice() else {
-                    return false;
-                };
-                !self.variables.contains_key(&name.text)
-                    && !self.constants.contains_key(&name.text)
-                    && !self.defines.contains_key(&name.text)
-                    && !self.counters.contains_key(&name.text)
-            }
-            ExprKind::If(_, a, b) => self.is_label(a) && self.is_label(b),
-            ExprKind::List(members) => members.iter().all(|m| self.is_label(m)),
-            ExprKind::Index(base, _) => self.is_label(base),
-            _ => false,
-        }
-    }
-
     pub(super) fn equal(&mut self, span: Span, a: Value, b: Value) -> Option<Term> {
         match (a, b) {
             (Value::Scalar(a, at), Value::Scalar(b, bt)) => {
                 if !comparable(&at, &bt) {
-                    self.unequal(span, &at, &bt);
+                    unequal(span, &at, &bt, &mut self.findings);
                     return None;
                 }
                 let (a, b) = if at.is_numeric() {
-                    let (a, b, _) = self.aligned(span, (a, at), (b, bt))?;
+                    let (a, b, _) = aligned(span, (a, at), (b, bt), &mut self.findings)?;
                     (a, b)
                 } else {
                     (a, b)
@@ -135,7 +119,11 @@ impl<'a> Elaborator<'a> {
             }
             (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
                 let sizes = a.iter().chain(&b).map(Value::size);
-                self.spend(span, sizes.fold(0, usize::saturating_add))?;
+                self.expansion.spend(
+                    span,
+                    sizes.fold(0, usize::saturating_add),
+                    &mut self.findings,
+                )?;
                 let mut terms = Vec::with_capacity(a.len());
                 for (a, b) in a.into_iter().zip(b) {
                     terms.push(self.equal(span, a, b)?);
@@ -143,7 +131,8 @@ impl<'a> Elaborator<'a> {
                 Some(Term::fold(BinaryOp::And, terms, 1))
             }
             (Value::Array(a), b @ Value::Scalar(..)) => {
-                self.spend(span, b.size().saturating_mul(a.len()))?;
+                self.expansion
+                    .spend(span, b.size().saturating_mul(a.len()), &mut self.findings)?;
                 // An array equals a scalar when every element does: `h = 0`.
                 let mut terms = Vec::with_capacity(a.len());
                 for a in a {
@@ -152,65 +141,10 @@ impl<'a> Elaborator<'a> {
                 Some(Term::fold(BinaryOp::And, terms, 1))
             }
             (a, b) => {
-                self.unequal(span, &a.ty(), &b.ty());
+                unequal(span, &a.ty(), &b.ty(), &mut self.findings);
                 None
             }
         }
-    }
-
-    fn unequal(&mut self, span: Span, a: &Type, b: &Type) {
-        let help = match (a, b) {
-            (Type::Array(..), Type::Array(..)) => {
-                "compare arrays of one length, or single elements with `[i]`"
-            }
-            (Type::Record(_), _) | (_, Type::Record(_)) => {
-                "compare records with the same members, or single members"
-            }
-            (Type::Array(..), _) | (_, Type::Array(..)) => {
-                "name one element with `[i]`, or quantify over `forall i in 0..n-1`"
-            }
-            (Type::Bool, _) | (_, Type::Bool) => {
-                "a truth value stands alone or after `not`; put brackets around a comparison that is compared again"
-            }
-            _ => {
-                "both sides must be of one type; does another declaration hide the label that was meant? Then write `Type.label`"
-            }
-        };
-        self.error_with(
-            codes::TYPE_MISMATCH,
-            span,
-            format!("{} cannot equal {}", a.describe(), b.describe()),
-            help,
-        );
-    }
-
-    /// Adding and comparing needs one dimension; 0 fits every one.
-    pub(super) fn same_dimension(
-        &mut self,
-        span: Span,
-        at: &Type,
-        a: &Term,
-        bt: &Type,
-        b: &Term,
-    ) -> Option<Dimension> {
-        let of = |t: &Type| match t {
-            Type::Number(d) => *d,
-            _ => Dimension::None,
-        };
-        let (ad, bd) = (of(at), of(bt));
-        if ad == bd || is_zero(b) {
-            return Some(ad);
-        }
-        if is_zero(a) {
-            return Some(bd);
-        }
-        self.error_with(
-            codes::TYPE_MISMATCH,
-            span,
-            format!("{} does not go together with {}", ad.word(), bd.word()),
-            "give both sides the same kind of unit",
-        );
-        None
     }
 
     pub(super) fn arithmetic(
@@ -222,7 +156,9 @@ impl<'a> Elaborator<'a> {
         b_span: Span,
     ) -> Option<Value> {
         use ast::BinaryOp as A;
-        if !self.real && (at.dimension() != Dimension::None || bt.dimension() != Dimension::None) {
+        if !self.dialect.real
+            && (at.dimension() != Dimension::None || bt.dimension() != Dimension::None)
+        {
             return self.measured_arithmetic(span, op, (a, at), (b, bt), b_span);
         }
         let of = |t: &Type| match t {
@@ -230,7 +166,9 @@ impl<'a> Elaborator<'a> {
             _ => Dimension::None,
         };
         let dimension = match op {
-            A::Add | A::Sub | A::Mod => self.same_dimension(span, &at, &a, &bt, &b)?,
+            A::Add | A::Sub | A::Mod => {
+                same_dimension(span, (&a, &at), (&b, &bt), &mut self.findings)?
+            }
             A::Mul | A::Div => {
                 let (x, y) = (of(&at), of(&bt));
                 let known = if op == A::Mul { x.times(y) } else { x.over(y) };
@@ -240,7 +178,7 @@ impl<'a> Elaborator<'a> {
                     } else {
                         "divided"
                     };
-                    self.error_with(
+                    self.findings.error_with(
                         codes::TYPE_MISMATCH,
                         span,
                         format!("{} cannot be {word} by {}", x.word(), y.word()),
@@ -260,7 +198,7 @@ impl<'a> Elaborator<'a> {
             A::Div => BinaryOp::Div,
             _ => BinaryOp::Mod,
         };
-        if self.real {
+        if self.dialect.real {
             let exact = int && op != BinaryOp::Div;
             let ty = if exact {
                 Type::Int
@@ -281,7 +219,7 @@ impl<'a> Elaborator<'a> {
             return Some(Value::Scalar(term, ty));
         }
         if matches!(op, BinaryOp::Div | BinaryOp::Mod) && self.range_of(&b, b_span)?.contains(0) {
-            self.error_with(
+            self.findings.error_with(
                 codes::DIVISION,
                 b_span,
                 "this divisor can be 0",
@@ -311,14 +249,14 @@ impl<'a> Elaborator<'a> {
             && !counted(&bt)
         {
             // Quantities of the file, not yet counted in a unit.
-            let real = std::mem::replace(&mut self.real, true);
+            let real = std::mem::replace(&mut self.dialect.real, true);
             let value = self.arithmetic(span, op, (a, at), (b, bt), b_span);
-            self.real = real;
+            self.dialect.real = real;
             return value;
         }
         let (op, a, b, ty) = match op {
             A::Add | A::Sub | A::Mod | A::Div if at.dimension() == bt.dimension() => {
-                let (a, b, ty) = self.aligned(span, (a, at), (b, bt))?;
+                let (a, b, ty) = aligned(span, (a, at), (b, bt), &mut self.findings)?;
                 match op {
                     A::Add => (BinaryOp::Add, a, b, ty),
                     A::Sub => (BinaryOp::Sub, a, b, ty),
@@ -327,7 +265,7 @@ impl<'a> Elaborator<'a> {
                 }
             }
             A::Add | A::Sub | A::Mod => {
-                let (a, b, ty) = self.aligned(span, (a, at), (b, bt))?;
+                let (a, b, ty) = aligned(span, (a, at), (b, bt), &mut self.findings)?;
                 let op = match op {
                     A::Add => BinaryOp::Add,
                     A::Sub => BinaryOp::Sub,
@@ -344,7 +282,7 @@ impl<'a> Elaborator<'a> {
                 } else {
                     "divided"
                 };
-                self.error_with(
+                self.findings.error_with(
                     codes::TYPE_MISMATCH,
                     span,
                     format!("{} cannot be {word} by {}", at.describe(), bt.describe()),
@@ -354,7 +292,7 @@ impl<'a> Elaborator<'a> {
             }
         };
         if matches!(op, BinaryOp::Div | BinaryOp::Mod) && self.range_of(&b, b_span)?.contains(0) {
-            self.error_with(
+            self.findings.error_with(
                 codes::DIVISION,
                 b_span,
                 "this divisor can be 0",
@@ -369,12 +307,12 @@ impl<'a> Elaborator<'a> {
 
     /// The interval of a whole number; reports what leaves the arithmetic's limits.
     pub fn range_of(&mut self, term: &Term, span: Span) -> Option<Interval> {
-        if self.real {
+        if self.dialect.real {
             // Plant expressions are not bounded; only constant indices are asked for here.
             return if let Term::Int(i) = term {
                 Some(Interval { low: *i, high: *i })
             } else {
-                self.error_with(
+                self.findings.error_with(
                     codes::NOT_CONSTANT,
                     span,
                     "the index has to be known before the line runs",
@@ -383,17 +321,14 @@ impl<'a> Elaborator<'a> {
                 None
             };
         }
-        self.spend(span, term.size())?;
+        self.expansion
+            .spend(span, term.size(), &mut self.findings)?;
         let expr = term.to_expr()?;
-        let result = interval(&expr, &|v| {
-            self.domains[v.index()]
-                .as_ref()
-                .map_or(Interval::BOOL, Interval::of)
-        });
+        let result = interval(&expr, &|v| self.variables.interval(v));
         match result {
             Ok(range) => Some(range),
             Err(Problem::TooLarge) => {
-                self.error_with(
+                self.findings.error_with(
                     codes::NUMBER_RANGE,
                     span,
                     "this can grow beyond 2^62",
@@ -402,7 +337,7 @@ impl<'a> Elaborator<'a> {
                 None
             }
             Err(Problem::DivisorZero) => {
-                self.error_with(
+                self.findings.error_with(
                     codes::DIVISION,
                     span,
                     "a divisor can be 0",
@@ -442,4 +377,31 @@ fn compared(op: ast::BinaryOp) -> BinaryOp {
         ast::BinaryOp::Gt => BinaryOp::Gt,
         _ => BinaryOp::Ge,
     }
+}
+
+/// Reports an equality of two types that have no value in common.
+fn unequal(span: Span, a: &Type, b: &Type, findings: &mut Findings) {
+    let help = match (a, b) {
+        (Type::Array(..), Type::Array(..)) => {
+            "compare arrays of one length, or single elements with `[i]`"
+        }
+        (Type::Record(_), _) | (_, Type::Record(_)) => {
+            "compare records with the same members, or single members"
+        }
+        (Type::Array(..), _) | (_, Type::Array(..)) => {
+            "name one element with `[i]`, or quantify over `forall i in 0..n-1`"
+        }
+        (Type::Bool, _) | (_, Type::Bool) => {
+            "a truth value stands alone or after `not`; put brackets around a comparison that is compared again"
+        }
+        _ => {
+            "both sides must be of one type; does another declaration hide the label that was meant? Then write `Type.label`"
+        }
+    };
+    findings.error_with(
+        codes::TYPE_MISMATCH,
+        span,
+        format!("{} cannot equal {}", a.describe(), b.describe()),
+        help,
+    );
 }

@@ -27,7 +27,7 @@ impl<'a> Elaborator<'a> {
             None => None,
         };
         if let (PastOp::Previous, Some(bound)) = (op, bound) {
-            self.error_with(
+            self.findings.error_with(
                 codes::TYPE_MISMATCH,
                 bound.span,
                 "`previous` looks back one step, and has no bound",
@@ -66,7 +66,7 @@ impl<'a> Elaborator<'a> {
         let high = match (&domain, length) {
             (Domain::Range { low: 0, high }, None) if (1..=MAX_STEPS).contains(high) => *high,
             _ => {
-                self.error_with(
+                self.findings.error_with(
                     codes::DOMAIN_EMPTY,
                     counter.domain.span,
                     format!("a counter counts from 0 up to a number of at most {MAX_STEPS}"),
@@ -95,11 +95,11 @@ impl<'a> Elaborator<'a> {
 
     /// A condition on the values of one step, for an operator that looks at other steps itself.
     pub(in crate::contract) fn state(&mut self, e: &'a ast::Expr, word: &str) -> Option<Expr> {
-        let allowed = std::mem::replace(&mut self.next, false);
-        let speaks = self.looking_back.replace(word.to_owned());
+        let allowed = std::mem::replace(&mut self.dialect.next, false);
+        let speaks = self.dialect.looking_back.replace(word.to_owned());
         let term = self.boolean(e, Time::Now);
-        self.next = allowed;
-        self.looking_back = speaks;
+        self.dialect.next = allowed;
+        self.dialect.looking_back = speaks;
         let term = term?;
         self.formula(&term, e.span)
     }
@@ -110,26 +110,13 @@ impl<'a> Elaborator<'a> {
         if (1..=MAX_STEPS).contains(&steps) {
             return Some(steps as u32);
         }
-        self.error_with(
+        self.findings.error_with(
             codes::NUMBER_RANGE,
             bound.span,
             format!("a bound is a number of steps from 1 to {MAX_STEPS}"),
             "write for instance `within 5 steps`",
         );
         None
-    }
-
-    /// Takes note of the domains of monitors that were made since.
-    pub(in crate::contract) fn see_monitors(&mut self) {
-        let Some(monitors) = &self.monitors else {
-            return;
-        };
-        let made = monitors.made();
-        let first = made.first().map_or(0, |m| m.id.index());
-        let seen = self.domains.len().saturating_sub(first).min(made.len());
-        let unseen = made[seen..].iter();
-        self.domains
-            .extend(unseen.map(|m| Some(m.variable.domain.clone())));
     }
 
     /// What monitors give, as a value of this step or of the next one.
@@ -139,8 +126,8 @@ impl<'a> Elaborator<'a> {
         time: Time,
         make: impl FnOnce(&mut Monitors, &Origin) -> Expr,
     ) -> Option<Value> {
-        let Some(monitors) = &mut self.monitors else {
-            self.error_with(
+        let Some(monitors) = &mut self.memory.monitors else {
+            self.findings.error_with(
                 codes::PAST,
                 span,
                 "nothing can be remembered here",
@@ -150,16 +137,17 @@ impl<'a> Elaborator<'a> {
         };
         let origin = Origin {
             span,
-            ..self.origin.clone()
+            ..self.memory.origin.clone()
         };
         let now = make(monitors, &origin);
         let value = match time {
             Time::Now => now,
             Time::Next => monitors.one_step_later(&now),
         };
-        self.see_monitors();
+        self.variables.add_monitors(monitors);
         let term = Term::from_expr(&value);
-        self.spend(span, term.size())?;
+        self.expansion
+            .spend(span, term.size(), &mut self.findings)?;
         Some(Value::Scalar(term, Type::Bool))
     }
 }

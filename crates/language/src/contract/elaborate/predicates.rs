@@ -3,7 +3,8 @@
 //! A define means the same wherever it is used. So it sees its own parameters and what stands around it, never what is quantified
 //! where it is called; and one that stands outside of all contracts sees nothing of the contract that calls it.
 
-use super::{Elaborator, Entry};
+use super::Elaborator;
+use super::units::fitted_value;
 use crate::contract::value::{Term, Type, Value};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{Expr, Time};
@@ -25,7 +26,7 @@ impl<'a> Elaborator<'a> {
                 .iter()
                 .map(|f| f.name.text.as_str())
                 .collect();
-            self.error_with(
+            self.findings.error_with(
                 codes::ARGUMENT,
                 span,
                 format!(
@@ -48,7 +49,7 @@ impl<'a> Elaborator<'a> {
         expected: Option<&Type>,
         time: Time,
     ) -> Option<Value> {
-        let define = self.defines.get(&name.text).copied()?;
+        let define = self.names.defines.get(&name.text).copied()?;
         let formals = &define.formals;
         if formals.len() != arguments.len() {
             let names: Vec<&str> = formals.iter().map(|f| f.name.text.as_str()).collect();
@@ -57,7 +58,7 @@ impl<'a> Elaborator<'a> {
             } else {
                 format!("write `{}({})`", name.text, names.join(", "))
             };
-            self.error_with(
+            self.findings.error_with(
                 codes::ARGUMENT,
                 span,
                 format!(
@@ -95,7 +96,7 @@ impl<'a> Elaborator<'a> {
             self.later(argument.span, value.clone())?;
         }
         match wanted {
-            Some(ty) => self.fitted_value(argument.span, value, &ty),
+            Some(ty) => fitted_value(argument.span, value, &ty, &mut self.findings),
             None => Some(value),
         }
     }
@@ -109,8 +110,8 @@ impl<'a> Elaborator<'a> {
         time: Time,
     ) -> Option<Value> {
         let name = &define.name.text;
-        if self.defining.contains(name) {
-            self.error_with(
+        if self.expansion.defining.contains(name) {
+            self.findings.error_with(
                 codes::NAME_DOUBLE,
                 span,
                 format!("`{name}` is defined by itself"),
@@ -118,8 +119,9 @@ impl<'a> Elaborator<'a> {
             );
             return None;
         }
-        self.defining.push(name.clone());
+        self.expansion.defining.push(name.clone());
         let outer = self
+            .names
             .outside
             .defines
             .get(name)
@@ -127,26 +129,23 @@ impl<'a> Elaborator<'a> {
         let body = |e: &mut Self| {
             let names = define.formals.iter().map(|f| f.name.text.clone());
             for (name, value) in names.zip(values) {
-                let hidden = e.constants.insert(name.clone(), value);
-                e.bound.push((name, hidden));
+                e.names.bind(name, value);
             }
             let value = e.value(&define.value, expected, time);
             for _ in &define.formals {
-                if let Some((name, hidden)) = e.bound.pop() {
-                    e.replace_constant(name, hidden);
-                }
+                e.names.unbind();
             }
             value
         };
         let value = self.unbound(|e| if outer { e.outside(body) } else { body(e) });
-        self.defining.pop();
+        self.expansion.defining.pop();
         value
     }
 
     /// A bound value, one step later.
     pub(super) fn later(&mut self, span: Span, value: Value) -> Option<Value> {
         let mut twice = false;
-        let monitors = self.monitors.as_ref();
+        let monitors = self.memory.monitors.as_ref();
         let value = value.map(&mut |term, ty| {
             if !term.is_variable() {
                 return Some((term, ty));
@@ -163,7 +162,7 @@ impl<'a> Elaborator<'a> {
             Some((Term::from_expr(&next), ty))
         });
         if twice {
-            self.error_with(
+            self.findings.error_with(
                 codes::NEXT_NESTED,
                 span,
                 "`next` stands within `next`",
@@ -174,13 +173,20 @@ impl<'a> Elaborator<'a> {
         value
     }
 
-    /// The values of an array's indices, if the name is that of an array.
-    pub(super) fn indices(&self, name: &str) -> Option<usize> {
-        match (self.constants.get(name), self.variables.get(name)) {
-            (Some(Value::Array(values)), _) => Some(values.len()),
-            (None, Some(Entry::Many(list))) => Some(list.len()),
-            _ => None,
-        }
+    /// Does something without the quantified names: a define means the same wherever it is used.
+    pub(super) fn unbound<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+        let bound = self.names.hide_bound();
+        let result = run(self);
+        self.names.show_bound(bound);
+        result
+    }
+
+    /// Does something with only what stands outside of all contracts in sight.
+    fn outside<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+        let inside = self.names.hide_inside();
+        let result = run(self);
+        self.names.show_inside(inside);
+        result
     }
 }
 

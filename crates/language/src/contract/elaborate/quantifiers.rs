@@ -1,7 +1,9 @@
 //! Quantifiers, written out, and functions.
 
 use super::domains::unit_in;
-use super::{Elaborator, MAX_EXPANSION, nearest};
+use super::expansion::MAX_EXPANSION;
+use super::units::aligned;
+use super::{Elaborator, nearest};
 use crate::contract::shape::measured;
 use crate::contract::value::{Dimension, Rounding, Term, Type, Value};
 use linewright_core::diagnostics::codes;
@@ -18,7 +20,7 @@ impl<'a> Elaborator<'a> {
         {
             let (low, high) = (self.constant_int(low)?, self.constant_int(high)?);
             if high.saturating_sub(low) >= MAX_EXPANSION {
-                self.error_with(
+                self.findings.error_with(
                     codes::DOMAIN_EMPTY,
                     domain.span,
                     format!("more than {MAX_EXPANSION} values"),
@@ -32,16 +34,15 @@ impl<'a> Elaborator<'a> {
         } else if let ast::DomainKind::Named(ast::Name { text: name, .. })
         // An array may be called like a unit: `h`.
         | ast::DomainKind::Unit(name) = &domain.kind
-            && let Some(length) = self.indices(name)
+            && let Some(length) = self.names.length(name)
         {
-            let indices = 0..length as i64;
-            indices
+            (0..length as i64)
                 .map(|i| Value::Scalar(Term::Int(i), Type::Int))
                 .collect()
         } else {
             let (base, unit, length) = self.measured_domain(domain)?;
             if length.is_some() || base.size() as i64 > MAX_EXPANSION {
-                self.error_with(
+                self.findings.error_with(
                     codes::DOMAIN_EMPTY,
                     domain.span,
                     "a quantifier ranges over numbers, labels or truth values",
@@ -53,12 +54,22 @@ impl<'a> Elaborator<'a> {
                 .map(|i| Value::Scalar(Term::Int(i), measured(&base, unit)))
                 .collect()
         };
-        self.expansions += values.len() as i64;
-        if self.expansions > MAX_EXPANSION * 64 {
-            self.too_large(domain.span);
-            return None;
-        }
+        self.expansion
+            .instantiate(domain.span, values.len(), &mut self.findings)?;
         Some(values)
+    }
+
+    /// Does something with a quantified name in sight.
+    pub fn with_bound<T>(
+        &mut self,
+        name: &str,
+        value: Value,
+        run: impl FnOnce(&mut Self) -> T,
+    ) -> T {
+        self.names.bind(name.to_owned(), value);
+        let result = run(self);
+        self.names.unbind();
+        result
     }
 
     pub(super) fn quantifier(
@@ -118,7 +129,9 @@ impl<'a> Elaborator<'a> {
                 real.unwrap_or(Type::Int),
             ),
         };
-        if let (Value::Scalar(term, Type::Int | Type::Measured(_)), false) = (&value, self.real) {
+        if let (Value::Scalar(term, Type::Int | Type::Measured(_)), false) =
+            (&value, self.dialect.real)
+        {
             self.range_of(term, span)?;
         }
         Some(value)
@@ -138,7 +151,7 @@ impl<'a> Elaborator<'a> {
             "min" | "max" | "abs" => None,
             other => {
                 let functions = ["min", "max", "abs", "floor", "ceil", "round"];
-                let known = self.defines.keys().map(String::as_str);
+                let known = self.names.defines.keys().map(String::as_str);
                 let help = match nearest(other, known.chain(functions)) {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => {
@@ -146,7 +159,7 @@ impl<'a> Elaborator<'a> {
                             .to_owned()
                     }
                 };
-                self.error_with(
+                self.findings.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
                     format!("there is no function `{other}`"),
@@ -161,7 +174,7 @@ impl<'a> Elaborator<'a> {
         }
         let values: Vec<(Term, Type)> = values.into_iter().collect::<Option<_>>()?;
         if (name.text == "abs" || rounding.is_some()) && values.len() != 1 {
-            self.error_with(
+            self.findings.error_with(
                 codes::ARGUMENT,
                 span,
                 format!("`{}` takes one argument", name.text),
@@ -170,8 +183,8 @@ impl<'a> Elaborator<'a> {
             return None;
         }
         if let Some(rounding) = rounding {
-            if !self.real {
-                self.error_with(
+            if !self.dialect.real {
+                self.findings.error_with(
                     codes::TYPE_MISMATCH,
                     span,
                     format!("`{}` has no meaning in a contract", name.text),
@@ -196,7 +209,7 @@ impl<'a> Elaborator<'a> {
             return Some(Value::Scalar(Term::unary(UnaryOp::Abs, term), ty));
         }
         for (next, next_ty) in values {
-            let (a, b, common) = self.aligned(span, (term, ty), (next, next_ty))?;
+            let (a, b, common) = aligned(span, (term, ty), (next, next_ty), &mut self.findings)?;
             ty = common;
             term = Term::binary(op, a, b);
         }

@@ -1,7 +1,8 @@
 //! Records, and arrays of what is no scalar: members, literals, choices.
 
+use super::findings::Findings;
+use super::units::aligned;
 use super::{Elaborator, comparable, nearest};
-use crate::contract::shape::Entry;
 use crate::contract::value::{Term, Type, Value};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::Time;
@@ -9,48 +10,6 @@ use linewright_core::source::Span;
 use linewright_syntax::ast;
 
 impl<'a> Elaborator<'a> {
-    /// A variable's value, of whatever shape.
-    pub(super) fn entry(&self, entry: &Entry, time: Time) -> Value {
-        match entry {
-            Entry::One(id) => self.variable(*id, time),
-            Entry::Many(list) => Value::Array(list.iter().map(|e| self.entry(e, time)).collect()),
-            Entry::Record(members) => Value::Record(
-                members
-                    .iter()
-                    .map(|(name, e)| (name.clone(), self.entry(e, time)))
-                    .collect(),
-            ),
-        }
-    }
-
-    /// A member of a record.
-    pub(super) fn member(&mut self, span: Span, value: Value, name: &ast::Name) -> Option<Value> {
-        let Value::Record(members) = value else {
-            self.error_with(
-                codes::TYPE_MISMATCH,
-                span,
-                format!("this is {}, and has no members", value.ty().describe()),
-                "leave the member out, or declare it as `record {...}`",
-            );
-            return None;
-        };
-        let known: Vec<String> = members.iter().map(|(n, _)| n.clone()).collect();
-        let found = members.into_iter().find(|(n, _)| *n == name.text);
-        if found.is_none() {
-            let help = match nearest(&name.text, known.iter().map(String::as_str)) {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => format!("its members are {}", known.join(", ")),
-            };
-            self.error_with(
-                codes::NAME_UNKNOWN,
-                name.span,
-                format!("the record has no member `{}`", name.text),
-                help,
-            );
-        }
-        found.map(|(_, v)| v)
-    }
-
     /// `{x = 0, y = 1}`: in the order of the expected type, where there is one.
     pub(super) fn record(
         &mut self,
@@ -68,7 +27,7 @@ impl<'a> Elaborator<'a> {
         for member in members {
             let name = &member.name;
             if values.iter().any(|(n, _)| *n == name.text) {
-                self.error_with(
+                self.findings.error_with(
                     codes::NAME_DOUBLE,
                     name.span,
                     format!("the member `{}` stands here twice", name.text),
@@ -80,7 +39,7 @@ impl<'a> Elaborator<'a> {
             let ty = types.iter().find(|(n, _)| *n == name.text).map(|(_, t)| t);
             if ty.is_none() && !types.is_empty() {
                 let known: Vec<&str> = types.iter().map(|(n, _)| n.as_str()).collect();
-                self.error_with(
+                self.findings.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
                     format!("the record has no member `{}`", name.text),
@@ -98,7 +57,7 @@ impl<'a> Elaborator<'a> {
         }
         for (name, _) in types {
             if !members.iter().any(|m| m.name.text == *name) {
-                self.error_with(
+                self.findings.error_with(
                     codes::ARGUMENT,
                     span,
                     format!("the member `{name}` has no value"),
@@ -121,9 +80,10 @@ impl<'a> Elaborator<'a> {
     ) -> Option<Value> {
         match (a, b) {
             (Value::Scalar(l, lt), Value::Scalar(r, rt)) if comparable(&lt, &rt) => {
-                self.spend(a_span, condition.size())?;
-                let (l, r, ty) = if lt.is_numeric() && !self.real {
-                    self.aligned(b_span, (l, lt), (r, rt))?
+                self.expansion
+                    .spend(a_span, condition.size(), &mut self.findings)?;
+                let (l, r, ty) = if lt.is_numeric() && !self.dialect.real {
+                    aligned(b_span, (l, lt), (r, rt), &mut self.findings)?
                 } else {
                     let ty = if lt == Type::Int { rt } else { lt };
                     (l, r, ty)
@@ -131,24 +91,58 @@ impl<'a> Elaborator<'a> {
                 Some(Value::Scalar(Term::choose(condition.clone(), l, r), ty))
             }
             (Value::Array(l), Value::Array(r)) if l.len() == r.len() => {
-                let pairs = l.into_iter().zip(r);
-                let chosen = pairs.map(|(l, r)| self.choose(condition, (l, a_span), (r, b_span)));
+                let chosen = l
+                    .into_iter()
+                    .zip(r)
+                    .map(|(l, r)| self.choose(condition, (l, a_span), (r, b_span)));
                 Some(Value::Array(chosen.collect::<Option<_>>()?))
             }
             (Value::Record(l), Value::Record(r))
                 if l.len() == r.len() && l.iter().zip(&r).all(|((a, _), (b, _))| a == b) =>
             {
-                let pairs = l.into_iter().zip(r);
-                let chosen = pairs.map(|((name, l), (_, r))| {
+                let chosen = l.into_iter().zip(r).map(|((name, l), (_, r))| {
                     let value = self.choose(condition, (l, a_span), (r, b_span))?;
                     Some((name, value))
                 });
                 Some(Value::Record(chosen.collect::<Option<_>>()?))
             }
             (l, r) => {
-                self.mismatch(b_span, &l.ty().describe(), &r.ty());
+                self.findings.mismatch(b_span, &l.ty().describe(), &r.ty());
                 None
             }
         }
     }
+}
+
+/// A member of a record.
+pub(super) fn member(
+    span: Span,
+    value: Value,
+    name: &ast::Name,
+    findings: &mut Findings,
+) -> Option<Value> {
+    let Value::Record(members) = value else {
+        findings.error_with(
+            codes::TYPE_MISMATCH,
+            span,
+            format!("this is {}, and has no members", value.ty().describe()),
+            "leave the member out, or declare it as `record {...}`",
+        );
+        return None;
+    };
+    let known: Vec<String> = members.iter().map(|(n, _)| n.clone()).collect();
+    let found = members.into_iter().find(|(n, _)| *n == name.text);
+    if found.is_none() {
+        let help = match nearest(&name.text, known.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("its members are {}", known.join(", ")),
+        };
+        findings.error_with(
+            codes::NAME_UNKNOWN,
+            name.span,
+            format!("the record has no member `{}`", name.text),
+            help,
+        );
+    }
+    found.map(|(_, v)| v)
 }

@@ -1,12 +1,13 @@
 //! Comparisons that are well-formed and hardly meant: decided by domains alone (LW114), or of the next step on both sides (LW211).
 
 use super::Elaborator;
+use super::names::Names;
 use crate::contract::shape::Entry;
 use crate::contract::units::Unit;
 use crate::contract::value::{Term, Value};
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_core::gr1::interval::{Interval, interval};
-use linewright_core::gr1::{BinaryOp, Domain, Time, VarId, described};
+use linewright_core::gr1::interval::Interval;
+use linewright_core::gr1::{BinaryOp, Time, VarId, described};
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, Expr, ExprKind};
 use linewright_syntax::format;
@@ -18,20 +19,20 @@ impl Elaborator<'_> {
     /// quantifiers is general on purpose, and may well be decided in one case of many.
     pub(super) fn compared(&mut self, span: Span, sign: &str, term: &Term, a: &Expr, b: &Expr) {
         let Term::Binary(op, x, y) = term else { return };
-        if self.real {
+        if self.dialect.real {
             return;
         }
         // `place <= LAST` says what a place is, and need not be looked up; `place = LAST` is meant to be one.
         let equation = matches!(op, BinaryOp::Eq | BinaryOp::Ne);
-        let both = self.declared(a) && self.declared(b) && equation;
-        let of_number = |e: &Self, v: &Expr, n: &Expr| {
+        let both = self.names.declared(a) && self.names.declared(b) && equation;
+        let of_number = |v: &Expr, n: &Expr| {
             let named = |n: &Expr| matches!(n.kind, ExprKind::Path(_));
-            e.declared(v) && e.written_out(n) && (equation || !named(n))
+            self.names.declared(v) && self.names.written_out(n) && (equation || !named(n))
         };
-        if !both && !of_number(self, a, b) && !of_number(self, b, a) {
+        if !both && !of_number(a, b) && !of_number(b, a) {
             return;
         }
-        let (Some(x), Some(y)) = (self.reach(x), self.reach(y)) else {
+        let (Some(x), Some(y)) = (self.variables.reach(x), self.variables.reach(y)) else {
             return;
         };
         let Some(holds) = decided(*op, x, y) else {
@@ -39,7 +40,7 @@ impl Elaborator<'_> {
         };
         let sides: Vec<String> = [(a, x), (b, y)]
             .into_iter()
-            .filter(|(e, _)| self.declared(e))
+            .filter(|(e, _)| self.names.declared(e))
             .map(|(e, range)| {
                 format!(
                     "`{}` is {}",
@@ -65,6 +66,71 @@ impl Elaborator<'_> {
         self.findings.push(finding.with_help(help));
     }
 
+    /// A variable's domain as it is declared; what is no scalar is told by its reach.
+    fn domain_of(&self, e: &Expr, range: Interval) -> String {
+        let mut base = e;
+        while let ExprKind::Next(inner) = &base.kind {
+            base = inner;
+        }
+        if let ExprKind::Path(names) = &base.kind
+            && let [name] = names.as_slice()
+            && let Some(Entry::One(id)) = self.names.variables.get(&name.text)
+            && let Some(Some(domain)) = self.variables.domains.get(id.index())
+        {
+            return described(
+                domain,
+                self.variables
+                    .measures
+                    .get(id)
+                    .copied()
+                    .map_or("", Unit::name),
+            );
+        }
+        format!("{}..{}", range.low, range.high)
+    }
+
+    /// Looks at an equation: `x = f(x)` with both values of the next step sets nothing.
+    pub(super) fn equated(
+        &mut self,
+        span: Span,
+        sign: &str,
+        (a, x): (&Expr, &Term),
+        (b, y): (&Expr, &Term),
+        time: Time,
+    ) {
+        let sets = |x: &Term, y: &Term| match x {
+            Term::Var(v, Time::Next) => x != y && holds_next(y, *v),
+            _ => false,
+        };
+        let (bare, other) = match (sets(x, y), sets(y, x)) {
+            (true, _) => (a, b),
+            (_, true) => (b, a),
+            _ => return,
+        };
+        let now = |e: &Expr| match time {
+            Time::Next => format::expression(&self.names.primed(e)),
+            Time::Now => format::expression(e),
+        };
+        let message = format!(
+            "both sides of this equation are about the next step: it says `{} {sign} {}`",
+            now(bare),
+            now(other)
+        );
+        let next = Expr {
+            kind: ExprKind::Next(Box::new(stripped(bare))),
+            span: bare.span,
+        };
+        let help = format!(
+            "to set the next value from the present one, write `{} {sign} {}`",
+            format::expression(&next),
+            format::expression(&stripped(other))
+        );
+        let finding = Diagnostic::warning(codes::NEXT_BOTH_SIDES, span, message);
+        self.findings.push(finding.with_help(help));
+    }
+}
+
+impl Names<'_> {
     /// A variable, or a part of one, as it was declared.
     fn declared(&self, e: &Expr) -> bool {
         match &e.kind {
@@ -95,80 +161,6 @@ impl Elaborator<'_> {
             },
             _ => false,
         }
-    }
-
-    /// The values that a number can have; `None` for labels and truth values.
-    fn reach(&self, term: &Term) -> Option<Interval> {
-        let expr = term.to_expr()?;
-        let mut numbers = true;
-        expr.for_each_var(&mut |v, _| {
-            let domain = self.domains.get(v.index());
-            numbers &= matches!(domain, Some(Some(Domain::Range { .. })));
-        });
-        let of = |v: VarId| {
-            let domain = self.domains[v.index()].as_ref();
-            domain.map_or(Interval::BOOL, Interval::of)
-        };
-        numbers.then(|| interval(&expr, &of).ok()).flatten()
-    }
-
-    /// A variable's domain as it is declared; what is no scalar is told by its reach.
-    fn domain_of(&self, e: &Expr, range: Interval) -> String {
-        let mut base = e;
-        while let ExprKind::Next(inner) = &base.kind {
-            base = inner;
-        }
-        if let ExprKind::Path(names) = &base.kind
-            && let [name] = names.as_slice()
-            && let Some(Entry::One(id)) = self.variables.get(&name.text)
-            && let Some(Some(domain)) = self.domains.get(id.index())
-        {
-            return described(
-                domain,
-                self.measures.get(id).copied().map_or("", Unit::name),
-            );
-        }
-        format!("{}..{}", range.low, range.high)
-    }
-
-    /// Looks at an equation: `x = f(x)` with both values of the next step sets nothing.
-    pub(super) fn equated(
-        &mut self,
-        span: Span,
-        sign: &str,
-        (a, x): (&Expr, &Term),
-        (b, y): (&Expr, &Term),
-        time: Time,
-    ) {
-        let sets = |x: &Term, y: &Term| match x {
-            Term::Var(v, Time::Next) => x != y && holds_next(y, *v),
-            _ => false,
-        };
-        let (bare, other) = match (sets(x, y), sets(y, x)) {
-            (true, _) => (a, b),
-            (_, true) => (b, a),
-            _ => return,
-        };
-        let now = |e: &Expr| match time {
-            Time::Next => format::expression(&self.primed(e)),
-            Time::Now => format::expression(e),
-        };
-        let message = format!(
-            "both sides of this equation are about the next step: it says `{} {sign} {}`",
-            now(bare),
-            now(other)
-        );
-        let next = Expr {
-            kind: ExprKind::Next(Box::new(stripped(bare))),
-            span: bare.span,
-        };
-        let help = format!(
-            "to set the next value from the present one, write `{} {sign} {}`",
-            format::expression(&next),
-            format::expression(&stripped(other))
-        );
-        let finding = Diagnostic::warning(codes::NEXT_BOTH_SIDES, span, message);
-        self.findings.push(finding.with_help(help));
     }
 
     /// The same with `next` before each variable.

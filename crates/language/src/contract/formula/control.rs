@@ -1,10 +1,10 @@
 //! LW202: a formula that constrains what its side does not control, pointed at where it does.
 
 use super::{Label, Place};
-use crate::contract::elaborate::Elaborator;
+use crate::contract::elaborate::{Elaborator, Names};
 use crate::contract::shape::way;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_core::gr1::monitors::{Kind, Obligation};
+use linewright_core::gr1::monitors::{Kind, Monitors, Obligation};
 use linewright_core::gr1::{Expr, Owner, Time, VarId};
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, BinaryOp, ExprKind};
@@ -21,11 +21,11 @@ pub(super) fn controls(
     let Obligation { kind, expr } = obligation;
     let kind = *kind;
     if label.guarantee {
-        if !speaks_of_outputs(e, expr, label)
+        if !speaks_of_outputs(e.memory.monitors.as_ref(), expr, label)
             && kind != Kind::Justice
             && !matches!(expr, Expr::Const(_))
         {
-            let finding = inputs_only(e, &super::whole(formula, place), expr, label);
+            let finding = inputs_only(&e.names, &super::whole(formula, place), expr, label);
             e.findings.push(finding);
         }
         return true;
@@ -60,7 +60,7 @@ pub(super) fn controls(
             "write `guarantee {text}` if the machine is to see to it; what the plant does after it has seen `{first}` is `assume always ({first} ... -> next input ...)`"
         ),
     };
-    let span = atom(e, whole, &bad, time).unwrap_or(whole.span);
+    let span = atom(&e.names, whole, &bad, time).unwrap_or(whole.span);
     let message = format!(
         "this assumption constrains {}, which the machine chooses",
         listed(&bad)
@@ -71,12 +71,7 @@ pub(super) fn controls(
 }
 
 /// The warning about a guarantee without an output: it can only be kept if the plant happens to.
-fn inputs_only(
-    e: &Elaborator<'_>,
-    whole: &ast::Expr,
-    expr: &Expr,
-    label: &Label<'_>,
-) -> Diagnostic {
+fn inputs_only(known: &Names<'_>, whole: &ast::Expr, expr: &Expr, label: &Label<'_>) -> Diagnostic {
     let mut names: Vec<String> = Vec::new();
     expr.for_each_var(&mut |v, _| {
         if let Some(variable) = label.variables.get(v.index()) {
@@ -92,7 +87,7 @@ fn inputs_only(
             _ => break,
         };
     }
-    let span = atom(e, demanded, &names, Time::Now)
+    let span = atom(known, demanded, &names, Time::Now)
         .filter(|_| !names.is_empty())
         .unwrap_or(demanded.span);
     let message = if names.is_empty() {
@@ -142,22 +137,22 @@ fn outputs(expr: &Expr, label: &Label<'_>) -> (Vec<String>, Vec<String>) {
 }
 
 /// The first condition without connectives that mentions one of these variables; with [`Time::Next`], its next value.
-fn atom(e: &Elaborator<'_>, formula: &ast::Expr, names: &[String], time: Time) -> Option<Span> {
+fn atom(known: &Names<'_>, formula: &ast::Expr, names: &[String], time: Time) -> Option<Span> {
     let bases: Vec<&str> = names.iter().map(|n| way(n).0).collect();
-    find(e, formula, &bases, time == Time::Now)
+    find(known, formula, &bases, time == Time::Now)
 }
 
 /// `reached`: whether what stands here counts, because it is of the wanted step.
-fn find(e: &Elaborator<'_>, formula: &ast::Expr, bases: &[&str], reached: bool) -> Option<Span> {
+fn find(known: &Names<'_>, formula: &ast::Expr, bases: &[&str], reached: bool) -> Option<Span> {
     let logic = match &formula.kind {
-        ExprKind::Next(a) if connects(a) => return find(e, a, bases, true),
+        ExprKind::Next(a) if connects(a) => return find(known, a, bases, true),
         _ => connects(formula),
     };
     if logic {
         let mut children = formula.children().into_iter();
-        return children.find_map(|c| find(e, c, bases, reached));
+        return children.find_map(|c| find(known, c, bases, reached));
     }
-    mentions(e, formula, bases, reached, 0).then_some(formula.span)
+    mentions(known, formula, bases, reached, 0).then_some(formula.span)
 }
 
 fn connects(e: &ast::Expr) -> bool {
@@ -177,14 +172,14 @@ fn connects(e: &ast::Expr) -> bool {
 }
 
 fn mentions(
-    e: &Elaborator<'_>,
+    known: &Names<'_>,
     formula: &ast::Expr,
     bases: &[&str],
     reached: bool,
     depth: usize,
 ) -> bool {
     let here = match &formula.kind {
-        ExprKind::Next(a) => return mentions(e, a, bases, true, depth),
+        ExprKind::Next(a) => return mentions(known, a, bases, true, depth),
         ExprKind::Path(names) => Some(&names[0]),
         ExprKind::Call(name, _) => Some(name),
         _ => None,
@@ -195,26 +190,26 @@ fn mentions(
         }
         // Circles of defines were reported; none is followed for long.
         if depth < 16
-            && let Some(define) = e.defines.get(&name.text)
-            && mentions(e, &define.value, bases, reached, depth + 1)
+            && let Some(define) = known.defines.get(&name.text)
+            && mentions(known, &define.value, bases, reached, depth + 1)
         {
             return true;
         }
         if depth < 16
-            && let Some(counter) = e.counters.get(&name.text)
+            && let Some(counter) = known.counters.get(&name.text)
             && std::iter::once(&counter.counts)
                 .chain(&counter.resets)
-                .any(|c| mentions(e, c, bases, reached, depth + 1))
+                .any(|c| mentions(known, c, bases, reached, depth + 1))
         {
             return true;
         }
     }
     let mut children = formula.children().into_iter();
-    children.any(|c| mentions(e, c, bases, reached, depth))
+    children.any(|c| mentions(known, c, bases, reached, depth))
 }
 
 /// Whether an output occurs, be it in what a monitor follows.
-fn speaks_of_outputs(e: &Elaborator<'_>, expr: &Expr, label: &Label<'_>) -> bool {
+fn speaks_of_outputs(monitors: Option<&Monitors>, expr: &Expr, label: &Label<'_>) -> bool {
     let mut found = false;
     let mut seen: Vec<VarId> = Vec::new();
     let mut open = Vec::new();
@@ -226,7 +221,7 @@ fn speaks_of_outputs(e: &Elaborator<'_>, expr: &Expr, label: &Label<'_>) -> bool
     };
     visit(expr, &mut open, &mut found);
     while let Some(v) = open.pop() {
-        let monitor = e.monitors.as_ref().and_then(|m| m.get(v));
+        let monitor = monitors.and_then(|m| m.get(v));
         if let Some(monitor) = monitor
             && !seen.contains(&v)
         {

@@ -3,7 +3,7 @@
 use super::forms::{self, Form};
 use super::ltl::make;
 use super::{Label, Place, smallest, speaks_of_next, temporal};
-use crate::contract::elaborate::Elaborator;
+use crate::contract::elaborate::Names;
 use crate::contract::shape::Entry;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Owner;
@@ -16,14 +16,14 @@ pub(super) type Around<'a> = (&'a Name, &'a Domain);
 
 /// The finding about a formula that is none of GR(1) in its place.
 pub(super) fn refusal(
-    e: &Elaborator<'_>,
+    known: &Names<'_>,
     formula: &Expr,
     place: Place,
     around: &[Around<'_>],
     label: &Label<'_>,
 ) -> Diagnostic {
     let (span, why) = culprit(formula, place);
-    let help = match form(e, formula, place, around, label) {
+    let help = match form(known, formula, place, around, label) {
         Some(help) => help,
         None => match place {
             Place::Top => "write it as an initial condition, `always P`, `always eventually P` or a pattern; `linewright explain LW201` shows what there is",
@@ -44,15 +44,15 @@ pub(super) fn refusal(
 
 /// What to write instead, in words.
 fn form(
-    e: &Elaborator<'_>,
+    known: &Names<'_>,
     formula: &Expr,
     place: Place,
     around: &[Around<'_>],
     label: &Label<'_>,
 ) -> Option<String> {
     let whole = super::whole(formula, place);
-    let input = |e_: &Expr| speaks_of_inputs(e, e_, label);
-    let free = fresh(e);
+    let input = |e: &Expr| speaks_of_inputs(known, e, label);
+    let free = fresh(known);
     let fresh = around.is_empty().then_some(free.as_str());
     let of = |formula: &Expr| {
         let form = forms::of(formula, label.guarantee, &input, fresh)?;
@@ -174,12 +174,12 @@ fn word(e: &Expr) -> &'static str {
 
 /// The finding about a formula of the next step that has no `always`.
 pub(super) fn without_always(
-    e: &Elaborator<'_>,
+    known: &Names<'_>,
     formula: &Expr,
     around: &[Around<'_>],
     label: &Label<'_>,
 ) -> Diagnostic {
-    let help = form(e, formula, Place::Top, around, label)
+    let help = form(known, formula, Place::Top, around, label)
         .unwrap_or_else(|| "write `always (...)`, or describe step 0 without `next`".to_owned());
     let span = first_next(formula).unwrap_or(formula).span;
     Diagnostic::error(
@@ -198,7 +198,7 @@ fn first_next(e: &Expr) -> Option<&Expr> {
 }
 
 /// Whether all variables in it are inputs, also those of defines.
-fn speaks_of_inputs(e: &Elaborator<'_>, formula: &Expr, label: &Label<'_>) -> bool {
+fn speaks_of_inputs(known: &Names<'_>, formula: &Expr, label: &Label<'_>) -> bool {
     fn outputs(entry: &Entry, label: &Label<'_>) -> bool {
         match entry {
             Entry::One(id) => label
@@ -215,14 +215,14 @@ fn speaks_of_inputs(e: &Elaborator<'_>, formula: &Expr, label: &Label<'_>) -> bo
         let mut fine = true;
         formula.for_each_path(&mut |names| {
             let name = names[0].text.as_str();
-            if let Some(define) = e.defines.get(name) {
+            if let Some(define) = known.defines.get(name) {
                 if !seen.contains(&name) {
                     seen.push(name);
                     open.push(&define.value);
                 }
-            } else if let Some(counter) = e.counters.get(name) {
+            } else if let Some(counter) = known.counters.get(name) {
                 open.extend(std::iter::once(&counter.counts).chain(&counter.resets));
-            } else if let Some(entry) = e.variables.get(name) {
+            } else if let Some(entry) = known.variables.get(name) {
                 fine &= !outputs(entry, label);
             }
         });
@@ -234,19 +234,13 @@ fn speaks_of_inputs(e: &Elaborator<'_>, formula: &Expr, label: &Label<'_>) -> bo
 }
 
 /// A name that nothing has.
-fn fresh(e: &Elaborator<'_>) -> String {
-    let taken = |name: &str| {
-        e.variables.contains_key(name)
-            || e.constants.contains_key(name)
-            || e.defines.contains_key(name)
-            || e.counters.contains_key(name)
-    };
+fn fresh(known: &Names<'_>) -> String {
     let names = (1..).map(|n| match n {
         1 => "settled".to_owned(),
         n => format!("settled_{n}"),
     });
     names
         .into_iter()
-        .find(|n| !taken(n))
+        .find(|n| !known.contains(n))
         .unwrap_or_else(|| "settled".to_owned())
 }

@@ -45,7 +45,7 @@ pub(super) fn line<'a>(
     findings: &mut Vec<Diagnostic>,
 ) -> Option<Line> {
     let mut e = scope.elaborator();
-    e.real = true;
+    e.dialect.real = true;
     let mut builder = Builder {
         scope,
         sources,
@@ -59,21 +59,24 @@ pub(super) fn line<'a>(
     };
     let model = builder.build(decl);
     let mut e = builder.e;
-    if !e.refused() {
-        routes::check(&model, &mut e.findings);
+    if !e.findings.refused() {
+        routes::check(&model, &mut e.findings.list);
     }
-    let broken = e.refused();
-    findings.append(&mut e.findings);
+    let broken = e.findings.refused();
+    findings.append(&mut e.findings.list);
     (!broken).then_some(model)
 }
 
 impl<'a> Builder<'a, '_> {
     fn build(&mut self, decl: &'a ast::Line) -> Line {
-        let constants = decl.items.iter().filter_map(|item| match item {
-            LineItem::Const(c) => Some(Decl::Constant(c)),
-            _ => None,
-        });
-        let constants: Vec<_> = constants.collect();
+        let constants: Vec<_> = decl
+            .items
+            .iter()
+            .filter_map(|item| match item {
+                LineItem::Const(c) => Some(Decl::Constant(c)),
+                _ => None,
+            })
+            .collect();
         scope::settle(&mut self.e, &constants);
         self.declare_names(decl);
         self.declare_parts(decl);
@@ -159,7 +162,7 @@ impl<'a> Builder<'a, '_> {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("declare it: `part {} {{ ... }}`", name.text),
         };
-        self.e.error_with(
+        self.e.findings.error_with(
             codes::LINE_UNKNOWN,
             name.span,
             format!("there is no part type `{}`", name.text),
@@ -177,7 +180,7 @@ impl<'a> Builder<'a, '_> {
             None => "declare it as a `station`, `conveyor`, `buffer`, `source`, `sink` or `store`"
                 .to_owned(),
         };
-        self.e.error_with(
+        self.e.findings.error_with(
             codes::LINE_UNKNOWN,
             name.span,
             format!("this line has no place called `{}`", name.text),

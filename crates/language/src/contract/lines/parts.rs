@@ -25,7 +25,7 @@ impl<'a> Builder<'a, '_> {
             let mut first = 0;
             for p in properties {
                 if let Some((_, _, _)) = types.iter().find(|(n, ..)| *n == p.name.text) {
-                    self.e.error_with(
+                    self.e.findings.error_with(
                         codes::NAME_DOUBLE,
                         p.name.span,
                         format!("`{}` is declared twice", p.name.text),
@@ -42,7 +42,7 @@ impl<'a> Builder<'a, '_> {
             let mut resolved = Vec::new();
             for counted in bill {
                 if counted.count == 0 || counted.count > 10_000 {
-                    self.e.error_with(
+                    self.e.findings.error_with(
                         codes::ARGUMENT,
                         counted.name.span,
                         "a bill of materials counts from 1 to 10000",
@@ -110,7 +110,7 @@ impl<'a> Builder<'a, '_> {
             && let Some(from) = self.part_index.get(&component.text).copied()
         {
             if !self.parts[part].model.bill.iter().any(|(p, _)| *p == from) {
-                self.e.error_with(
+                self.e.findings.error_with(
                     codes::PROPERTY,
                     *span,
                     format!(
@@ -135,7 +135,7 @@ impl<'a> Builder<'a, '_> {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => format!("declare it in `part {}`", component.text),
                 };
-                self.e.error_with(
+                self.e.findings.error_with(
                     codes::PROPERTY,
                     property.span,
                     format!("`{}` has no property `{}`", component.text, property.text),
@@ -144,7 +144,7 @@ impl<'a> Builder<'a, '_> {
                 return None;
             };
             if found.unit != ty.unit || found.length != ty.length || found.domain != ty.domain {
-                self.e.error_with(
+                self.e.findings.error_with(
                     codes::TYPE_MISMATCH,
                     *span,
                     "this property has another type",
@@ -164,14 +164,8 @@ impl<'a> Builder<'a, '_> {
 
     /// An elaborator that sees a part's properties, with ids in their order.
     pub(super) fn part_scope(&self, part: usize) -> Elaborator<'a> {
-        let mut e = Elaborator::new();
-        e.real = true;
-        e.constants.clone_from(&self.e.constants);
-        e.types.clone_from(&self.e.types);
-        e.shapes.clone_from(&self.e.shapes);
-        e.broken.clone_from(&self.e.broken);
-        e.defines.clone_from(&self.e.defines);
-        e.outside.clone_from(&self.e.outside);
+        let mut e = Elaborator::new(self.e.names.without_variables());
+        e.dialect.real = true;
         for (name, _, ty) in &self.parts[part].types {
             see_property(&mut e, name, ty);
         }

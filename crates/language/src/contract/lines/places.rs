@@ -32,7 +32,7 @@ impl<'a> Builder<'a, '_> {
                     None => None,
                     Some(count @ 1..=1_000_000) => Some(count as u32),
                     Some(count) => {
-                        self.e.error_with(
+                        self.e.findings.error_with(
                             codes::ARGUMENT,
                             name.span,
                             format!("at most {count} parts in the line"),
@@ -81,7 +81,7 @@ impl<'a> Builder<'a, '_> {
                     Some(r) => {
                         let node = self.find_node(r)?;
                         if !self.sources_of_parts.contains(&node) {
-                            self.e.error_with(
+                            self.e.findings.error_with(
                                 codes::LINE_UNKNOWN,
                                 r.span,
                                 format!("`{}` is not a source", r.text),
@@ -102,7 +102,7 @@ impl<'a> Builder<'a, '_> {
             }
             LineItem::Buffer { name, capacity } => {
                 if *capacity == 0 || *capacity > 1_000_000 {
-                    self.e.error_with(
+                    self.e.findings.error_with(
                         codes::ARGUMENT,
                         name.span,
                         format!("a buffer for {capacity} parts"),
@@ -143,7 +143,7 @@ impl<'a> Builder<'a, '_> {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => "declare it with `machine`, or import the file that does".to_owned(),
             };
-            self.e.error_with(
+            self.e.findings.error_with(
                 codes::NAME_UNKNOWN,
                 name.span,
                 format!("there is no machine `{}`", name.text),
@@ -157,7 +157,7 @@ impl<'a> Builder<'a, '_> {
         if let Some(machine) = self.machines.get(&key) {
             return Some(Arc::clone(machine));
         }
-        let before = self.e.findings.len();
+        let before = self.e.findings.list.len();
         let mut found = Vec::new();
         let model = machine(
             self.scope,
@@ -168,11 +168,11 @@ impl<'a> Builder<'a, '_> {
             &mut found,
         );
         if model.is_none() {
-            self.e.tainted = true;
-            self.e.findings.append(&mut found);
+            self.e.findings.tainted = true;
+            self.e.findings.list.append(&mut found);
             // Without arguments the machine is wrong by itself, and was reported where it stands.
-            if self.e.findings.len() == before && !arguments.is_empty() {
-                self.e.error_with(
+            if self.e.findings.list.len() == before && !arguments.is_empty() {
+                self.e.findings.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
                     format!("the machine `{}` cannot be used", name.text),
@@ -211,7 +211,7 @@ impl<'a> Builder<'a, '_> {
         };
         let count = match (&belt, places) {
             (Some(belt), Some((n, span))) if n != belt.places.len() as i64 => {
-                self.e.error_with(
+                self.e.findings.error_with(
                     codes::ARGUMENT,
                     span,
                     format!("the contract has {} places, not {n}", belt.places.len()),
@@ -222,7 +222,7 @@ impl<'a> Builder<'a, '_> {
             (Some(belt), _) => belt.places.len() as i64,
             (None, Some((n, span))) => {
                 if !(1..=100_000).contains(&n) {
-                    self.e.error_with(
+                    self.e.findings.error_with(
                         codes::ARGUMENT,
                         span,
                         "a conveyor has 1 to 100000 places",
@@ -233,7 +233,7 @@ impl<'a> Builder<'a, '_> {
                 n
             }
             (None, None) => {
-                self.e.error_with(
+                self.e.findings.error_with(
                     codes::ARGUMENT,
                     name.span,
                     "how many parts fit on this conveyor?",
@@ -244,7 +244,7 @@ impl<'a> Builder<'a, '_> {
         };
         let (pitch, speed) = (pitch.unwrap_or(1.0), speed.unwrap_or(1.0));
         if pitch == 0.0 || speed == 0.0 {
-            self.e.error_with(
+            self.e.findings.error_with(
                 codes::ARGUMENT,
                 name.span,
                 "pitch and speed of a conveyor are more than 0",
@@ -254,7 +254,7 @@ impl<'a> Builder<'a, '_> {
         }
         let period = pitch / speed;
         if period == 0.0 || !is_duration(period) {
-            self.e.error_with(
+            self.e.findings.error_with(
                 codes::ARGUMENT,
                 name.span,
                 format!("a part takes {period:e} s from place to place, which a run cannot measure"),
@@ -314,7 +314,7 @@ impl<'a> Builder<'a, '_> {
                 ready,
             })
         } else {
-            self.e.error_with(
+            self.e.findings.error_with(
                 codes::ARGUMENT,
                 span,
                 format!("`{}` cannot move a conveyor", machine.name),
@@ -381,7 +381,7 @@ impl<'a> Builder<'a, '_> {
                 StationItem::Perform { operations, part } => {
                     if let Some(task) = self.task(&machine, operations, part) {
                         if tasks.iter().any(|t| t.part == task.part) {
-                            self.e.error_with(
+                            self.e.findings.error_with(
                                 codes::NAME_DOUBLE,
                                 part.span,
                                 format!("`{}` is performed on already", part.text),
@@ -404,7 +404,7 @@ impl<'a> Builder<'a, '_> {
             }
         }
         if machine.operations.is_empty() {
-            self.e.error_with(
+            self.e.findings.error_with(
                 codes::OPERATION,
                 machine_name.span,
                 format!(
@@ -446,7 +446,7 @@ impl<'a> Builder<'a, '_> {
                         known.collect::<Vec<_>>().join(", ")
                     ),
                 };
-                self.e.error_with(
+                self.e.findings.error_with(
                     codes::OPERATION,
                     name.span,
                     format!("`{}` has no operation `{}`", machine.name, name.text),
@@ -465,7 +465,7 @@ impl<'a> Builder<'a, '_> {
                     p.kind == PropertyKind::Parameter && p.name == argument.name.text
                 });
                 let Some(i) = found else {
-                    self.e.error_with(
+                    self.e.findings.error_with(
                         codes::ARGUMENT,
                         argument.name.span,
                         format!(
@@ -523,7 +523,7 @@ impl<'a> Builder<'a, '_> {
             }
         }
         for name in clashes {
-            self.e.error_with(
+            self.e.findings.error_with(
                 codes::PROPERTY,
                 part.span,
                 format!(
@@ -551,7 +551,7 @@ impl<'a> Builder<'a, '_> {
         let index = self.find_part(part)?;
         let p = positive(&mut self.e, probability, Dimension::None)?;
         if p > 1.0 {
-            self.e.error_with(
+            self.e.findings.error_with(
                 codes::ARGUMENT,
                 probability.span,
                 "a probability is between 0 and 1",
@@ -565,7 +565,7 @@ impl<'a> Builder<'a, '_> {
             .find(|(n, ..)| *n == property.text)
             .cloned();
         let Some((_, first, ty)) = found else {
-            self.e.error_with(
+            self.e.findings.error_with(
                 codes::PROPERTY,
                 property.span,
                 format!("`{}` has no property `{}`", part.text, property.text),
@@ -583,8 +583,7 @@ impl<'a> Builder<'a, '_> {
         let mut scope = self.part_scope(index);
         see_property(&mut scope, "it", &element);
         let term = assigned(&mut scope, &element, value);
-        self.e.tainted |= scope.tainted;
-        self.e.findings.append(&mut scope.findings);
+        self.e.findings.absorb(&mut scope.findings);
         let count = self.parts[index].model.properties.len() + 1;
         Some(Defect {
             part: index,

@@ -32,7 +32,7 @@ impl<'a> Builder<'a, '_> {
             }
             (None, [one]) => model.product = *one,
             (None, []) if self.parts.len() == 1 => model.product = 0,
-            _ => self.e.error_with(
+            _ => self.e.findings.error_with(
                 codes::LINE_UNKNOWN,
                 decl.name.span,
                 "which part is the end product?",
@@ -80,7 +80,7 @@ impl<'a> Builder<'a, '_> {
                 let b = positive(&mut self.e, to, Dimension::Time);
                 if let (Some(from_s), Some(to_s)) = (a, b) {
                     if from_s >= to_s || to_s > 86_400.0 {
-                        self.e.error_with(
+                        self.e.findings.error_with(
                             codes::ARGUMENT,
                             from.span.to(to.span),
                             "a shift begins before it ends, within one day",
@@ -88,7 +88,7 @@ impl<'a> Builder<'a, '_> {
                         );
                     }
                     if from_s < to_s && to_s - from_s < SHORTEST_SHIFT {
-                        self.e.error_with(
+                        self.e.findings.error_with(
                             codes::ARGUMENT,
                             from.span.to(to.span),
                             "a shift lasts at least a second",
@@ -104,7 +104,7 @@ impl<'a> Builder<'a, '_> {
             LineItem::Limit(value, true) => {
                 if let Some(n) = self.e.constant_int(value) {
                     if n < 1 {
-                        self.e.error_with(
+                        self.e.findings.error_with(
                             codes::ARGUMENT,
                             value.span,
                             "at least one product",
@@ -132,7 +132,7 @@ impl<'a> Builder<'a, '_> {
                     return;
                 };
                 if *per_hour != (metric == Metric::ThroughputPerHour) {
-                    self.e.error_with(
+                    self.e.findings.error_with(
                         codes::TYPE_MISMATCH,
                         *span,
                         if *per_hour {
@@ -150,7 +150,7 @@ impl<'a> Builder<'a, '_> {
                     ast::BinaryOp::Ge => Comparison::Ge,
                     ast::BinaryOp::Gt => Comparison::Gt,
                     _ => {
-                        self.e.error_with(
+                        self.e.findings.error_with(
                             codes::TYPE_MISMATCH,
                             *span,
                             "a requirement compares with <, <=, =, >= or >",
@@ -199,7 +199,7 @@ impl<'a> Builder<'a, '_> {
             ("busy", Some(station)) => {
                 let node = self.find_node(station)?;
                 if !self.stations.contains(&node) {
-                    self.e.error_with(
+                    self.e.findings.error_with(
                         codes::LINE_UNKNOWN,
                         station.span,
                         format!("`{}` is not a station", station.text),
@@ -215,7 +215,7 @@ impl<'a> Builder<'a, '_> {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => format!("the measures are {}(station)", NAMES.join(", ")),
                 };
-                self.e.error_with(
+                self.e.findings.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
                     format!("`{other}` is not measured"),
@@ -239,8 +239,7 @@ impl<'a> Builder<'a, '_> {
         let condition = when.and_then(|c| {
             let mut scope = self.part_scope(index);
             let term = scope.boolean(c, Time::Now);
-            self.e.tainted |= scope.tainted;
-            self.e.findings.append(&mut scope.findings);
+            self.e.findings.absorb(&mut scope.findings);
             Some(term?.to_real(self.parts[index].model.properties.len()))
         });
         for (i, pair) in nodes.windows(2).enumerate() {

@@ -1,14 +1,14 @@
 //! Components in their places: every input bound, no loop within a step.
 
 use super::{Parts, jobs, nested, plant, same_step};
-use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::elaborate::{Elaborator, Findings, Names, VariableTable, fitted, nearest};
 use crate::contract::machine::{ActionTime, Component, RealExpr, Role};
 use crate::contract::shape::{Segment, entries, measured, way};
 use crate::contract::units::Unit;
 use crate::contract::value::{Dimension, Term, Type, Value};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::interval::{Interval, interval};
-use linewright_core::gr1::{Domain, Expr, Specification, Time, VarId};
+use linewright_core::gr1::{Expr, Specification, Time, VarId};
 use linewright_core::source::Span;
 use linewright_syntax::ast;
 use std::collections::BTreeMap;
@@ -16,43 +16,37 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 /// An elaborator for bindings: whole-number expressions over wires.
-pub(super) fn scope_of_wires<'a>(e: &Elaborator<'a>, parts: &Parts<'a>) -> Elaborator<'a> {
-    let mut w = Elaborator::new();
-    w.constants.clone_from(&e.constants);
-    w.types.clone_from(&e.types);
-    w.shapes.clone_from(&e.shapes);
-    w.broken.clone_from(&e.broken);
-    w.defines.clone_from(&e.defines);
-    w.outside.clone_from(&e.outside);
-    let see = |w: &mut Elaborator<'a>, domain: &Domain, unit: &str| {
-        let wire = VarId(w.domains.len() as u32);
-        w.domains.push(Some(domain.clone()));
-        if let Some(unit) = Unit::named(unit) {
-            w.measures.insert(wire, unit);
-        }
-        wire
-    };
+pub(super) fn scope_of_wires<'a>(outer: &Names<'a>, parts: &Parts<'a>) -> Elaborator<'a> {
+    let mut names = outer.without_variables();
+    let mut variables = VariableTable::default();
     let mut leaves = Vec::new();
     for input in &parts.plant {
-        leaves.push((input.name.as_str(), see(&mut w, &input.domain, &input.unit)));
+        let wire = variables.add(input.domain.clone(), Unit::named(&input.unit));
+        leaves.push((input.name.as_str(), wire));
     }
     for (name, entry) in entries(leaves) {
         // A wire hides what has its name outside.
-        w.constants.remove(&name);
-        w.defines.remove(&name);
-        w.variables.insert(name, entry);
+        names.hide(&name);
+        names.variables.insert(name, entry);
     }
     for (c, s) in &parts.components {
         let mut leaves = Vec::new();
         for id in s.outputs() {
             let v = s.variable(id);
-            leaves.push((v.name.as_str(), see(&mut w, &v.domain, &v.unit)));
+            let wire = variables.add(v.domain.clone(), Unit::named(&v.unit));
+            leaves.push((v.name.as_str(), wire));
         }
         for (name, entry) in entries(leaves) {
-            w.variables.insert(format!("{}.{name}", c.name.text), entry);
+            names
+                .variables
+                .insert(format!("{}.{name}", c.name.text), entry);
         }
     }
-    w
+    Elaborator {
+        names,
+        variables,
+        ..Elaborator::default()
+    }
 }
 
 /// One component: every input bound, no same-step loop, its times and powers.
@@ -65,7 +59,7 @@ pub(super) fn component<'a>(
 ) -> Option<Component> {
     if let Some(mut nested) = parts.nested[index].take() {
         let decl = parts.components[index].0;
-        nested::no_settings(e, decl);
+        nested::no_settings(&mut e.findings, decl);
         nested.properties = nested::bind_properties(e, parts, decl, &nested);
         parts.nested[index] = Some(nested);
     }
@@ -86,7 +80,7 @@ pub(super) fn component<'a>(
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("its inputs are {}", known.join(", ")),
             };
-            wires.error_with(
+            wires.findings.error_with(
                 codes::NAME_UNKNOWN,
                 b.name.span,
                 format!("`{}` has no input `{}`", decl.contract.text, b.name.text),
@@ -94,13 +88,13 @@ pub(super) fn component<'a>(
             );
         }
     }
-    bindings_once(wires, decl, specification);
+    bindings_once(&mut wires.findings, decl, specification);
     let active = match (&decl.when, decl.is_coordinator()) {
         (Some(when), false) => wires
             .boolean(when, Time::Now)
             .and_then(|t| wires.formula(&t, when.span)),
         (Some(when), true) => {
-            wires.error_with(
+            wires.findings.error_with(
                 codes::OPERATION,
                 when.span,
                 "a coordinator is never active itself; `when` belongs to actions",
@@ -120,7 +114,7 @@ pub(super) fn component<'a>(
     if bindings.len() != specification.inputs().count() {
         return None;
     }
-    same_step::check(wires, parts, index, firsts, &bindings);
+    same_step::check(&mut wires.findings, parts, index, firsts, &bindings);
     let properties = parts.properties.len();
     let time = decl.time.as_ref().and_then(|(value, per_step)| {
         let term = e.quantity(value, Dimension::Time)?;
@@ -140,7 +134,7 @@ pub(super) fn component<'a>(
         && decl.when.is_none()
         && !decl.is_coordinator()
     {
-        wires.error_with(
+        wires.findings.error_with(
             codes::OPERATION,
             decl.name.span,
             format!(
@@ -168,7 +162,7 @@ pub(super) fn component<'a>(
 }
 
 /// Every input is bound once, and an index or member names one that there is.
-fn bindings_once(wires: &mut Elaborator<'_>, decl: &ast::Component, specification: &Specification) {
+fn bindings_once(findings: &mut Findings, decl: &ast::Component, specification: &Specification) {
     let mut seen: BTreeMap<String, Span> = BTreeMap::new();
     let inputs: Vec<&str> = specification
         .inputs()
@@ -179,7 +173,7 @@ fn bindings_once(wires: &mut Elaborator<'_>, decl: &ast::Component, specificatio
         let target = target(b);
         if let Some(first) = seen.insert(target.clone(), name.span) {
             let message = format!("`{target}` is bound twice");
-            wires.findings.push(
+            findings.push(
                 Diagnostic::error(codes::NAME_DOUBLE, name.span, message)
                     .with_label(first, "first here")
                     .with_help("leave one of the two out"),
@@ -197,19 +191,20 @@ fn bindings_once(wires: &mut Elaborator<'_>, decl: &ast::Component, specificatio
             .filter(|v| matches!(way(v).1.first(), Some(Segment::Element(_))));
         let count = elements.count();
         match (b.index, b.index.is_some() && scalar) {
-            (Some(_), true) => wires.error_with(
+            (Some(_), true) => findings.error_with(
                 codes::TYPE_MISMATCH,
                 name.span,
                 format!("the input `{root}` is not an array"),
                 format!("write `{root} = ...`"),
             ),
-            (Some(index), false) if b.member.is_none() && count == own.len() => wires.error_with(
-                codes::INDEX_RANGE,
-                name.span,
-                format!("`{root}` has no element {index}"),
-                format!("its elements are 0..{}", own.len() - 1),
-            ),
-            _ => wires.error_with(
+            (Some(index), false) if b.member.is_none() && count == own.len() => findings
+                .error_with(
+                    codes::INDEX_RANGE,
+                    name.span,
+                    format!("`{root}` has no element {index}"),
+                    format!("its elements are 0..{}", own.len() - 1),
+                ),
+            _ => findings.error_with(
                 codes::NAME_UNKNOWN,
                 name.span,
                 format!("the input `{root}` has no `{target}`"),
@@ -259,7 +254,12 @@ pub(super) fn binding<'a>(
     }
     let bound = match otherwise(wires, parts, decl, specification, variable)? {
         None if jobs.is_empty() || missing.is_some() => {
-            unbound(wires, decl, variable, missing.filter(|_| !jobs.is_empty()));
+            unbound(
+                &mut wires.findings,
+                decl,
+                variable,
+                missing.filter(|_| !jobs.is_empty()),
+            );
             return None;
         }
         bound => bound,
@@ -271,21 +271,16 @@ pub(super) fn binding<'a>(
         chosen = Some(match chosen {
             None => (term, value.span),
             Some((other, _)) => {
-                let runs = jobs::runs(wires, &operation.text)?;
+                let runs = jobs::runs(&wires.variables, &operation.text)?;
                 (Term::choose(runs, term, other), value.span)
             }
         });
     }
     let (term, span) = chosen?;
     let expr = wires.formula(&term, span)?;
-    let range = interval(&expr, &|v| {
-        wires.domains[v.index()]
-            .as_ref()
-            .map_or(Interval::BOOL, Interval::of)
-    })
-    .unwrap_or(Interval::BOOL);
+    let range = interval(&expr, &|v| wires.variables.interval(v)).unwrap_or(Interval::BOOL);
     if range.low < variable.domain.low() || range.high > variable.domain.high() {
-        wires.error_with(
+        wires.findings.error_with(
             codes::TYPE_MISMATCH,
             span,
             format!(
@@ -400,21 +395,23 @@ fn otherwise<'a>(
         return Some(Some((term, b.value.span)));
     }
     // Of several coordinators with an output of that name none is meant.
-    let led = parts.components.iter().filter(|(c, _)| c.is_coordinator());
-    let mut outputs = led
-        .filter(|(c, _)| c.name.text != decl.name.text)
-        .filter_map(|(c, _)| wires.variables.get(&format!("{}.{name}", c.name.text)));
-    let entry = match (wires.variables.get(name), outputs.next(), outputs.next()) {
+    let seen = &wires.names.variables;
+    let mut outputs = parts
+        .components
+        .iter()
+        .filter(|(c, _)| c.is_coordinator() && c.name.text != decl.name.text)
+        .filter_map(|(c, _)| seen.get(&format!("{}.{name}", c.name.text)));
+    let entry = match (seen.get(name), outputs.next(), outputs.next()) {
         (Some(entry), ..) | (None, Some(entry), None) => Some(entry.clone()),
         _ => None,
     };
     let Some(id) = entry.and_then(|e| e.at(&path)) else {
         return Some(None);
     };
-    let domain = wires.domains[id.index()].clone()?;
-    let found = measured(&domain, wires.measures.get(&id).copied());
+    let domain = wires.variables.domains[id.index()].clone()?;
+    let found = measured(&domain, wires.variables.measures.get(&id).copied());
     if found != ty {
-        wires.error_with(
+        wires.findings.error_with(
             codes::TYPE_MISMATCH,
             decl.name.span,
             format!(
@@ -442,7 +439,7 @@ fn part_of<'a>(
 ) -> Option<Term> {
     let ty = measured(&variable.domain, Unit::named(&variable.unit));
     if plant::is_operation(value)
-        && let Some(term) = jobs::job_of(wires, &ty)
+        && let Some(term) = jobs::job_of(&wires.variables, &ty)
     {
         return Some(term);
     }
@@ -453,11 +450,13 @@ fn part_of<'a>(
             whole.map_or_else(|| ty.describe(), Type::describe),
             given.ty().describe()
         );
-        wires.error_with(codes::TYPE_MISMATCH, value.span, message, PARTS);
+        wires
+            .findings
+            .error_with(codes::TYPE_MISMATCH, value.span, message, PARTS);
         return None;
     };
     if way.is_empty() || found.is_numeric() && ty.is_numeric() {
-        return wires.fitted(value.span, (term, found), &ty);
+        return fitted(value.span, (term, found), &ty, &mut wires.findings);
     }
     if found == ty {
         return Some(term);
@@ -468,20 +467,22 @@ fn part_of<'a>(
         ty.describe(),
         found.describe()
     );
-    wires.error_with(codes::TYPE_MISMATCH, value.span, message, PARTS);
+    wires
+        .findings
+        .error_with(codes::TYPE_MISMATCH, value.span, message, PARTS);
     None
 }
 
 /// Reports that an input is bound to nothing, at all or while an operation runs.
 fn unbound(
-    wires: &mut Elaborator<'_>,
+    findings: &mut Findings,
     decl: &ast::Component,
     variable: &linewright_core::gr1::Variable,
     operation: Option<&ast::Name>,
 ) {
     if decl.broken {
         // It may be bound by what could not be understood.
-        wires.tainted = true;
+        findings.tainted = true;
         return;
     }
     let (name, action) = (way(&variable.name).0, &decl.name.text);
@@ -501,7 +502,7 @@ fn unbound(
             ),
         ),
     };
-    wires.error_with(
+    findings.error_with(
         codes::INPUT_UNBOUND,
         span,
         format!(

@@ -5,7 +5,7 @@
 //! the coordinator alone; a second instance of the action tells the two apart.
 
 use super::Parts;
-use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::elaborate::{Findings, VariableTable, nearest};
 use crate::contract::scope::double;
 use crate::contract::shape::way;
 use crate::contract::value::{Term, Type};
@@ -53,7 +53,7 @@ pub(super) fn jobs<'a>(machine: &'a ast::Machine, action: &str) -> Vec<Job<'a>> 
 }
 
 /// Reports what operations set that is no input, or set twice, or set differently for two runs of one action.
-pub(super) fn check(e: &mut Elaborator<'_>, parts: &Parts<'_>, sources: &SourceMap) {
+pub(super) fn check(findings: &mut Findings, parts: &Parts<'_>, sources: &SourceMap) {
     for item in &parts.machine.items {
         let MachineItem::Operation { name, sequence, .. } = item else {
             continue;
@@ -64,14 +64,14 @@ pub(super) fn check(e: &mut Elaborator<'_>, parts: &Parts<'_>, sources: &SourceM
                 .iter()
                 .find(|(c, _)| c.name.text == performer(&run.name.text) && !c.is_coordinator());
             if let Some((_, specification)) = component {
-                inputs_exist(e, run, specification);
+                inputs_exist(findings, run, specification);
             }
             let mut earlier = sequence[..i].iter();
             if let Some(first) =
                 earlier.find(|p| performer(&p.name.text) == performer(&run.name.text))
                 && !same(sources, &first.arguments, &run.arguments)
             {
-                e.findings.push(
+                findings.push(
                     Diagnostic::error(
                         codes::OPERATION,
                         run.name.span,
@@ -91,7 +91,7 @@ pub(super) fn check(e: &mut Elaborator<'_>, parts: &Parts<'_>, sources: &SourceM
     }
 }
 
-fn inputs_exist(e: &mut Elaborator<'_>, run: &ast::Performed, specification: &Specification) {
+fn inputs_exist(findings: &mut Findings, run: &ast::Performed, specification: &Specification) {
     let mut known: Vec<&str> = specification
         .inputs()
         .map(|id| way(&specification.variable(id).name).0)
@@ -104,7 +104,7 @@ fn inputs_exist(e: &mut Elaborator<'_>, run: &ast::Performed, specification: &Sp
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("its inputs are {}", known.join(", ")),
             };
-            e.error_with(
+            findings.error_with(
                 codes::NAME_UNKNOWN,
                 name.span,
                 format!("`{}` has no input `{}`", run.name.text, name.text),
@@ -113,7 +113,7 @@ fn inputs_exist(e: &mut Elaborator<'_>, run: &ast::Performed, specification: &Sp
         }
         let mut earlier = run.arguments[..i].iter().map(|a| &a.name);
         if let Some(first) = earlier.find(|n| n.text == name.text) {
-            e.findings.push(double(name, first.span));
+            findings.push(double(name, first.span));
         }
     }
 }
@@ -131,9 +131,9 @@ fn same(sources: &SourceMap, a: &[ast::Argument], b: &[ast::Argument]) -> bool {
 
 /// The job of one of several coordinators: the operation that runs, where it knows it, and else `none`. `None` where the wire itself
 /// has that type.
-pub(super) fn job_of(wires: &Elaborator<'_>, ty: &Type) -> Option<Term> {
+pub(super) fn job_of(variables: &VariableTable, ty: &Type) -> Option<Term> {
     let (Type::Enum(own), Some(Domain::Enum { labels, .. })) =
-        (ty, wires.domains.first()?.as_ref())
+        (ty, variables.domains.first()?.as_ref())
     else {
         return None;
     };
@@ -143,7 +143,7 @@ pub(super) fn job_of(wires: &Elaborator<'_>, ty: &Type) -> Option<Term> {
     }
     let jobs = own.iter().enumerate().filter(|(i, _)| *i != rest);
     Some(jobs.fold(Term::Int(rest as i64), |otherwise, (i, job)| {
-        match runs(wires, job) {
+        match runs(variables, job) {
             Some(runs) => Term::choose(runs, Term::Int(i as i64), otherwise),
             None => otherwise,
         }
@@ -151,8 +151,8 @@ pub(super) fn job_of(wires: &Elaborator<'_>, ty: &Type) -> Option<Term> {
 }
 
 /// "This operation runs", over the wires.
-pub(super) fn runs(wires: &Elaborator<'_>, operation: &str) -> Option<Term> {
-    let Some(Domain::Enum { labels, .. }) = wires.domains.first()?.as_ref() else {
+pub(super) fn runs(variables: &VariableTable, operation: &str) -> Option<Term> {
+    let Some(Domain::Enum { labels, .. }) = variables.domains.first()?.as_ref() else {
         return None;
     };
     let value = labels.iter().position(|l| l == operation)?;

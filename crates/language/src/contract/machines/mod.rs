@@ -16,7 +16,7 @@ pub(super) use properties::{
 };
 pub(super) use settings::{failures, positive};
 
-use super::elaborate::{Elaborator, nearest};
+use super::elaborate::{Elaborator, Findings, nearest};
 use super::instantiate::{self, Arguments, instantiate};
 use super::machine::{Layers, Machine, PlantInput, Property, PropertyKind, Rules};
 use super::scope::{self, Decl, Scope, double, stands_twice};
@@ -72,17 +72,20 @@ fn level(
     findings: &mut Vec<Diagnostic>,
 ) -> Option<Level> {
     let mut e = scope.elaborator();
-    e.real = true;
+    e.dialect.real = true;
     if instantiate::bind(&mut e, &machine.header.parameters, given, call).is_none() {
-        findings.append(&mut e.findings);
+        findings.append(&mut e.findings.list);
         return None;
     }
-    let decls = machine.items.iter().filter_map(|item| match item {
-        MachineItem::Const(decl) => Some(Decl::Constant(decl)),
-        MachineItem::Type(decl) => Some(Decl::Type(decl)),
-        _ => None,
-    });
-    let decls: Vec<_> = decls.collect();
+    let decls: Vec<_> = machine
+        .items
+        .iter()
+        .filter_map(|item| match item {
+            MachineItem::Const(decl) => Some(Decl::Constant(decl)),
+            MachineItem::Type(decl) => Some(Decl::Type(decl)),
+            _ => None,
+        })
+        .collect();
     scope::settle(&mut e, &decls);
     let mut parts = Parts {
         machine,
@@ -95,8 +98,8 @@ fn level(
         path: [path, &[machine.header.name.text.as_str()]].concat(),
     };
     let result = build(&mut e, &mut parts, scope, sources);
-    let broken = e.refused();
-    findings.append(&mut e.findings);
+    let broken = e.findings.refused();
+    findings.append(&mut e.findings.list);
     if broken { None } else { result }
 }
 
@@ -107,11 +110,11 @@ fn build<'a>(
     sources: &SourceMap,
 ) -> Option<Level> {
     let machine = parts.machine;
-    no_doubles(e, machine);
+    no_doubles(&mut e.findings, machine);
     declare_properties(e, parts);
     instantiate_components(e, parts, scope, sources);
-    let (operations, performed) = operations(e, parts);
-    jobs::check(e, parts, sources);
+    let (operations, performed) = operations(&mut e.findings, parts);
+    jobs::check(&mut e.findings, parts, sources);
     declare_plant(e, parts);
     orders::guarantee(e, parts, scope);
     let mut model = Machine {
@@ -136,13 +139,13 @@ fn build<'a>(
         span: machine.header.name.span,
     };
     settings::numbers(e, machine, &mut model);
-    if e.refused() {
+    if e.findings.refused() {
         return None;
     }
     let properties = parts.properties.len();
 
     // Wires: the plant's first, then every component's outputs.
-    let mut wires = scope_of_wires(e, parts);
+    let mut wires = scope_of_wires(&e.names, parts);
     let mut components = Vec::new();
     let mut first = parts.plant.len();
     let firsts: Vec<usize> = parts
@@ -158,8 +161,7 @@ fn build<'a>(
         let component = component(e, &mut wires, parts, index, &firsts);
         components.extend(component);
     }
-    e.tainted |= wires.tainted;
-    e.findings.append(&mut wires.findings);
+    e.findings.absorb(&mut wires.findings);
 
     model.components = components;
     model.plant.clone_from(&parts.plant);
@@ -169,12 +171,11 @@ fn build<'a>(
     model.refines = promises::refined(e, &mut wires, parts, scope, sources);
     model.orders = orders::orders(&mut wires, parts, scope);
     model.guarantees = promises::guarantees(&mut wires, parts, sources);
-    for watching in orders::watching(&mut wires, &model) {
+    for watching in orders::watching(&mut wires.findings, &model) {
         orders::add(&mut model, watching);
         parts.nested.push(None);
     }
-    e.tainted |= wires.tainted;
-    e.findings.append(&mut wires.findings);
+    e.findings.absorb(&mut wires.findings);
     let says_done = machine
         .items
         .iter()
@@ -184,7 +185,7 @@ fn build<'a>(
         .iter()
         .any(|i| matches!(i, MachineItem::Operation { .. }));
     if has_operations != says_done {
-        e.error_with(
+        e.findings.error_with(
             codes::OPERATION,
             machine.header.name.span,
             if has_operations {
@@ -204,12 +205,12 @@ fn build<'a>(
 }
 
 /// Statements that may stand once, and names that may be declared once.
-fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
+fn no_doubles(findings: &mut Findings, machine: &ast::Machine) {
     let parameters = machine.header.parameters.iter().map(|p| &p.name);
     let mut names: BTreeMap<&str, Span> = BTreeMap::new();
     for name in parameters {
         if let Some(first) = names.insert(&name.text, name.span) {
-            e.findings.push(double(name, first));
+            findings.push(double(name, first));
         }
     }
     // Operations have names of their own: one that is a single action is called like it.
@@ -227,7 +228,7 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
                 // Formulas have names of their own, too.
                 let first = name.as_ref().and_then(|n| rules.insert(&n.text, n.span));
                 if let (Some(name), Some(first)) = (name, first) {
-                    e.findings.push(double(name, first));
+                    findings.push(double(name, first));
                 }
                 continue;
             }
@@ -235,7 +236,7 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
             MachineItem::Type(t) => &t.name,
             MachineItem::Operation { name, .. } => {
                 if let Some(first) = operations.insert(&name.text, name.span) {
-                    e.findings.push(double(name, first));
+                    findings.push(double(name, first));
                 }
                 continue;
             }
@@ -254,7 +255,7 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
                     _ => ("failures", "leave one of the two out"),
                 };
                 if let Some(first) = once.insert(word, x.span) {
-                    e.findings.push(stands_twice(word, x.span, first, help));
+                    findings.push(stands_twice(word, x.span, first, help));
                 }
                 continue;
             }
@@ -263,7 +264,7 @@ fn no_doubles(e: &mut Elaborator<'_>, machine: &ast::Machine) {
             }
         };
         if let Some(first) = names.insert(&name.text, name.span) {
-            e.findings.push(double(name, first));
+            findings.push(double(name, first));
         }
     }
 }
@@ -276,11 +277,11 @@ fn declare_properties<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
             _ => continue,
         };
         let Some(ty) = property_type(e, &typed.domain) else {
-            e.broken.insert(typed.name.text.clone());
+            e.names.broken.insert(typed.name.text.clone());
             continue;
         };
         let Some(values) = property_values(e, &ty, typed.values.first()) else {
-            e.broken.insert(typed.name.text.clone());
+            e.names.broken.insert(typed.name.text.clone());
             continue;
         };
         let first = parts.properties.len();
@@ -317,7 +318,7 @@ fn instance<'a>(
             Some(near) => format!("did you mean `{near}`?"),
             None => "import the file that declares it".to_owned(),
         };
-        e.error_with(
+        e.findings.error_with(
             codes::NAME_UNKNOWN,
             c.contract.span,
             format!("there is no contract `{}`", c.contract.text),
@@ -340,14 +341,14 @@ fn instance<'a>(
         Some(c.contract.span),
         &mut found,
     );
-    let instance = called(e, c, found, "contract", instance)?;
+    let instance = called(&mut e.findings, c, found, "contract", instance)?;
     Some(instance.specification)
 }
 
 /// What came of a call. What is wrong within the contract or machine (`what`) is reported once, where it stands; here only what the call
 /// gets wrong.
 fn called<T>(
-    e: &mut Elaborator<'_>,
+    findings: &mut Findings,
     c: &ast::Component,
     found: Vec<Diagnostic>,
     what: &str,
@@ -360,17 +361,17 @@ fn called<T>(
             || d.code == codes::ARGUMENT
                 && d.span.is_some_and(|s| s == c.contract.span || argument(s))
     });
-    let before = e.findings.len();
-    e.findings.extend(calls);
+    let before = findings.list.len();
+    findings.list.extend(calls);
     if result.is_some() {
         return result;
     }
     // Without arguments it is wrong by itself.
     if c.arguments.is_empty() {
-        e.tainted = true;
-    } else if e.findings.len() == before {
+        findings.tainted = true;
+    } else if findings.list.len() == before {
         let name = &c.contract.text;
-        e.error_with(
+        findings.error_with(
             codes::NAME_UNKNOWN,
             c.contract.span,
             format!("the {what} `{name}` cannot be used with these arguments"),
@@ -386,14 +387,18 @@ fn instantiate_components<'a>(
     scope: &Scope<'_>,
     sources: &SourceMap,
 ) {
-    let items = parts.machine.items.iter().filter_map(|i| match i {
-        MachineItem::Component(c) => Some(c),
-        _ => None,
-    });
-    let mut ordered: Vec<&'a ast::Component> = items.collect();
+    let mut ordered: Vec<&'a ast::Component> = parts
+        .machine
+        .items
+        .iter()
+        .filter_map(|i| match i {
+            MachineItem::Component(c) => Some(c),
+            _ => None,
+        })
+        .collect();
     ordered.sort_by_key(|c| !c.is_coordinator());
     if ordered.is_empty() {
-        e.error_with(
+        e.findings.error_with(
             codes::OPERATION,
             parts.machine.header.name.span,
             "this machine has no component",

@@ -10,7 +10,7 @@
 use super::expand::{How, answers_first, expand, view};
 use super::properties::{PropertyType, assigned, assigned_array};
 use super::{Parts, called, level};
-use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::elaborate::{Elaborator, Findings, nearest};
 use crate::contract::instantiate;
 use crate::contract::machine::{ActionTime, Machine, RealExpr};
 use crate::contract::scope::Scope;
@@ -72,7 +72,7 @@ pub(super) fn nested<'a>(
     c: &'a ast::Component,
 ) -> Option<(Nested, Arc<Specification>)> {
     let Some(machine) = scope.machines.get(c.contract.text.as_str()) else {
-        unknown(e, scope, c);
+        unknown(&mut e.findings, scope, c);
         return None;
     };
     let name = machine.header.name.text.as_str();
@@ -80,7 +80,7 @@ pub(super) fn nested<'a>(
         let circle: Vec<&str> = (parts.path[first..].iter().copied())
             .chain([name])
             .collect();
-        e.error_with(
+        e.findings.error_with(
             codes::MACHINE_IN_ITSELF,
             c.contract.span,
             format!("`{name}` contains itself: {}", circle.join(" -> ")),
@@ -104,7 +104,7 @@ pub(super) fn nested<'a>(
         &parts.path,
         &mut found,
     );
-    let level = called(e, c, found, "machine", inner)?;
+    let level = called(&mut e.findings, c, found, "machine", inner)?;
     let flat = expand(&level, How::Flat, &BTreeSet::new());
     let seen = seen(&level.machine);
     let specification = Arc::new(view(&level.machine, &seen));
@@ -125,7 +125,7 @@ pub(super) fn nested<'a>(
     Some((nested, specification))
 }
 
-fn unknown(e: &mut Elaborator<'_>, scope: &Scope<'_>, c: &ast::Component) {
+fn unknown(findings: &mut Findings, scope: &Scope<'_>, c: &ast::Component) {
     let known = scope.machines.keys().copied();
     let help = match nearest(&c.contract.text, known) {
         _ if scope.contracts.contains_key(c.contract.text.as_str()) => {
@@ -137,7 +137,7 @@ fn unknown(e: &mut Elaborator<'_>, scope: &Scope<'_>, c: &ast::Component) {
         Some(near) => format!("did you mean `{near}`?"),
         None => "import the file that declares it".to_owned(),
     };
-    e.error_with(
+    findings.error_with(
         codes::NAME_UNKNOWN,
         c.contract.span,
         format!("there is no machine `{}`", c.contract.text),
@@ -246,7 +246,7 @@ impl Nested {
     }
 
     /// The operation that a place in a sequence names: `left.fetch`, or `left` where there is one only.
-    pub fn operation<'a>(&self, e: &mut Elaborator<'a>, run: &'a ast::Name) -> Option<usize> {
+    pub fn operation(&self, findings: &mut Findings, run: &ast::Name) -> Option<usize> {
         let operations = &self.flat.operations;
         let said = run.text.split_once('.').map(|(_, operation)| operation);
         let names: Vec<&str> = operations.iter().map(|o| o.name.as_str()).collect();
@@ -256,7 +256,7 @@ impl Nested {
         };
         match (said, operations.len()) {
             (None, 1) => return Some(0),
-            (None, _) => e.error_with(
+            (None, _) => findings.error_with(
                 codes::OPERATION,
                 run.span,
                 format!("which operation of `{}` runs here is not said", run.text),
@@ -269,7 +269,7 @@ impl Nested {
                 if let Some(place) = names.iter().position(|n| *n == operation) {
                     return Some(place);
                 }
-                e.error_with(
+                findings.error_with(
                     codes::NAME_UNKNOWN,
                     run.span,
                     format!("`{}` has no operation `{operation}`", self.name),
@@ -311,7 +311,7 @@ pub(super) fn bind_properties<'a>(
                     (first + i as usize, term.map(|t| vec![t]))
                 }
                 _ => {
-                    e.error_with(
+                    e.findings.error_with(
                         codes::INDEX_RANGE,
                         b.name.span,
                         format!("the property `{name}` has no such element"),
@@ -332,20 +332,20 @@ pub(super) fn bind_properties<'a>(
             }
         }
     }
-    missing(e, decl, nested, &bound);
+    missing(&mut e.findings, decl, nested, &bound);
     bound
 }
 
 /// Reports what times and powers depend on and is bound to nothing.
 fn missing(
-    e: &mut Elaborator<'_>,
+    findings: &mut Findings,
     decl: &ast::Component,
     nested: &Nested,
     bound: &[Option<RealExpr>],
 ) {
     if decl.broken {
         // It may be bound by what could not be understood.
-        e.tainted = true;
+        findings.tainted = true;
         return;
     }
     for i in nested.needed() {
@@ -357,7 +357,7 @@ fn missing(
             continue;
         }
         let inner = &decl.name.text;
-        e.error_with(
+        findings.error_with(
             codes::INPUT_UNBOUND,
             decl.name.span,
             format!(
@@ -369,14 +369,14 @@ fn missing(
 }
 
 /// What belongs to actions and not to machines.
-pub(super) fn no_settings(e: &mut Elaborator<'_>, decl: &ast::Component) {
+pub(super) fn no_settings(findings: &mut Findings, decl: &ast::Component) {
     let said = [
         decl.when.as_ref().map(|x| ("when", x.span)),
         decl.time.as_ref().map(|(x, _)| ("time", x.span)),
         decl.power.as_ref().map(|x| ("power", x.span)),
     ];
     for (word, span) in said.into_iter().flatten() {
-        e.error_with(
+        findings.error_with(
             codes::OPERATION,
             span,
             format!(

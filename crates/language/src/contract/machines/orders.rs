@@ -6,7 +6,7 @@
 
 use super::Parts;
 use super::component::scope_of_wires;
-use crate::contract::elaborate::Elaborator;
+use crate::contract::elaborate::{Elaborator, Findings};
 use crate::contract::machine::{Component, Machine, Orders, PlantSource, RealExpr, Role};
 use crate::contract::scope::Scope;
 use crate::contract::skills::{level, listed, near_or_all};
@@ -47,15 +47,15 @@ pub(super) fn orders<'a>(
                 .with_help("leave one of the two out"),
             );
         }
-        let level = level(decl.level.as_ref(), &Level::ALL, &mut wires.findings);
+        let level = level(decl.level.as_ref(), &Level::ALL, &mut wires.findings.list);
         // What is wrong with a condition is said whatever is wrong with the set.
         let called = called(wires, decl);
-        let Some(skills) = skills(wires, scope, set) else {
+        let Some(skills) = skills(&mut wires.findings, scope, set) else {
             continue;
         };
-        let when = conditions(wires, decl, &skills, called);
+        let when = conditions(&mut wires.findings, decl, &skills, called);
         let (Some(level), Some(when)) = (level, when) else {
-            wires.tainted = true;
+            wires.findings.tainted = true;
             continue;
         };
         orders.push(Orders {
@@ -70,11 +70,11 @@ pub(super) fn orders<'a>(
 }
 
 /// The set of a name; one that cannot be used was reported.
-fn skills(wires: &mut Elaborator<'_>, scope: &Scope<'_>, name: &ast::Name) -> Option<Arc<Skills>> {
+fn skills(findings: &mut Findings, scope: &Scope<'_>, name: &ast::Name) -> Option<Arc<Skills>> {
     match scope.skills.get(name.text.as_str()) {
         Some(Some(skills)) => Some(Arc::clone(skills)),
         Some(None) => {
-            wires.tainted = true;
+            findings.tainted = true;
             None
         }
         None => {
@@ -83,7 +83,7 @@ fn skills(wires: &mut Elaborator<'_>, scope: &Scope<'_>, name: &ast::Name) -> Op
                 0 => "import the file that declares it".to_owned(),
                 _ => near_or_all(&name.text, known, "those in sight are"),
             };
-            wires.error_with(
+            findings.error_with(
                 codes::NAME_UNKNOWN,
                 name.span,
                 format!("there are no skills `{}`", name.text),
@@ -122,7 +122,7 @@ fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> Called<'
 
 /// One condition a skill, in the order of the skills. `None` when something is wrong; it was reported.
 fn conditions(
-    wires: &mut Elaborator<'_>,
+    findings: &mut Findings,
     decl: &ast::SkillCalls,
     skills: &Skills,
     mut called: Called<'_>,
@@ -133,8 +133,10 @@ fn conditions(
         .iter()
         .map(|skill| called.remove(skill.name.as_str()))
         .collect();
-    let missing = skills.skills.iter().zip(&bound);
-    let missing: Vec<&str> = missing
+    let missing: Vec<&str> = skills
+        .skills
+        .iter()
+        .zip(&bound)
         .filter(|(_, bound)| bound.is_none())
         .map(|(skill, _)| skill.name.as_str())
         .collect();
@@ -146,7 +148,7 @@ fn conditions(
             Some(near) => format!("did you mean `{near}`?"),
             None => near_or_all(unknown, all, "its skills are"),
         };
-        wires.error_with(
+        findings.error_with(
             codes::NAME_UNKNOWN,
             *span,
             format!("`{name}` has no skill `{unknown}`"),
@@ -155,11 +157,11 @@ fn conditions(
     }
     if decl.broken {
         // They may be bound by what could not be understood.
-        wires.tainted = true;
+        findings.tainted = true;
         return None;
     }
     if let Some(first) = missing.first() {
-        wires.error_with(
+        findings.error_with(
             codes::INPUT_UNBOUND,
             decl.set.span,
             format!(
@@ -171,8 +173,7 @@ fn conditions(
         );
         return None;
     }
-    let when: Option<Vec<Expr>> = bound.into_iter().map(|b| b?.1).collect();
-    when
+    bound.into_iter().map(|b| b?.1).collect()
 }
 
 /// So many values of wires are tried to find out whether two skills can be called at once.
@@ -180,9 +181,9 @@ const MOST_TRIED: u64 = 1 << 12;
 
 /// The rules about what one coordinator calls become guarantees of its contract. What is wrong is told later, by [`orders`].
 pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &Scope<'_>) {
-    let mut wires = scope_of_wires(e, parts);
+    let mut wires = scope_of_wires(&e.names, parts);
     let orders = orders(&mut wires, parts, scope);
-    if e.refused() || wires.refused() {
+    if e.findings.refused() || wires.findings.refused() {
         return;
     }
     let mut first = parts.plant.len();
@@ -381,7 +382,7 @@ fn ended_input(specification: &Specification, span: Span) -> Variable {
 }
 
 /// A component a set of skills, which watches that its orders are kept.
-pub(super) fn watching(wires: &mut Elaborator<'_>, model: &Machine) -> Vec<Component> {
+pub(super) fn watching(findings: &mut Findings, model: &Machine) -> Vec<Component> {
     let mut watching = Vec::new();
     for orders in &model.orders {
         let mut specification = Specification {
@@ -402,8 +403,7 @@ pub(super) fn watching(wires: &mut Elaborator<'_>, model: &Machine) -> Vec<Compo
             });
         }
         let mut bindings = orders.when.clone();
-        let inputs = 0..orders.skills.skills.len() as u32;
-        let mut when: Vec<Condition> = inputs
+        let mut when: Vec<Condition> = (0..orders.skills.skills.len() as u32)
             .map(|i| Condition::rising(Expr::now(VarId(i))))
             .collect();
         if let Some((ended, anew)) = by_operation(model, orders) {
@@ -418,7 +418,7 @@ pub(super) fn watching(wires: &mut Elaborator<'_>, model: &Machine) -> Vec<Compo
         }
         let when: Vec<_> = when.into_iter().map(Some).collect();
         if let Err(error) = add_rules(&mut specification, orders, &when, Party::Plant) {
-            wires.error_with(
+            findings.error_with(
                 codes::TOO_LARGE,
                 orders.span,
                 format!("the orders of `{}` are too large to be watched: {error}", orders.skills.name),

@@ -3,7 +3,7 @@
 use super::Parts;
 use super::jobs::performer;
 use super::properties::{PropertyType, assigned, assigned_array};
-use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::elaborate::{Elaborator, Findings, nearest};
 use crate::contract::instantiate::taxonomy_codes;
 use crate::contract::machine::{Operation, PlantInput, PlantSource};
 use crate::contract::shape::measured;
@@ -17,9 +17,9 @@ use linewright_syntax::ast::{self, ExprKind, Machine, MachineItem, Performed};
 type Run = (usize, Option<usize>);
 
 /// The jobs, each with the components that it runs, and the plant wire that selects one: wire 0.
-pub(super) fn operations<'a>(
-    e: &mut Elaborator<'a>,
-    parts: &mut Parts<'a>,
+pub(super) fn operations(
+    findings: &mut Findings,
+    parts: &mut Parts<'_>,
 ) -> (Vec<Operation>, Vec<Vec<Run>>) {
     let mut declared = Vec::new();
     for item in &parts.machine.items {
@@ -106,19 +106,19 @@ pub(super) fn operations<'a>(
             {
                 finding = finding.with_label(*span, "the job is chosen here");
             }
-            e.findings.push(finding);
+            findings.push(finding);
             continue;
         };
         let mut runs: Vec<Run> = Vec::new();
         for Performed { name: action, .. } in sequence {
-            runs.extend(run(e, parts, action, false));
+            runs.extend(run(findings, parts, action, false));
         }
         if sequence.is_empty() {
-            runs.extend(run(e, parts, name, true));
+            runs.extend(run(findings, parts, name, true));
         }
         result.push(Operation {
             name: name.text.clone(),
-            codes: taxonomy_codes(code_names, &mut e.findings),
+            codes: taxonomy_codes(code_names, &mut findings.list),
             sequence: runs.iter().map(|(component, _)| *component).collect(),
             value: value as i64,
             span: name.span,
@@ -129,20 +129,15 @@ pub(super) fn operations<'a>(
 }
 
 /// What a name in a sequence runs. `alone` says that it is the operation's own name.
-fn run<'a>(
-    e: &mut Elaborator<'a>,
-    parts: &Parts<'a>,
-    name: &'a ast::Name,
-    alone: bool,
-) -> Option<Run> {
+fn run(findings: &mut Findings, parts: &Parts<'_>, name: &ast::Name, alone: bool) -> Option<Run> {
     let who = performer(&name.text);
     let is = |(c, _): &(&ast::Component, _)| c.name.text == who && !c.is_coordinator();
     if let Some(place) = parts.components.iter().position(is) {
         return match &parts.nested[place] {
-            Some(nested) => Some((place, Some(nested.operation(e, name)?))),
+            Some(nested) => Some((place, Some(nested.operation(findings, name)?))),
             None if who == name.text => Some((place, None)),
             None => {
-                e.error_with(
+                findings.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
                     format!("`{who}` is an action, and has no operations"),
@@ -153,11 +148,11 @@ fn run<'a>(
         };
     }
     if is_action(parts.machine, who) {
-        e.tainted = true;
+        findings.tainted = true;
         return None;
     }
     if alone {
-        e.error_with(
+        findings.error_with(
             codes::OPERATION,
             name.span,
             format!("no action is called `{who}`"),
@@ -165,13 +160,16 @@ fn run<'a>(
         );
         return None;
     }
-    let actions = parts.components.iter().filter(|(c, _)| !c.is_coordinator());
-    let known = actions.map(|(c, _)| c.name.text.as_str());
+    let known = parts
+        .components
+        .iter()
+        .filter(|(c, _)| !c.is_coordinator())
+        .map(|(c, _)| c.name.text.as_str());
     let help = match nearest(who, known) {
         Some(near) => format!("did you mean `{near}`?"),
         None => "name actions of this machine, in the order in which they run".to_owned(),
     };
-    e.error_with(
+    findings.error_with(
         codes::NAME_UNKNOWN,
         name.span,
         format!("this machine has no action `{who}`"),
@@ -194,32 +192,32 @@ pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
             _ => continue,
         };
         let Some((domain, unit, length)) = e.measured_domain(&typed.domain) else {
-            e.broken.insert(typed.name.text.clone());
+            e.names.broken.insert(typed.name.text.clone());
             continue;
         };
         let n = length.unwrap_or(1);
         let mut sources: Vec<PlantSource> = Vec::new();
         if signal {
             // A script is counted like a contract's values.
-            let counted = e.real && unit.is_none();
-            let real = std::mem::replace(&mut e.real, counted);
+            let counted = e.dialect.real && unit.is_none();
+            let real = std::mem::replace(&mut e.dialect.real, counted);
             let ty = measured(&domain, unit);
             let mut script = Vec::new();
             for value in &typed.values {
                 match e.scalar(value, &ty) {
                     Some(Term::Int(i)) if domain.contains(i) => script.push(i),
-                    Some(Term::Int(i)) => e.error_with(
+                    Some(Term::Int(i)) => e.findings.error_with(
                         codes::ARGUMENT,
                         value.span,
                         format!("{} is outside {}", domain.show(i), domain.describe()), "use a value of that range, or make the range larger"),
-                    Some(_) => e.error_with(
+                    Some(_) => e.findings.error_with(
                         codes::NOT_CONSTANT,
                         value.span,
                         "a signal's script is made of constants", "use numbers, constants and parameters; what depends on the part is an `abstract`"),
                     None => {}
                 }
             }
-            e.real = real;
+            e.dialect.real = real;
             if script.is_empty() {
                 continue;
             }
@@ -239,7 +237,7 @@ pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
             }
         }
         if sources.len() != n {
-            e.broken.insert(typed.name.text.clone());
+            e.names.broken.insert(typed.name.text.clone());
             continue;
         }
         let names = match length {

@@ -2,7 +2,7 @@
 
 use super::component::binding;
 use super::{Parts, instance};
-use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::elaborate::{Elaborator, Findings, nearest};
 use crate::contract::formula::{Label, classify};
 use crate::contract::machine::{Promised, Rules};
 use crate::contract::scope::Scope;
@@ -31,7 +31,7 @@ pub(super) fn refined<'a>(
         let Some(specification) = instance(e, scope, sources, decl) else {
             continue;
         };
-        known(wires, decl, &specification);
+        known(&mut wires.findings, decl, &specification);
         let bindings = bindings(wires, parts, decl, &specification);
         refined.extend(bindings.map(|bindings| Promised {
             contract: decl.contract.text.clone(),
@@ -44,9 +44,12 @@ pub(super) fn refined<'a>(
 }
 
 /// Every binding is one of a variable that there is.
-fn known(wires: &mut Elaborator<'_>, decl: &ast::Component, specification: &Specification) {
-    let variables = specification.variables.iter();
-    let mut known: Vec<&str> = variables.map(|v| way(&v.name).0).collect();
+fn known(findings: &mut Findings, decl: &ast::Component, specification: &Specification) {
+    let mut known: Vec<&str> = specification
+        .variables
+        .iter()
+        .map(|v| way(&v.name).0)
+        .collect();
     known.dedup();
     for b in &decl.bindings {
         if !known.contains(&way(&b.name.text).0) {
@@ -54,7 +57,7 @@ fn known(wires: &mut Elaborator<'_>, decl: &ast::Component, specification: &Spec
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("its variables are {}", known.join(", ")),
             };
-            wires.error_with(
+            findings.error_with(
                 codes::NAME_UNKNOWN,
                 b.name.span,
                 format!("`{}` has no variable `{}`", decl.contract.text, b.name.text),
@@ -98,15 +101,15 @@ fn bindings<'a>(
             continue;
         }
         if variable.owner == Owner::Environment {
-            complete &= from_outside(wires, parts, decl, variable, bound.last());
+            complete &= from_outside(&mut wires.findings, parts, decl, variable, bound.last());
         }
     }
     if decl.broken {
-        wires.tainted = true;
+        wires.findings.tainted = true;
         return None;
     }
     if !missing.is_empty() {
-        wires.error_with(
+        wires.findings.error_with(
             codes::INPUT_UNBOUND,
             decl.contract.span,
             format!(
@@ -127,7 +130,7 @@ fn bindings<'a>(
 
 /// Whether an input of the contract is the plant's business here, too: what is assumed of it cannot be assumed of the machine.
 fn from_outside(
-    wires: &mut Elaborator<'_>,
+    findings: &mut Findings,
     parts: &Parts<'_>,
     decl: &ast::Component,
     variable: &Variable,
@@ -138,7 +141,7 @@ fn from_outside(
         expr.for_each_var(&mut |v, _| outside &= v.index() < parts.plant.len());
     }
     if !outside {
-        wires.error_with(
+        findings.error_with(
             codes::INPUT_UNBOUND,
             decl.contract.span,
             format!(
@@ -161,8 +164,11 @@ type Wire<'a> = (Option<&'a str>, &'a str, &'a Domain);
 
 /// All wires in order.
 fn wire_names<'a>(parts: &'a Parts<'_>) -> Vec<Wire<'a>> {
-    let plant = parts.plant.iter();
-    let mut names: Vec<Wire<'_>> = plant.map(|p| (None, p.name.as_str(), &p.domain)).collect();
+    let mut names: Vec<Wire<'_>> = parts
+        .plant
+        .iter()
+        .map(|p| (None, p.name.as_str(), &p.domain))
+        .collect();
     for (component, specification) in &parts.components {
         names.extend(specification.outputs().map(|v| {
             let v = specification.variable(v);
@@ -220,8 +226,8 @@ pub(super) fn guarantees<'a>(
         })
         .collect();
     let taken = variables.iter().map(|v| v.name.clone());
-    wires.monitors = Some(Monitors::new(VarId(variables.len() as u32), taken));
-    wires.next = true;
+    wires.memory.monitors = Some(Monitors::new(VarId(variables.len() as u32), taken));
+    wires.dialect.next = true;
     let mut side = Side::default();
     let mut count = 0;
     for item in &machine.items {
@@ -245,12 +251,12 @@ pub(super) fn guarantees<'a>(
         };
         classify(wires, expr, &label, &mut side);
     }
-    wires.next = false;
+    wires.dialect.next = false;
     let mut rules = Rules {
         side,
         ..Rules::default()
     };
-    if let Some(monitors) = wires.monitors.take() {
+    if let Some(monitors) = wires.memory.monitors.take() {
         rules.monitors = monitors.variables().cloned().collect();
         monitors.define(&mut rules.definitions);
     }

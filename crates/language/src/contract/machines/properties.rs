@@ -1,6 +1,6 @@
 //! Properties of parts: their types, their values, and how expressions see them.
 
-use crate::contract::elaborate::{Elaborator, MAX_EXPANSION, constant_real};
+use crate::contract::elaborate::{Elaborator, Findings, MAX_EXPANSION, constant_real};
 use crate::contract::shape::Entry;
 use crate::contract::units::Unit;
 use crate::contract::value::{Dimension, Term, Type, Value, unit};
@@ -38,7 +38,7 @@ pub(in crate::contract) fn property_type<'a>(
         ast::DomainKind::Array(length, of) => {
             let n = e.constant_int(length)?;
             if !(1..=MAX_EXPANSION).contains(&n) {
-                e.error_with(
+                e.findings.error_with(
                     codes::DOMAIN_EMPTY,
                     length.span,
                     format!("an array has 1 to {MAX_EXPANSION} elements, not {n}"),
@@ -48,7 +48,7 @@ pub(in crate::contract) fn property_type<'a>(
             }
             let inner = property_type(e, of)?;
             if inner.length.is_some() {
-                e.error_with(
+                e.findings.error_with(
                     codes::TYPE_MISMATCH,
                     of.span,
                     "arrays of arrays are not known",
@@ -90,7 +90,7 @@ pub(in crate::contract) fn property_values<'a>(
     let values = match e.value(value, expected.as_ref(), Time::Now)? {
         Value::Array(values) if values.len() == n && ty.length.is_some() => values,
         Value::Array(values) => {
-            e.error_with(
+            e.findings.error_with(
                 codes::TYPE_MISMATCH,
                 value.span,
                 if ty.length.is_some() {
@@ -114,7 +114,7 @@ pub(in crate::contract) fn property_values<'a>(
             return None;
         };
         let Some(number) = constant_real(&term) else {
-            e.error_with(
+            e.findings.error_with(
                 codes::NOT_CONSTANT,
                 value.span,
                 "this has to be known before the line runs",
@@ -143,7 +143,7 @@ pub(in crate::contract) fn property_values<'a>(
                 .domain
                 .as_ref()
                 .map_or_else(|| dimension.word().to_owned(), |d| Type::of(d).describe());
-            e.mismatch(value.span, &wanted, &found);
+            e.findings.mismatch(value.span, &wanted, &found);
             return None;
         }
         // A bare number is in the declared unit already.
@@ -154,7 +154,7 @@ pub(in crate::contract) fn property_values<'a>(
         let number = if counted {
             let near = number.round();
             if (number - near).abs() > 1e-9 * near.abs().max(1.0) {
-                e.error_with(
+                e.findings.error_with(
                     codes::PROPERTY,
                     value.span,
                     format!("{number} is no whole number of `{}`", ty.unit),
@@ -169,7 +169,7 @@ pub(in crate::contract) fn property_values<'a>(
         if let Some(d) = &ty.domain
             && !d.contains(number as i64)
         {
-            e.error_with(
+            e.findings.error_with(
                 codes::PROPERTY,
                 value.span,
                 format!("{number} is outside {}", d.describe()),
@@ -189,15 +189,9 @@ pub(in crate::contract) fn see_property(
     ty: &PropertyType,
 ) -> Vec<VarId> {
     let ids: Vec<VarId> = (0..ty.length.unwrap_or(1))
-        .map(|_| {
-            let id = VarId(e.domains.len() as u32);
-            e.domains.push(ty.domain.clone());
-            if ty.domain.is_none() {
-                e.units.insert(id, unit(&ty.unit));
-            } else if let Some(unit) = Unit::named(&ty.unit) {
-                e.measures.insert(id, unit);
-            }
-            id
+        .map(|_| match &ty.domain {
+            Some(domain) => e.variables.add(domain.clone(), Unit::named(&ty.unit)),
+            None => e.variables.add_real(unit(&ty.unit)),
         })
         .collect();
     let entry = match ty.length {
@@ -205,9 +199,8 @@ pub(in crate::contract) fn see_property(
         Some(_) => Entry::Many(ids.iter().map(|id| Entry::One(*id)).collect()),
     };
     // A property hides a constant of the same name from outside.
-    e.constants.remove(name);
-    e.defines.remove(name);
-    e.variables.insert(name.to_owned(), entry);
+    e.names.hide(name);
+    e.names.variables.insert(name.to_owned(), entry);
     ids
 }
 
@@ -228,7 +221,7 @@ pub(in crate::contract) fn assigned<'a>(
 ) -> Option<Term> {
     let expected = ty.domain.as_ref().map(Type::of);
     let (term, found) = e.any_scalar(value, expected.as_ref(), Time::Now)?;
-    converted(e, ty, term, &found, value)
+    converted(&mut e.findings, ty, term, &found, value)
 }
 
 /// Several values assigned to the elements of an array: `value` is an array of as many. What is wrong is reported.
@@ -246,15 +239,16 @@ pub(in crate::contract) fn assigned_array<'a>(
         Value::Array(values) if values.len() == n => values
             .into_iter()
             .map(|v| match v {
-                Value::Scalar(term, found) => converted(e, ty, term, &found, value),
+                Value::Scalar(term, found) => converted(&mut e.findings, ty, term, &found, value),
                 inner => {
-                    e.mismatch(value.span, "one value for each element", &inner.ty());
+                    e.findings
+                        .mismatch(value.span, "one value for each element", &inner.ty());
                     None
                 }
             })
             .collect(),
         other => {
-            e.error_with(
+            e.findings.error_with(
                 codes::TYPE_MISMATCH,
                 value.span,
                 format!("expected an array of {n}, found {}", other.ty().describe()),
@@ -267,7 +261,7 @@ pub(in crate::contract) fn assigned_array<'a>(
 
 /// A term in the unit of a property.
 fn converted(
-    e: &mut Elaborator<'_>,
+    findings: &mut Findings,
     ty: &PropertyType,
     term: Term,
     found: &Type,
@@ -279,7 +273,7 @@ fn converted(
         // A range with a unit: the plant rounds to nothing, so that what is no whole number is reported when it occurs.
         (Some(Type::Int), Type::Number(d)) if dimension != Dimension::None => {
             if *d != dimension {
-                e.mismatch(value.span, dimension.word(), found);
+                findings.mismatch(value.span, dimension.word(), found);
                 return None;
             }
             let quotient = linewright_core::gr1::BinaryOp::Div;
@@ -292,7 +286,7 @@ fn converted(
         (Some(Type::Int), Type::Int)
             if dimension != Dimension::None && constant_real(&term) != Some(0.0) =>
         {
-            e.mismatch(value.span, dimension.word(), found);
+            findings.mismatch(value.span, dimension.word(), found);
             None
         }
         (Some(want), _) if want == found => Some(term),
@@ -318,7 +312,7 @@ fn converted(
         }
         _ => {
             let want = expected.map_or_else(|| dimension.word().to_owned(), |t| t.describe());
-            e.mismatch(value.span, &want, found);
+            findings.mismatch(value.span, &want, found);
             None
         }
     }

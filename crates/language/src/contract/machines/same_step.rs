@@ -5,13 +5,13 @@
 //! that its own Moore components give are there from the beginning, and what only those read may come later.
 
 use super::Parts;
-use crate::contract::elaborate::Elaborator;
+use crate::contract::elaborate::Findings;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Expr, Timing};
 
 /// Reports what a component reads too early. `firsts` are the first wires of all components.
 pub(super) fn check(
-    wires: &mut Elaborator<'_>,
+    findings: &mut Findings,
     parts: &Parts<'_>,
     index: usize,
     firsts: &[usize],
@@ -59,9 +59,7 @@ pub(super) fn check(
                 ),
             )
         };
-        wires
-            .findings
-            .push(Diagnostic::error(codes::SAME_STEP_LOOP, span, what).with_help(help));
+        findings.push(Diagnostic::error(codes::SAME_STEP_LOOP, span, what).with_help(help));
     }
 }
 

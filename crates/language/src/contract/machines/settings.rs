@@ -2,7 +2,7 @@
 
 use super::Parts;
 use super::properties::{PropertyType, assigned, assigned_array};
-use crate::contract::elaborate::{Elaborator, nearest};
+use crate::contract::elaborate::{Elaborator, Findings, nearest};
 use crate::contract::machine::{Failures, Machine, RealExpr};
 use crate::contract::value::Dimension;
 use crate::contract::{GREATEST_WATTS, LONGEST_SECONDS, SHORTEST_SECONDS, is_duration};
@@ -21,26 +21,20 @@ pub(super) fn settings<'a>(
     properties: usize,
 ) {
     // Writes see properties and wires: wires get ids after the properties.
-    let mut both = Elaborator::new();
-    both.real = true;
-    both.constants.clone_from(&e.constants);
-    both.types.clone_from(&e.types);
-    both.shapes.clone_from(&e.shapes);
-    both.broken.clone_from(&e.broken);
-    both.domains.clone_from(&e.domains);
-    both.units.clone_from(&e.units);
+    let mut both = Elaborator::new(e.names.clone());
+    both.dialect.real = true;
     both.variables.clone_from(&e.variables);
-    both.domains.extend(wires.domains.iter().cloned());
+    both.variables
+        .domains
+        .extend(wires.variables.domains.iter().cloned());
     let shift = |id: VarId| VarId(id.0 + properties as u32);
-    both.measures.clone_from(&e.measures);
-    let wire_units = wires.measures.iter().map(|(id, unit)| (shift(*id), *unit));
-    both.measures.extend(wire_units);
-    both.defines.clone_from(&e.defines);
-    both.outside.clone_from(&e.outside);
-    for (name, entry) in &wires.variables {
+    for (id, unit) in &wires.variables.measures {
+        both.variables.measures.insert(shift(*id), *unit);
+    }
+    for (name, entry) in &wires.names.variables {
         let entry = entry.renumbered(&shift);
-        both.constants.remove(name);
-        both.variables.entry(name.clone()).or_insert(entry);
+        both.names.constants.remove(name);
+        both.names.variables.entry(name.clone()).or_insert(entry);
     }
     // By property: where it is written.
     let mut written: BTreeMap<usize, Span> = BTreeMap::new();
@@ -59,7 +53,7 @@ pub(super) fn settings<'a>(
                         Some(near) => format!("did you mean `{near}`?"),
                         None => format!("declare it: `property {}: number`", name.text),
                     };
-                    e.error_with(
+                    e.findings.error_with(
                         codes::PROPERTY,
                         name.span,
                         format!("the part has no property `{}`", name.text),
@@ -82,7 +76,7 @@ pub(super) fn settings<'a>(
                             continue;
                         };
                         if !(0..n as i64).contains(&i) {
-                            e.error_with(
+                            e.findings.error_with(
                                 codes::INDEX_RANGE,
                                 index.span,
                                 format!("`{}` has no element {i}", name.text),
@@ -102,7 +96,7 @@ pub(super) fn settings<'a>(
                             model.writes.push((first + i, term.to_real(properties)));
                         }
                     }
-                    (None, Some(index)) => e.error_with(
+                    (None, Some(index)) => e.findings.error_with(
                         codes::TYPE_MISMATCH,
                         index.span,
                         format!("`{}` is not an array", name.text),
@@ -113,16 +107,15 @@ pub(super) fn settings<'a>(
             _ => {}
         }
         if let MachineItem::Write { name, .. } = item {
-            written_once(e, name, &model.writes[before..], &mut written);
+            written_once(&mut e.findings, name, &model.writes[before..], &mut written);
         }
     }
-    e.tainted |= both.tainted;
-    e.findings.append(&mut both.findings);
+    e.findings.absorb(&mut both.findings);
 }
 
 /// A property that is written already, by itself or with its array, is a finding: the later value would win unseen.
 fn written_once(
-    e: &mut Elaborator<'_>,
+    findings: &mut Findings,
     name: &ast::Name,
     writes: &[(usize, RealExpr)],
     written: &mut BTreeMap<usize, Span>,
@@ -132,7 +125,7 @@ fn written_once(
         first = first.or(written.insert(*property, name.span));
     }
     if let Some(first) = first {
-        e.findings.push(
+        findings.push(
             Diagnostic::error(
                 codes::NAME_DOUBLE,
                 name.span,
@@ -165,7 +158,7 @@ pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, mod
             }
             MachineItem::Limit(x) => match e.constant_int(x) {
                 Some(n) if n > 0 => model.step_limit = n as u64,
-                Some(_) => e.error_with(
+                Some(_) => e.findings.error_with(
                     codes::ARGUMENT,
                     x.span,
                     "the step limit is at least 1",
@@ -187,7 +180,7 @@ pub(in crate::contract) fn positive<'a>(
 ) -> Option<f64> {
     let value = e.constant_quantity(x, dimension)?;
     if value < 0.0 || !value.is_finite() {
-        e.error_with(
+        e.findings.error_with(
             codes::ARGUMENT,
             x.span,
             if value < 0.0 {
@@ -211,7 +204,8 @@ pub(in crate::contract) fn positive<'a>(
         _ => None,
     };
     if let Some((message, help)) = unmeasured {
-        e.error_with(codes::ARGUMENT, x.span, message, help);
+        e.findings
+            .error_with(codes::ARGUMENT, x.span, message, help);
         return None;
     }
     Some(value)
@@ -229,7 +223,7 @@ pub(in crate::contract) fn failures<'a>(
     );
     let (a, b) = (a?, b?);
     if a == 0.0 {
-        e.error_with(
+        e.findings.error_with(
             codes::ARGUMENT,
             mtbf.span,
             "the mean time between failures must be longer than 0",

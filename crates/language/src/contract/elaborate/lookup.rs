@@ -1,0 +1,253 @@
+//! What a dotted name or a label stands for in an expression.
+
+use super::records::member;
+use super::{Elaborator, nearest};
+use crate::contract::value::{Dimension, Term, Type, Value, unit};
+use linewright_core::diagnostics::codes;
+use linewright_core::gr1::{Domain, Time};
+use linewright_core::source::Span;
+use linewright_syntax::ast;
+
+impl Elaborator<'_> {
+    pub(super) fn literal(&mut self, span: Span, number: f64, name: &str) -> Option<Value> {
+        let (dimension, factor) = unit(name);
+        if !self.dialect.real && matches!(dimension, Dimension::None | Dimension::Share) {
+            self.findings.error_with(
+                codes::TYPE_MISMATCH,
+                span,
+                "a contract counts in whole numbers",
+                "say in the machine what the numbers mean in the plant: `abstract`, `time`, `write`",
+            );
+            return None;
+        }
+        // 95 hundredths are nearest to 95 / 100, and not to 95 times what is nearest to 0.01.
+        let base = match dimension {
+            Dimension::Share => number / (1.0 / factor).round(),
+            _ => number * factor,
+        };
+        Some(Value::Scalar(Term::Real(base), Type::Number(dimension)))
+    }
+
+    pub(super) fn path(
+        &mut self,
+        span: Span,
+        names: &[ast::Name],
+        expected: Option<&Type>,
+        time: Time,
+    ) -> Option<Value> {
+        let full = names
+            .iter()
+            .map(|n| n.text.as_str())
+            .collect::<Vec<_>>()
+            .join(".");
+        if let Some(value) = self.names.constants.get(&full) {
+            let value = value.clone();
+            self.expansion
+                .spend(span, value.size(), &mut self.findings)?;
+            let value = if self.dialect.real {
+                in_base_units(value)
+            } else {
+                value
+            };
+            return match time {
+                Time::Now => Some(value),
+                Time::Next => self.later(span, value),
+            };
+        }
+        if let Some(define) = self.names.defines.get(&full).copied() {
+            return self.defined(span, define, expected, time);
+        }
+        if let Some(counter) = self.names.counters.get(&full).copied() {
+            if self.expansion.defining.contains(&full) {
+                self.findings.error_with(
+                    codes::NAME_DOUBLE,
+                    span,
+                    format!("the counter `{full}` is told by itself when to count"),
+                    "break the circle; a value that depends on itself needs an internal variable and `next`",
+                );
+                return None;
+            }
+            self.expansion.defining.push(full);
+            let value = self.unbound(|e| e.counter(counter, time));
+            self.expansion.defining.pop();
+            return value;
+        }
+        if let Some(entry) = self.names.variables.get(&full) {
+            return Some(self.variables.entry(entry, time, self.dialect.real));
+        }
+        if let [label] = names
+            && let Some(value) = self.label(label, expected)
+        {
+            return value;
+        }
+        if let [ty, label] = names
+            && let Some(Type::Enum(labels)) = self.names.types.get(&ty.text)
+            && let Some(index) = labels.iter().position(|l| *l == label.text)
+        {
+            return Some(Value::Scalar(
+                Term::Int(index as i64),
+                Type::Enum(labels.clone()),
+            ));
+        }
+        // `target.x` of a record `target`.
+        if let [first @ .., last] = names
+            && let Some(end) = first.last()
+            && self.names.knows(first)
+        {
+            let base = Span::new(span.file, span.start as usize, end.span.end as usize);
+            let value = self.path(base, first, None, time)?;
+            return member(base, value, last, &mut self.findings);
+        }
+        if self.names.broken.contains(&full) {
+            self.findings.tainted = true;
+            return None;
+        }
+        self.unknown(span, &full, expected);
+        None
+    }
+
+    /// A label. `None`: it is none. `Some(None)`: it is ambiguous, and that was reported.
+    #[expect(
+        clippy::option_option,
+        reason = "not a label, or one that was reported"
+    )]
+    pub(super) fn label(
+        &mut self,
+        name: &ast::Name,
+        expected: Option<&Type>,
+    ) -> Option<Option<Value>> {
+        let of = |labels: &[String]| {
+            labels
+                .iter()
+                .position(|l| *l == name.text)
+                .map(|i| Value::Scalar(Term::Int(i as i64), Type::Enum(labels.to_vec())))
+        };
+        if let Some(Type::Enum(labels)) = expected
+            && let Some(value) = of(labels)
+        {
+            return Some(Some(value));
+        }
+        let mut candidates: Vec<Vec<String>> = Vec::new();
+        let named = self.names.types.values().filter_map(|t| match t {
+            Type::Enum(l) => Some(l),
+            _ => None,
+        });
+        let placed = self.variables.domains.iter().filter_map(|d| match d {
+            Some(Domain::Enum { labels, .. }) => Some(labels),
+            _ => None,
+        });
+        for labels in named.chain(placed) {
+            if labels.contains(&name.text) && !candidates.contains(labels) {
+                candidates.push(labels.clone());
+            }
+        }
+        match candidates.as_slice() {
+            [] => None,
+            [one] => match expected {
+                Some(Type::Enum(labels)) => {
+                    self.foreign_label(name, labels, one);
+                    Some(None)
+                }
+                _ => Some(of(one)),
+            },
+            _ => {
+                self.findings.error_with(
+                    codes::NAME_UNKNOWN,
+                    name.span,
+                    format!("`{}` is a label of several types", name.text),
+                    "compare it with a variable of the type that you mean",
+                );
+                Some(None)
+            }
+        }
+    }
+
+    /// A label where one of another type is wanted.
+    fn foreign_label(&mut self, name: &ast::Name, wanted: &[String], other: &[String]) {
+        let named = self.names.types.iter().find(|(_, t)| match t {
+            Type::Enum(labels) => labels == other,
+            _ => false,
+        });
+        let owner = match named {
+            Some((ty, _)) => format!("`{ty}`"),
+            None => format!("{{{}}}", other.join(", ")),
+        };
+        let help = match nearest(&name.text, wanted.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("the labels that fit here are {}", wanted.join(", ")),
+        };
+        self.findings.error_with(
+            codes::TYPE_MISMATCH,
+            name.span,
+            format!(
+                "`{}` is a label of {owner}, which is not the type here",
+                name.text
+            ),
+            help,
+        );
+    }
+
+    pub(super) fn unknown(&mut self, span: Span, name: &str, expected: Option<&Type>) {
+        // Definitions within definitions may come by the same place a million times, and what is near it takes long to find.
+        let mut latest = self.findings.list.iter().rev().take(64);
+        if latest.any(|f| f.code == codes::NAME_UNKNOWN && f.span == Some(span)) {
+            return;
+        }
+        // A label of the type that is wanted goes before all else.
+        if let Some(Type::Enum(labels)) = expected {
+            let near = nearest(name, labels.iter().map(String::as_str));
+            let help = match near {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("the labels that fit here are {}", labels.join(", ")),
+            };
+            self.findings.error_with(
+                codes::NAME_UNKNOWN,
+                span,
+                format!("`{name}` is not declared"),
+                help,
+            );
+            return;
+        }
+        let mut known: Vec<&str> = self
+            .names
+            .variables
+            .keys()
+            .chain(self.names.constants.keys())
+            .map(String::as_str)
+            .chain(self.names.defines.keys().map(String::as_str))
+            .collect();
+        for ty in self.names.types.values().chain(expected) {
+            if let Type::Enum(labels) = ty {
+                known.extend(labels.iter().map(String::as_str));
+            }
+        }
+        for domain in self.variables.domains.iter().flatten() {
+            if let Domain::Enum { labels, .. } = domain {
+                known.extend(labels.iter().map(String::as_str));
+            }
+        }
+        let help = match nearest(name, known.into_iter()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "declare it, or import the file that does".to_owned(),
+        };
+        self.findings.error_with(
+            codes::NAME_UNKNOWN,
+            span,
+            format!("`{name}` is not declared"),
+            help,
+        );
+    }
+}
+
+/// Counted quantities as real numbers of the plant.
+fn in_base_units(value: Value) -> Value {
+    let plain = value.clone();
+    let changed = value.map(&mut |term, ty| match (term, ty) {
+        (Term::Int(i), Type::Measured(unit)) => Some((
+            Term::Real(i as f64 * unit.factor()),
+            Type::Number(unit.dimension()),
+        )),
+        other => Some(other),
+    });
+    changed.unwrap_or(plain)
+}

@@ -1,0 +1,115 @@
+//! Domains and units of variables, by id.
+
+use crate::contract::shape::{Entry, measured};
+use crate::contract::units::Unit;
+use crate::contract::value::{Dimension, Term, Type, Value};
+use linewright_core::gr1::interval::{Interval, interval};
+use linewright_core::gr1::monitors::Monitors;
+use linewright_core::gr1::{BinaryOp, Domain, Time, VarId};
+use std::collections::BTreeMap;
+
+/// A property's unit, for reading it: its dimension and how many base units it is.
+pub(in crate::contract) type UnitOf = (Dimension, f64);
+
+/// The variables of one elaborator; their ids count from 0.
+#[derive(Clone, Default)]
+pub(in crate::contract) struct VariableTable {
+    /// Domains; `None` for real variables.
+    pub domains: Vec<Option<Domain>>,
+    /// Units of real variables.
+    pub units: BTreeMap<VarId, UnitOf>,
+    /// Units of whole-number variables.
+    pub measures: BTreeMap<VarId, Unit>,
+}
+
+impl VariableTable {
+    /// Adds a variable with a finite domain.
+    pub fn add(&mut self, domain: Domain, unit: Option<Unit>) -> VarId {
+        let id = VarId(self.domains.len() as u32);
+        self.domains.push(Some(domain));
+        if let Some(unit) = unit {
+            self.measures.insert(id, unit);
+        }
+        id
+    }
+
+    /// Adds a real variable.
+    pub fn add_real(&mut self, unit: UnitOf) -> VarId {
+        let id = VarId(self.domains.len() as u32);
+        self.domains.push(None);
+        self.units.insert(id, unit);
+        id
+    }
+
+    /// Adds the monitors that were made since the last time.
+    pub fn add_monitors(&mut self, monitors: &Monitors) {
+        let made = monitors.made();
+        let first = made.first().map_or(0, |m| m.id.index());
+        let seen = self.domains.len().saturating_sub(first).min(made.len());
+        self.domains
+            .extend(made[seen..].iter().map(|m| Some(m.variable.domain.clone())));
+    }
+
+    /// The values of a variable as numbers; those of a truth value, where it is real.
+    pub fn interval(&self, id: VarId) -> Interval {
+        self.domains[id.index()]
+            .as_ref()
+            .map_or(Interval::BOOL, Interval::of)
+    }
+
+    /// The values that a number can have; `None` for labels and truth values.
+    pub(super) fn reach(&self, term: &Term) -> Option<Interval> {
+        let expr = term.to_expr()?;
+        let mut numbers = true;
+        expr.for_each_var(&mut |v, _| {
+            let domain = self.domains.get(v.index());
+            numbers &= matches!(domain, Some(Some(Domain::Range { .. })));
+        });
+        if !numbers {
+            return None;
+        }
+        interval(&expr, &|v| self.interval(v)).ok()
+    }
+
+    /// The value of a variable of whatever shape. The plant (`real`) computes in base units.
+    pub(super) fn entry(&self, entry: &Entry, time: Time, real: bool) -> Value {
+        match entry {
+            Entry::One(id) => self.scalar(*id, time, real),
+            Entry::Many(list) => {
+                Value::Array(list.iter().map(|e| self.entry(e, time, real)).collect())
+            }
+            Entry::Record(members) => Value::Record(
+                members
+                    .iter()
+                    .map(|(name, e)| (name.clone(), self.entry(e, time, real)))
+                    .collect(),
+            ),
+        }
+    }
+
+    fn scalar(&self, id: VarId, time: Time, real: bool) -> Value {
+        let read = Term::Var(id, time);
+        if let Some(domain) = &self.domains[id.index()] {
+            return match measured(domain, self.measures.get(&id).copied()) {
+                Type::Measured(unit) if real => {
+                    let factor = Box::new(Term::Real(unit.factor()));
+                    let term = Term::Binary(BinaryOp::Mul, Box::new(read), factor);
+                    Value::Scalar(term, Type::Number(unit.dimension()))
+                }
+                ty => Value::Scalar(read, ty),
+            };
+        }
+        let (dimension, factor) = self
+            .units
+            .get(&id)
+            .copied()
+            .unwrap_or((Dimension::None, 1.0));
+        #[expect(clippy::float_cmp, reason = "base units have exactly the factor 1")]
+        let term = if factor == 1.0 {
+            read
+        } else {
+            Term::Binary(BinaryOp::Mul, Box::new(read), Box::new(Term::Real(factor)))
+        };
+        Value::Scalar(term, Type::Number(dimension))
+    }
+}
