@@ -2,8 +2,8 @@
 
 use super::artefacts::Artefact;
 use super::copies::checker;
-use super::copies::verify::residual::{Pool, Tree, key};
 use super::copies::verify::product::Edge;
+use super::copies::verify::residual::{Pool, Tree, key};
 use super::copies::verify::{self, fair};
 use super::definition::{broken, holds, matching, part, valuations, with};
 use crate::game::value;
