@@ -6,7 +6,7 @@ use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::files::Loaded;
 use crate::engine::findings;
-use crate::engine::machines::{is_same, of_line};
+use crate::engine::machines::{contains, is_same, of_line};
 use crate::station::file_stem;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -42,6 +42,10 @@ pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<P
         }
     }
     for machine in declared {
+        // One that only stands in machines of the lines is a part of their libraries.
+        if picked.machines.iter().any(|m| contains(m, machine.span)) {
+            continue;
+        }
         let mut used = picked.machines.iter().filter(|m| m.span == machine.span);
         if used.clone().count() == 0 {
             picked.machines.push(machine);

@@ -837,6 +837,116 @@ fn all_commands_refuse_what_following_the_parts_shows() {
     }
 }
 
+/// A machine calls skills whose orders contradict each other.
+const CONTRADICTORY: &str = "import std.coordination.single
+contract Act {
+    input asked: bool
+    output executed: bool
+    guarantee report: always (executed <-> asked)
+}
+skills Sk {
+    component c: {l, r} = r {
+        A -> l
+        B -> r
+    }
+    order o at reasonable: after A: never B
+}
+machine M {
+    step 1 s
+    coordinator co: Single {
+        job = operation = a
+        executed = act.executed
+    }
+    action act: Act when co.command {
+        asked = co.command
+        time 2 s
+    }
+    operation a: act
+    done co.done
+    skills Sk {
+        A = operation = a
+        B = false
+    }
+}
+line L {
+    part P
+    source s: P every 5 s
+    sink out
+    station m: M { perform a on P }
+    route P: s -> m -> out
+}
+";
+
+/// A machine cannot begin alone, and can in the machine that it stands in, where its signal is another wire.
+const INNER: &str = "import std.coordination.single
+contract Act {
+    input asked, ready: bool
+    output executed: bool
+    assume st: not ready
+    guarantee report: always (executed <-> asked)
+}
+moore contract Lead {
+    input job, executed: bool
+    output ask, done: bool
+    assume served: always eventually (not ask or executed)
+    guarantee s: not ask and not done
+    guarantee ak: always (next ask <-> (if ask then not executed else job and not done))
+    guarantee dd: always (next done <-> ask and executed)
+    guarantee completes: always eventually not ask
+}
+machine Inner {
+    step 1 s
+    signal ready: bool = true
+    coordinator co: Single {
+        job = operation = a
+        executed = act.executed
+    }
+    action act: Act when co.command {
+        asked = co.command
+        time 2 s
+    }
+    operation a: act
+    done co.done
+}
+machine Outer {
+    step 1 s
+    signal ready: bool = false
+    coordinator co: Lead {
+        job = operation = b
+        executed = inn.done
+    }
+    machine inn: Inner { operation = if co.ask then a else none }
+    operation b: inn.a
+    done co.done
+}
+line L {
+    part P
+    source s: P every 5 s
+    sink out
+    station m: Outer { perform b on P }
+    route P: s -> m -> out
+}
+";
+
+#[test]
+fn all_commands_judge_skills_and_inner_machines_alike() {
+    for (text, exit, code) in [(CONTRADICTORY, 1, "LW315"), (INNER, 0, "error[")] {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("line.lw"), text).expect("a file");
+        for command in [
+            &["check", "line.lw"][..],
+            &["build", "line.lw", "--target", "source", "--out", "station"],
+            &["run", "line.lw", "--parts", "3"],
+        ] {
+            let output = linewright(folder.path(), command);
+            let said = [output.stdout, output.stderr].concat();
+            let said = String::from_utf8_lossy(&said);
+            assert_eq!(output.status.code(), Some(exit), "{command:?}: {said}");
+            assert_eq!(said.contains(code), exit == 1, "{command:?}: {said}");
+        }
+    }
+}
+
 /// The resolver does not know the values of parts, so it doubts a last route with a condition. Where following the parts shows that it
 /// always holds, none of the commands says so.
 #[test]

@@ -766,7 +766,7 @@ fn a_time_limit_ends_every_search() {
         );
         let said = error(&output);
         assert!(
-            said.contains("the time limit was reached; --timeout SECONDS"),
+            said.contains("the time limit was reached; give it more time with --timeout SECONDS"),
             "{said}"
         );
     }

@@ -2,13 +2,14 @@
 
 use super::findings::list;
 use super::found;
+use super::machine::Standing;
 use super::words::{Told, lasso_end, steps_table};
 use linewright_algebra::closed::{Closed, Misrun, Stuck, Verdict, Wrong};
 use linewright_algebra::machine::COMPLETES;
 use linewright_algebra::proof::{Open, Proof};
 use linewright_algebra::replay;
 use linewright_algebra::system::FormulaRef;
-use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::gr1::{VarId, eval};
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, Operation};
@@ -104,9 +105,18 @@ pub fn is_completion(closed: &Closed<'_>, open: &Open) -> bool {
     open.what.part.is_none() && formula.name == COMPLETES
 }
 
-/// What is wrong with operations.
-pub fn operations(closed: &Closed<'_>, verdict: &Verdict) -> Vec<Diagnostic> {
-    let misruns = verdict.misruns.iter().map(|m| misrun(closed, m));
+/// What is wrong with operations. One that can never begin is no mistake of a machine that only works within others.
+pub fn operations(closed: &Closed<'_>, verdict: &Verdict, standing: Standing) -> Vec<Diagnostic> {
+    let misruns = verdict.misruns.iter().map(|m| {
+        let mut finding = misrun(closed, m);
+        if standing == Standing::Within && matches!(m.why, Wrong::NeverBegins(_)) {
+            finding.severity = Severity::Warning;
+            let alone =
+                "that is so where the machine stands alone; in others its signals are bound";
+            finding = finding.with_note(alone);
+        }
+        finding
+    });
     let unclear = verdict.unclear.iter().map(|o| unclear(closed.machine, *o));
     misruns.chain(unclear).collect()
 }

@@ -1,14 +1,23 @@
-//! What is judged of a machine with its controllers: made once, and asked by `check`, `build` and `run` alike.
+//! What is judged of a machine with its controllers, and of the skills that it calls: made once, and asked by `check`, `build` and `run` alike.
 //!
 //! `check` shows how it comes about; `build` and `run` only need to know what is wrong. That nothing is wrong is remembered beside what is known
 //! of contracts, so that a run after a check does not judge again.
 
 use super::cache::{Cache, Key};
 use super::internal;
-use super::machine;
+use super::machine::{self, Standing};
 use crate::controlled::Controlled;
+use linewright_core::deadline::Deadline;
 use linewright_core::diagnostics::Diagnostic;
+use linewright_language::order::{self, Skills};
 use linewright_solver::game::Limits;
+
+/// What there is to say of skills and their orders.
+pub fn skills(skills: &Skills, deadline: Deadline) -> Vec<Diagnostic> {
+    let doing = || format!("checking the skills `{}`", skills.name);
+    internal::caught(doing, || order::findings::examine(skills, deadline))
+        .unwrap_or_else(|fault| vec![fault.finding(Some(skills.span))])
+}
 
 /// What is wrong with a machine, as `check` says it.
 pub fn findings(
@@ -24,8 +33,10 @@ pub fn findings(
     }
     let machine = controlled.machine;
     let doing = || format!("judging the machine `{}`", machine.name);
-    let findings = internal::caught(doing, || machine::proved(controlled, limits).findings)
-        .unwrap_or_else(|fault| vec![fault.finding(Some(machine.span))]);
+    let findings = internal::caught(doing, || {
+        machine::proved(controlled, Standing::Alone, limits).findings
+    })
+    .unwrap_or_else(|fault| vec![fault.finding(Some(machine.span))]);
     remember(&findings, controlled, cache);
     findings
 }

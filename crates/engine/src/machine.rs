@@ -18,6 +18,15 @@ use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
 use linewright_station::composition::{By, Composition};
 use serde::Serialize;
 
+/// Where a machine works.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// In a plant, which gives its signals the values that its file says.
+    Alone,
+    /// In other machines only, which bind its signals, and are judged with it.
+    Within,
+}
+
 /// What is known of a machine.
 #[derive(Debug, Default)]
 pub struct Proved {
@@ -95,7 +104,7 @@ pub struct RefinesEntry {
 
 /// Proves what is to be shown of a machine: of all controllers that keep the contracts, and of those that there are, since what no contract
 /// implies may still hold of them.
-pub fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
+pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) -> Proved {
     let limits = &limits.within(Budget::MACHINE);
     let mut result = Proved::default();
     // An inner machine is known by what it promises; that it keeps the promise is shown first.
@@ -152,7 +161,7 @@ pub fn proved(controlled: &Controlled<'_>, limits: &Limits) -> Proved {
         if is_layered(controlled) {
             both.told_open(verdict, &[], &mut result.findings);
         }
-        let operations = closed::operations(&closed, verdict);
+        let operations = closed::operations(&closed, verdict, standing);
         result.findings.extend(operations);
     } else {
         let walked = walked.findings.into_iter();

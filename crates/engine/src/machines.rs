@@ -3,6 +3,8 @@
 use super::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::controlled::Controlled;
 use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::source::Span;
+use linewright_language::contract::Library;
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::{Machine, Role};
 use std::sync::Arc;
@@ -136,6 +138,19 @@ pub fn of_line(line: &Line) -> Vec<&Arc<Machine>> {
         }
     }
     machines
+}
+
+/// Whether the declaration of a machine is that of a machine within another one, however deep.
+pub fn contains(machine: &Machine, declared: Span) -> bool {
+    let mut inner = machine.layers.inner.iter().map(|inner| &inner.machine);
+    inner.any(|inner| inner.span == declared || contains(inner, declared))
+}
+
+/// Whether a machine only stands in other machines, and in no line by itself.
+pub fn is_only_inner(machine: &Machine, library: &Library) -> bool {
+    let stations = library.lines.iter().flat_map(of_line);
+    !stations.into_iter().any(|m| m.span == machine.span)
+        && library.machines.iter().any(|m| contains(m, machine.span))
 }
 
 /// The findings of machines whose controllers are needed: what is missing is an error, each contract is told once.

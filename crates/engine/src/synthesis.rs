@@ -6,8 +6,9 @@ use crate::judgement;
 use crate::machines::{self, Planned};
 use crate::pipeline::{CheckedContract, Jobs, Settings};
 use indicatif::ProgressBar;
-use linewright_core::diagnostics::Diagnostic;
+use linewright_core::diagnostics::{Diagnostic, Severity};
 use linewright_language::contract::machine::Machine;
+use linewright_language::order::Skills;
 
 /// Machines whose controllers were asked for.
 #[derive(Debug)]
@@ -15,6 +16,8 @@ pub struct Synthesis<'a> {
     planned: Vec<Planned<'a>>,
     jobs: Jobs,
     checked: Vec<CheckedContract>,
+    /// What is wrong with the skills that the machines call.
+    skills: Vec<Diagnostic>,
 }
 
 impl<'a> Synthesis<'a> {
@@ -29,18 +32,32 @@ impl<'a> Synthesis<'a> {
             ..Wish::default()
         });
         let machines = machines.into_iter();
-        let planned = machines.map(|m| Planned::new(m, &mut jobs)).collect();
+        let planned: Vec<_> = machines.map(|m| Planned::new(m, &mut jobs)).collect();
         let checked = jobs.run(settings, &progress(jobs.len()));
+        let orders = planned.iter().flat_map(|p| &p.machine.orders);
+        let mut skills: Vec<&Skills> = Vec::new();
+        for orders in orders {
+            if !skills.iter().any(|s| s.span == orders.skills.span) {
+                skills.push(&orders.skills);
+            }
+        }
+        let deadline = settings.limits.deadline;
+        let found = skills.iter().flat_map(|s| judgement::skills(s, deadline));
+        let is_wrong = |f: &Diagnostic| f.severity == Severity::Error || f.gave_up;
         Self {
+            skills: found.filter(is_wrong).collect(),
             planned,
             jobs,
             checked,
         }
     }
 
-    /// What was found about the contracts; a controller that is missing is an error.
+    /// What was found about the contracts, where a controller that is missing is an error, and what is wrong with the skills.
     pub fn findings(&self) -> Vec<Diagnostic> {
-        machines::findings_where_needed(&self.planned, &self.jobs, &self.checked)
+        let mut findings =
+            machines::findings_where_needed(&self.planned, &self.jobs, &self.checked);
+        findings.extend(self.skills.iter().cloned());
+        findings
     }
 
     /// The machines that have all their controllers.

@@ -17,12 +17,11 @@ use crate::engine::findings::lost;
 use crate::engine::internal;
 use crate::engine::judgement;
 use crate::engine::lines;
-use crate::engine::machine::{self, Proved};
+use crate::engine::machine::{self, Proved, Standing};
 use crate::engine::machines::{self, Planned};
 use crate::engine::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
-use crate::order::{self, Skills};
 use crate::source::Span;
 use indicatif::ProgressBar;
 use std::path::Path;
@@ -262,12 +261,7 @@ impl Assembly<'_> {
         let mut known = self.loaded.library.skills.iter();
         let skills = known.find(|s| sound && declaration.holds(s.span));
         let until = self.limits.deadline;
-        let examine = |s: &Skills| {
-            let doing = || format!("checking the skills `{}`", s.name);
-            internal::caught(doing, || order::findings::examine(s, until))
-                .unwrap_or_else(|fault| vec![fault.finding(Some(s.span))])
-        };
-        let examined = skills.map(|s| examine(s));
+        let examined = skills.map(|s| judgement::skills(s, until));
         let verdict = match &examined {
             Some(examined) if is_failed(examined) => SkillsVerdict::InternalError,
             Some(examined) if has_errors(examined) => SkillsVerdict::Contradictory,
@@ -371,7 +365,13 @@ impl Assembly<'_> {
             .map(|c| {
                 let (name, span) = (&c.machine.name, c.machine.span);
                 let doing = || format!("checking the machine `{name}`");
-                let proved = internal::caught(doing, || machine::proved(&c, &self.limits));
+                let standing = if machines::is_only_inner(c.machine, &self.loaded.library) {
+                    Standing::Within
+                } else {
+                    Standing::Alone
+                };
+                let proved =
+                    internal::caught(doing, || machine::proved(&c, standing, &self.limits));
                 let proved = proved.unwrap_or_else(|fault| Proved {
                     findings: vec![fault.finding(Some(span))],
                     ..Proved::default()
