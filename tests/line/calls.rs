@@ -6,6 +6,7 @@ use linewright::game::Limits;
 use linewright::line::calls::{Bounds, examine};
 use serde_json::Value;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// A machine that writes a property, and one that takes any part in `t` seconds.
 const MACHINES: &str = "import std.coordination.single
@@ -807,33 +808,39 @@ fn a_walk_that_ends_early_says_nothing_of_routes_that_it_did_not_reach() {
     assert!(calls.undecided.is_empty(), "{:?}", calls.undecided);
 }
 
+/// What `check`, `build` and `run` say of a line, with their exit codes.
+fn judged(line: &str) -> [(i32, String); 3] {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("line.lw"), line).expect("a file");
+    let deny = ["--deny", "warnings"];
+    let commands: [&[&str]; 3] = [
+        &["check", "line.lw"],
+        &["build", "line.lw", "--target", "source"],
+        &["run", "line.lw", "--parts", "3", "--until", "1h"],
+    ];
+    commands.map(|command| {
+        let output = linewright(folder.path(), &[command, &deny].concat());
+        let said = [output.stdout, output.stderr].concat();
+        let said = format!("{command:?}: {}", String::from_utf8_lossy(&said));
+        let built = folder.path().join(".linewright").is_dir() || said.contains("LW315");
+        assert!(command[0] != "build" || built, "{said}");
+        (output.status.code().expect("an exit code"), said)
+    })
+}
+
 /// What is wrong with the calls of a line is an error of all commands, although libraries are built and parts are made.
 #[test]
 fn all_commands_refuse_what_following_the_parts_shows() {
     for code in ["LW414", "LW415", "LW416"] {
-        let folder = tempfile::tempdir().expect("a folder");
-        let explained = linewright(folder.path(), &["explain", code]);
+        let explained = linewright(Path::new("."), &["explain", code]);
         let page = String::from_utf8_lossy(&explained.stdout);
         let (_, example) = page.split_once("```lw").expect("an example");
         let (example, _) = example.split_once("```").expect("its end");
         let (_, example) = example.split_once('\n').expect("its first line");
-        std::fs::write(folder.path().join("line.lw"), example).expect("a file");
-        let commands: [&[&str]; 3] = [
-            &["check", "line.lw"],
-            &["build", "line.lw", "--target", "source", "--out", "station"],
-            &["run", "line.lw", "--parts", "3", "--until", "1h"],
-        ];
-        for command in commands {
-            let output = linewright(folder.path(), command);
-            let said = [output.stdout, output.stderr].concat();
-            let said = String::from_utf8_lossy(&said);
-            assert_eq!(output.status.code(), Some(1), "{command:?}: {said}");
-            assert!(
-                said.contains(&format!("error[{code}]")),
-                "{command:?}: {said}"
-            );
+        for (exit, said) in judged(example) {
+            assert_eq!(exit, 1, "{said}");
+            assert!(said.contains(&format!("error[{code}]")), "{said}");
         }
-        assert!(folder.path().join("station").is_dir());
     }
 }
 
@@ -930,20 +937,14 @@ line L {
 
 #[test]
 fn all_commands_judge_skills_and_inner_machines_alike() {
-    for (text, exit, code) in [(CONTRADICTORY, 1, "LW315"), (INNER, 0, "error[")] {
-        let folder = tempfile::tempdir().expect("a folder");
-        std::fs::write(folder.path().join("line.lw"), text).expect("a file");
-        for command in [
-            &["check", "line.lw"][..],
-            &["build", "line.lw", "--target", "source", "--out", "station"],
-            &["run", "line.lw", "--parts", "3"],
-        ] {
-            let output = linewright(folder.path(), command);
-            let said = [output.stdout, output.stderr].concat();
-            let said = String::from_utf8_lossy(&said);
-            assert_eq!(output.status.code(), Some(exit), "{command:?}: {said}");
-            assert_eq!(said.contains(code), exit == 1, "{command:?}: {said}");
-        }
+    for (exit, said) in judged(CONTRADICTORY) {
+        assert_eq!(exit, 1, "{said}");
+        assert!(said.contains("error[LW315]"), "{said}");
+    }
+    let [check, build, run] = judged(INNER);
+    assert!(check.1.contains("warning[LW306]"), "{}", check.1);
+    for (exit, said) in [build, run] {
+        assert_eq!(exit, 0, "{said}");
     }
 }
 
@@ -965,24 +966,10 @@ fn all_commands_agree_on_routes_with_conditions() {
 "
         )
     };
-    for (condition, exit) in [("x = 1", 0), ("x = 2", 1)] {
-        let folder = tempfile::tempdir().expect("a folder");
-        let text = format!("{MACHINES}{}", line(condition));
-        std::fs::write(folder.path().join("line.lw"), text).expect("a file");
-        for command in ["check", "build", "run"] {
-            let output = linewright(folder.path(), &[command, "line.lw", "--deny", "warnings"]);
-            let said = [output.stdout, output.stderr].concat();
-            let said = String::from_utf8_lossy(&said);
-            assert_eq!(
-                output.status.code(),
-                Some(exit),
-                "{command}, {condition}: {said}"
-            );
-            assert_eq!(
-                said.contains("LW402"),
-                exit == 1,
-                "{command}, {condition}: {said}"
-            );
+    for (condition, wanted) in [("x = 1", 0), ("x = 2", 1)] {
+        for (exit, said) in judged(&format!("{MACHINES}{}", line(condition))) {
+            assert_eq!(exit, wanted, "{condition}: {said}");
+            assert_eq!(said.contains("LW402"), wanted == 1, "{condition}: {said}");
         }
     }
 }
