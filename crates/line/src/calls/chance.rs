@@ -9,11 +9,13 @@
 //! that goes another way and may come again has to have a chance still. A store holds any number of parts, so no way through one counts.
 
 use super::Calls;
+use super::attractor::attractor;
 use super::walk::{Choice, Stage, Walk};
 use linewright_language::contract::line::NodeKind;
 
-/// Marks the routes that chance sees to.
+/// Marks the routes that chance sees to. Linear in the edges of the walk for each route.
 pub(super) fn branches(walk: &Walk<'_>, calls: &mut Calls) {
+    let before = walk.before();
     for (index, route) in walk.line.routes.iter().enumerate() {
         if !calls.taken[index] {
             continue;
@@ -26,7 +28,7 @@ pub(super) fn branches(walk: &Walk<'_>, calls: &mut Calls) {
             .filter(|(other, taken)| {
                 **taken && (other.from, other.part) == (route.from, route.part)
             });
-        calls.by_chance[index] = rivals.count() == 1 || Branch::of(walk, index).is_sure();
+        calls.by_chance[index] = rivals.count() == 1 || Branch::of(walk, &before, index).is_sure();
     }
 }
 
@@ -45,7 +47,7 @@ struct Branch<'a> {
 }
 
 impl<'a> Branch<'a> {
-    fn of(walk: &'a Walk<'a>, index: usize) -> Self {
+    fn of(walk: &'a Walk<'a>, before: &[Vec<usize>], index: usize) -> Self {
         let route = &walk.line.routes[index];
         let vertices = &walk.vertices;
         let at_branch = |v: usize| {
@@ -53,33 +55,17 @@ impl<'a> Branch<'a> {
             v.stage == Stage::Leaves && (v.node, v.part) == (route.from, route.part)
         };
         let all = 0..vertices.len();
-        let mut comes: Vec<bool> = all.clone().map(at_branch).collect();
-        let mut sure: Vec<bool> = vertices.iter().map(|v| v.route == Some(index)).collect();
-        let grow = |marked: &mut Vec<bool>, step: &dyn Fn(&[bool], usize) -> bool| loop {
-            let more: Vec<usize> = all
-                .clone()
-                .filter(|v| !marked[*v] && step(marked, *v))
-                .collect();
-            if more.is_empty() {
-                break;
-            }
-            for v in more {
-                marked[v] = true;
-            }
-        };
-        grow(&mut comes, &|marked, v| {
-            vertices[v].next.iter().any(|n| marked[*n])
-        });
-        grow(&mut sure, &|marked, v| {
+        let comes = attractor(before, all.clone().filter(|v| at_branch(*v)), |_| Some(1));
+        let takes = |v: &usize| vertices[*v].route == Some(index);
+        let sure = attractor(before, all.clone().filter(takes), |v| {
             let v = &vertices[v];
             let in_store = v.stage == Stage::Comes
                 && matches!(walk.line.nodes[v.node].kind, NodeKind::Store { .. });
-            let mut next = v.next.iter().map(|n| marked[*n]);
-            !in_store
-                && match v.choice {
-                    Choice::Chance => next.any(|n| n),
-                    Choice::Open => !v.next.is_empty() && next.all(|n| n),
-                }
+            let wanted = match v.choice {
+                Choice::Chance => 1,
+                Choice::Open => v.next.len(),
+            };
+            (!in_store).then_some(wanted)
         });
         let comes_again = |v: usize| at_branch(v) && vertices[v].next.iter().any(|n| comes[*n]);
         let has_trap = all.clone().any(|v| comes_again(v) && !sure[v]);

@@ -18,6 +18,7 @@ pub(super) fn add(walk: &Walk<'_>, calls: &mut Calls) {
     let writer = Writer {
         walk,
         certain: certain(walk),
+        depth: depth(walk),
     };
     for node in 0..walk.line.nodes.len() {
         writer.refusals(node, &mut calls.findings);
@@ -51,9 +52,20 @@ fn certain(walk: &Walk<'_>) -> Vec<bool> {
     certain
 }
 
+/// How many vertices are on the way to each.
+fn depth(walk: &Walk<'_>) -> Vec<usize> {
+    let mut depth = Vec::with_capacity(walk.vertices.len());
+    for vertex in &walk.vertices {
+        // What a vertex was reached by is older.
+        depth.push(vertex.before.map_or(1, |before| depth[before] + 1));
+    }
+    depth
+}
+
 struct Writer<'a> {
     walk: &'a Walk<'a>,
     certain: Vec<bool>,
+    depth: Vec<usize>,
 }
 
 impl Writer<'_> {
@@ -76,7 +88,7 @@ impl Writer<'_> {
             let always = desk.calls[call].answers.values().all(Result::is_err);
             let before = desk.way_to(state).len();
             for at in self.walk.askers(node, call) {
-                let way = self.way(*at).len();
+                let way = self.depth[*at];
                 let rank = (!(always && self.certain[*at]), before, way, *at);
                 let what = refusal
                     .error

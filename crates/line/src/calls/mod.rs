@@ -22,6 +22,7 @@
 //! Where several routes remain for parts of a type, a proof that all goes on needs each of them to be taken again and again. Chance sees to
 //! that, almost surely, where every part that is made has a chance to come to that route whatever the stations' states are (`chance.rs`).
 
+mod attractor;
 mod belt;
 mod chance;
 mod desk;

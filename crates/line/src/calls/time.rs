@@ -8,6 +8,7 @@
 //! - where a source that always has another part leads to a sink or a store by such ways alone, since neither is ever full. The stock of a
 //!   store comes to an end. What is joined comes as often as the slowest of its components.
 
+use super::attractor::attractor;
 use super::walk::{Stage, Vertex, Walk};
 use linewright_language::contract::SHORTEST_SECONDS;
 use linewright_language::contract::line::NodeKind;
@@ -129,7 +130,7 @@ impl Timed<'_> {
         }
         let left = (0..count).filter(|at| there[*at]);
         let node = left.map(|at| self.vertex(at).node).min()?;
-        let caught = self.never_out_of(there, |_| false);
+        let caught = self.never_out_of(&there, |_| false);
         Some((node, node, caught.contains(&true)))
     }
 
@@ -163,8 +164,8 @@ impl Timed<'_> {
             }
         }
         let (from, to) = ends.into_iter().next()?;
-        let reached = origin.iter().map(Option::is_some).collect();
-        let caught = self.never_out_of(reached, is_end);
+        let reached: Vec<bool> = origin.iter().map(Option::is_some).collect();
+        let caught = self.never_out_of(&reached, is_end);
         Some((from?, to, births.iter().any(|at| caught[*at])))
     }
 
@@ -191,20 +192,13 @@ impl Timed<'_> {
     }
 
     /// Of these vertices those from which no part comes to where time passes, nor out of them, but at an end.
-    fn never_out_of(&self, mut there: Vec<bool>, is_end: impl Fn(usize) -> bool) -> Vec<bool> {
-        loop {
-            let leads_out = |at: &usize| {
-                let edges = &self.edges[*at];
-                let stays = edges.iter().all(|e| e.always_free && there[e.to]);
-                there[*at] && !is_end(*at) && (edges.is_empty() || !stays)
-            };
-            let out: Vec<usize> = (0..there.len()).filter(leads_out).collect();
-            if out.is_empty() {
-                return there;
-            }
-            for at in out {
-                there[at] = false;
-            }
-        }
+    fn never_out_of(&self, there: &[bool], is_end: impl Fn(usize) -> bool) -> Vec<bool> {
+        let takes_time = |at: usize| {
+            let edges = &self.edges[at];
+            !is_end(at) && (edges.is_empty() || !edges.iter().all(|e| e.always_free))
+        };
+        let out = (0..there.len()).filter(|at| !there[*at] || takes_time(*at));
+        let out = attractor(&self.walk.before(), out, |at| (!is_end(at)).then_some(1));
+        out.into_iter().map(|out| !out).collect()
     }
 }

@@ -553,6 +553,17 @@ impl<'a> Walk<'a> {
         refused.collect()
     }
 
+    /// For every vertex, those of which it is next.
+    pub fn before(&self) -> Vec<Vec<usize>> {
+        let mut before = vec![Vec::new(); self.vertices.len()];
+        for (from, vertex) in self.vertices.iter().enumerate() {
+            for to in &vertex.next {
+                before[*to].push(from);
+            }
+        }
+        before
+    }
+
     /// The vertices that make a call.
     pub fn askers(&self, node: usize, call: usize) -> &[usize] {
         self.askers.get(&(node, call)).map_or(&[], Vec::as_slice)
