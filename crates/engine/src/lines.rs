@@ -65,17 +65,22 @@ pub fn examine<'a>(
     with_table: bool,
 ) -> Proof {
     // That every part is worked on rests on every call being answered.
-    let mut calls = calls_of(line, &controlled, limits);
-    let mut found = std::mem::take(&mut calls.findings);
+    let Followed {
+        calls,
+        wrong,
+        remarks,
+    } = follow(line, &controlled, limits);
     let reduced = calls.simplified(line);
-    let moving = if found.is_empty() { &reduced } else { line };
-    found.extend(timeless(line, &calls));
-    let is_sound = found.is_empty();
+    let moving = if calls.findings.is_empty() {
+        &reduced
+    } else {
+        line
+    };
     // Where not all calls could be tried, contracts may still show that none breaks an order.
     let unknown = |node: usize| calls.undecided.iter().any(|(n, _)| *n == node);
     let asked = asked::examine(line, unknown, &controlled, &bounded(limits));
     let mut proof = examine_moves(moving, &bounded(limits), with_table);
-    if is_sound && asked.findings.is_empty() {
+    if wrong.is_empty() && asked.findings.is_empty() {
         if matches!(proof.verdict, LineVerdict::Proved | LineVerdict::Safe) {
             proof.premises = premises(line, &calls);
         }
@@ -87,20 +92,14 @@ pub fn examine<'a>(
         proof.findings.retain(|f| f.code != codes::LINE_UNDECIDED);
     }
     proof.routes_decided = calls.undecided.is_empty();
-    proof.findings.extend(found);
-    proof.findings.extend(std::mem::take(&mut calls.remarks));
+    proof.findings.extend(wrong);
+    proof.findings.extend(remarks);
     proof.findings.extend(asked.findings);
     let asking = asked.undecided.iter().any(|(_, why)| why.is_of_command());
     for (node, why) in &calls.undecided {
-        let station = &line.nodes[*node].name;
         // That there is no controller is told of its contract.
         if has_controllers(line, *node, &controlled) {
-            let what = format!("whether {station} answers every call");
-            let help = match why.limit {
-                Some(_) => ASKED.to_owned(),
-                None => format!("{ASKED}; `--effort 10` lets the proof try ten times as much"),
-            };
-            let finding = not_decided(line, &what, why, &help);
+            let finding = not_followed(line, *node, why);
             let gave_up = finding.gave_up || asking;
             proof.findings.push(finding.giving_up(gave_up));
         }
@@ -108,6 +107,7 @@ pub fn examine<'a>(
             proof.verdict = LineVerdict::Safe;
         }
         if proof.verdict == LineVerdict::Safe {
+            let station = &line.nodes[*node].name;
             proof.undecided.push(format!("answers_at_{station}"));
         }
     }
@@ -127,7 +127,7 @@ fn has_controllers<'a>(
 }
 
 /// Follows the parts of a line and adds what `check`, `build` and `run` all say of it: calls that are refused, parts without a way, routes that
-/// no part takes. It takes out what the resolver was not sure of, once that is decided.
+/// no part takes, and the limit of the command that cut this short. It takes out what the resolver was not sure of, once that is decided.
 pub fn judge<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
@@ -135,19 +135,21 @@ pub fn judge<'a>(
     findings: &mut Vec<Diagnostic>,
 ) {
     let doing = || format!("following the parts of the line `{}`", line.name);
-    let calls = match internal::caught(doing, || calls_of(line, controlled, limits)) {
-        Ok(calls) => calls,
+    let followed = match internal::caught(doing, || follow(line, controlled, limits)) {
+        Ok(followed) => followed,
         Err(fault) => {
             findings.push(fault.finding(Some(line.span)));
             return;
         }
     };
-    if calls.undecided.is_empty() {
+    let undecided = &followed.calls.undecided;
+    if undecided.is_empty() {
         findings.retain(|f| !is_doubt(f, line));
     }
-    findings.extend(timeless(line, &calls));
-    findings.extend(calls.findings);
-    findings.extend(calls.remarks);
+    findings.extend(followed.wrong);
+    findings.extend(followed.remarks);
+    let cut_short = undecided.iter().filter(|(_, why)| why.is_of_command());
+    findings.extend(cut_short.map(|(node, why)| not_followed(line, *node, why)));
 }
 
 /// Whether this is a doubt about a route of the line that following its parts clears up: the resolver does not know their values.
@@ -158,18 +160,36 @@ pub fn is_doubt(finding: &Diagnostic, line: &Line) -> bool {
         && finding.span.is_some_and(of_line)
 }
 
-/// Tries the calls of a line.
-fn calls_of<'a>(
+/// What following the parts of a line shows.
+struct Followed {
+    /// The calls that were tried.
+    calls: Calls,
+    /// What keeps the line from being proved: calls that are refused, parts without a way, work that takes no time.
+    wrong: Vec<Diagnostic>,
+    /// What else is worth knowing.
+    remarks: Vec<Diagnostic>,
+}
+
+/// Follows the parts of a line from call to call.
+fn follow<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
     limits: &Limits,
-) -> Calls {
+) -> Followed {
     let interpreter = |machine: &Machine| Some(controlled(machine)?.interpreter(machine));
     let bounds = Bounds {
         values: usize::try_from(limits.effort.of(CALLS.values as u64)).unwrap_or(usize::MAX),
         steps: limits.effort.of(CALLS.steps),
     };
-    calls::examine(line, interpreter, &bounds, &bounded(limits))
+    let mut calls = calls::examine(line, interpreter, &bounds, &bounded(limits));
+    let mut wrong = calls.findings.clone();
+    wrong.extend(timeless(line, &calls));
+    let remarks = std::mem::take(&mut calls.remarks);
+    Followed {
+        calls,
+        wrong,
+        remarks,
+    }
 }
 
 /// A line in which parts move on and no time passes.
@@ -307,6 +327,16 @@ const A_RUN: &str = "Nothing is known to be wrong. A run shows whether the line 
 fn not_decided(line: &Line, what: &str, why: &Undecided, help: &str) -> Diagnostic {
     let message = format!("{what} was not decided: {why}");
     note(line, message, why.limit, help)
+}
+
+/// That it was not decided whether a station answers every call.
+fn not_followed(line: &Line, node: usize, why: &Undecided) -> Diagnostic {
+    let what = format!("whether {} answers every call", line.nodes[node].name);
+    let help = match why.limit {
+        Some(_) => ASKED.to_owned(),
+        None => format!("{ASKED}; `--effort 10` lets the proof try ten times as much"),
+    };
+    not_decided(line, &what, why, &help)
 }
 
 /// A note on what was not decided. The help goes on with what lifts the limit.

@@ -310,6 +310,68 @@ fn a_proof_that_is_cut_short_names_the_limit() {
 
 /// Two types of parts with loops for rework share places: whether everything goes on is more work than a proof may take, so the
 /// proof ends by itself, and what it has shown by then stays.
+/// A line of 60 stations whose parts carry millions of combinations of values, all of which `--effort` allows to follow.
+fn counting() -> String {
+    use std::fmt::Write as _;
+    let mut line = String::from(
+        "import std.coordination.single
+contract Work {
+    input requested: bool
+    output finished: bool
+    guarantee report: always (finished <-> requested)
+}
+machine M {
+    property n: 0..9999 = 0
+    coordinator c: Single {
+        job = operation = go
+        executed = a.finished
+    }
+    action a: Work when c.command {
+        requested = c.command
+        time 1 s
+    }
+    operation go: a
+    done c.done
+    write n = min(n + 1, 9999)
+}
+line L {
+    part P {
+        property n: 0..9999 = 0
+    }
+    source s: P on order, at most 1 in the line
+    sink k
+",
+    );
+    let mut way = String::from("    route P: s");
+    for i in 0..60 {
+        let _ = writeln!(
+            line,
+            "    station m{i}: M {{\n        perform go on P\n        defect on P probability 1 %: n becomes 0\n    }}"
+        );
+        let _ = write!(way, " -> m{i}");
+    }
+    line + &way + "\n    route P: m59 -> k when n >= 9000\n    route P: m59 -> m0 otherwise\n}\n"
+}
+
+/// What `build` and `run` look at beside their own work is named where a limit cut it short.
+#[test]
+fn parts_that_are_not_followed_in_time_are_named_by_all_commands() {
+    let session = Session::new();
+    std::fs::write(session.path("counting.lw"), counting()).expect("a file");
+    for command in [
+        "check counting.lw",
+        "build counting.lw --target source --out made",
+        "run counting.lw --parts 1 --out made",
+    ] {
+        let limits = "--effort 10000 --timeout 1 --format short";
+        let printed = session.run(&format!("{command} {limits}"));
+        assert_eq!(printed.code, 3, "{command}: {}{}", printed.out, printed.err);
+        let said = printed.out + &printed.err;
+        let wanted = "answers every call was not decided: the time limit was reached";
+        assert!(said.contains(wanted), "{command}: {said}");
+    }
+}
+
 #[test]
 fn a_proof_of_a_large_line_ends_by_itself() {
     let session = Session::new();
