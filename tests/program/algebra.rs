@@ -158,6 +158,40 @@ fn a_contract_refines_itself_and_expressions_are_operands() {
     assert_eq!(document["counterexample"]["kind"], "lasso");
 }
 
+/// Without an environment that keeps the old assumptions every contract refines the old one: that is said, not only that it does.
+#[test]
+fn that_nothing_was_promised_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let contracts = "
+contract Old {
+    input part: bool
+    output grip: bool
+    assume both: always eventually (part and not part)
+    guarantee holds: always grip
+}
+contract New {
+    input part: bool
+    output grip: bool
+}
+";
+    fs::write(folder.path().join("grip.lw"), contracts).expect("a file");
+    let output = linewright(
+        folder.path(),
+        &["refine", "grip.lw::Old", "grip.lw::New", "--format", "json"],
+    );
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let document = document(&output);
+    assert_eq!(document["verdict"], "refined");
+    let findings = document["findings"].as_array().expect("findings");
+    let said = findings.iter().find(|f| f["code"] == "LW206");
+    let said = said.unwrap_or_else(|| panic!("{document}"));
+    assert_eq!(said["severity"], "warning");
+    assert_eq!(
+        said["message"],
+        "no environment keeps the assumptions of `Old`, so every contract refines it"
+    );
+}
+
 #[test]
 fn a_quotient_is_proved_by_composing_it_back() {
     let output = at_root(&["quotient", SAFE[0], SAFE[1]]);

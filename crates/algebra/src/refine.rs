@@ -6,7 +6,8 @@
 
 use super::proof::{Claim, Exports, Proof, prove};
 use super::system::{Part, System};
-use linewright_core::gr1::Side;
+use linewright_core::gr1::{Expr, Formula, Side};
+use linewright_core::source::Span;
 use linewright_solver::game::{Limit, Limits};
 
 /// What came out. In both proofs the environment is that of the contract that is refined.
@@ -16,6 +17,8 @@ pub struct Refinement {
     pub assumptions: Question,
     /// The refined contract's guarantees are the goal.
     pub guarantees: Question,
+    /// Whether no run keeps what the refined contract assumes: every contract refines such a one.
+    pub is_vacuous: bool,
 }
 
 /// A proof and what it is about.
@@ -74,8 +77,20 @@ pub fn refine(
             proof,
         })
     };
+    let never = Side {
+        initial: vec![Formula {
+            name: "no run".to_owned(),
+            requirement: None,
+            expr: Expr::Const(0),
+            span: Span::default(),
+            text: "false".to_owned(),
+        }],
+        ..Side::default()
+    };
     Ok(Refinement {
         assumptions: question(&Side::default(), &new.assumptions)?,
         guarantees: question(&new.guarantees, &old.guarantees)?,
+        is_vacuous: old.assumptions != Side::default()
+            && question(&Side::default(), &never)?.proof.holds(),
     })
 }

@@ -145,6 +145,15 @@ pub fn told(
             );
         }
     }
+    if refinement.is_vacuous {
+        let message = format!(
+            "no environment keeps the assumptions of `{old}`, so every contract refines it"
+        );
+        findings.push(
+            Diagnostic::warning(codes::ENVIRONMENT_EMPTY, at(None), message)
+                .with_help("`check` names the assumptions; weaken them, and compare again"),
+        );
+    }
     let mut text = String::new();
     for (question, whole, what) in [
         (&refinement.assumptions, new, "assumes"),

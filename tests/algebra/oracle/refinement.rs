@@ -18,6 +18,7 @@ const PAIRS: u64 = 1_500;
 #[derive(Debug, Default)]
 struct Counts {
     refines: u32,
+    vacuous: u32,
     assumptions_fail: u32,
     guarantees_fail: u32,
     traces: u32,
@@ -208,11 +209,15 @@ fn refinement_is_explained_right() {
         let [g1, g2] = [0, 1].map(|i| Words::Side(i, Half::Guarantees));
         let assumed = decider.difference(&a2, &a1).expect("no limit").is_none();
         let promised = decider
-            .difference(&a2.and(g1), &g2)
+            .difference(&a2.clone().and(g1), &g2)
             .expect("no limit")
             .is_none();
         assert_eq!(found.assumptions.proof.holds(), assumed, "seed {seed}");
         assert_eq!(found.guarantees.proof.holds(), promised, "seed {seed}");
+        let nothing = decider.difference(&a2, &Words::Any(Vec::new()));
+        let is_vacuous = nothing.expect("no limit").is_none();
+        assert_eq!(found.is_vacuous, is_vacuous, "seed {seed}");
+        counts.vacuous += u32::from(is_vacuous);
         counts.refines += u32::from(found.holds());
         counts.assumptions_fail += u32::from(!assumed);
         counts.guarantees_fail += u32::from(!promised);
