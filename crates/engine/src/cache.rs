@@ -52,11 +52,11 @@ pub struct Entry {
     pub realizable: bool,
     /// For an unrealizable contract, the guarantees that clash; `None` when a limit was reached first.
     pub core: Option<Vec<GuaranteeRef>>,
-    /// Whether the plant's side was examined.
-    pub examined: bool,
+    /// What was examined.
+    pub examined: Examined,
     /// What is odd about it. `None` also when it was too large.
     pub environment: Option<EnvironmentFindings>,
-    /// Where it asks for less than it seems to. `None` also when it was too large.
+    /// Where it demands less than it seems to. `None` also when it was too large.
     pub shape: Option<Shape>,
     /// For an unrealizable contract, why.
     pub lost: Option<Box<Explained>>,
@@ -74,6 +74,17 @@ pub struct Entry {
 
 /// The nodes of a winning region (bit, high, low) and its root.
 type Region = (Vec<(u16, u32, u32)>, u32);
+
+/// How much of a contract was examined beside its verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Examined {
+    /// Nothing.
+    Nothing,
+    /// The plant's side.
+    Plant,
+    /// The plant's side, and where the machine's demands less than it seems to.
+    Whole,
+}
 
 /// What is known of the last version of a contract.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -482,7 +493,7 @@ mod tests {
             lost: None,
             realizable: true,
             core: None,
-            examined: true,
+            examined: Examined::Whole,
             environment: None,
             extracted: false,
             machine: None,

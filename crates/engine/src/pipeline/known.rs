@@ -2,6 +2,7 @@
 
 use super::Explained;
 use super::{CheckedContract, Goal, Job, Verdict};
+use crate::cache::Examined;
 use crate::controller::Controller;
 use crate::findings::{environment, lost, shape};
 use crate::statistics::Statistics;
@@ -16,7 +17,7 @@ use linewright_solver::mealy;
 pub(super) struct Known {
     pub(super) realizable: bool,
     pub(super) core: Option<Vec<GuaranteeRef>>,
-    pub(super) examined: bool,
+    pub(super) examined: Examined,
     pub(super) environment: Option<EnvironmentFindings>,
     pub(super) shape: Option<Shape>,
     pub(super) lost: Option<Box<Explained>>,
@@ -34,7 +35,7 @@ impl Known {
         Self {
             realizable: false,
             core: None,
-            examined: false,
+            examined: Examined::Nothing,
             environment: None,
             shape: None,
             lost: None,
@@ -60,6 +61,14 @@ impl Known {
         self
     }
 
+    /// Whether it is told where it demands less than it seems to: not where no plant keeps the assumptions, since then nothing has a meaning.
+    pub(super) fn tells_shape(&self, job: &Job) -> bool {
+        let empty = |e: &EnvironmentFindings| e.cannot_start || e.unsatisfiable;
+        let means_nothing = self.environment.as_ref().is_some_and(empty);
+        // The lines that mend these are of our own language.
+        job.goal >= Goal::Small && !job.foreign && !means_nothing
+    }
+
     /// The same in words.
     pub(super) fn told(self, job: &Job, examine: bool) -> CheckedContract {
         let specification = &*job.specification;
@@ -67,6 +76,7 @@ impl Known {
         let mut core = Vec::new();
         let mut controller = None;
         let mut left_out = false;
+        let tells_shape = self.tells_shape(job);
         if self.realizable {
             left_out = job.goal == Goal::Small && self.statistics.large;
             match self.controller {
@@ -83,11 +93,7 @@ impl Known {
                 let examined = job.own.as_deref().unwrap_or(specification);
                 findings.extend(environment::findings(examined, job.span, found));
             }
-            let empty = |e: &EnvironmentFindings| e.cannot_start || e.unsatisfiable;
-            let means_nothing = self.environment.as_ref().is_some_and(empty);
-            // The lines that mend these are of our own language.
-            let told = job.goal >= Goal::Small && !job.foreign && !means_nothing;
-            if let Some(found) = self.shape.as_ref().filter(|_| told) {
+            if let Some(found) = self.shape.as_ref().filter(|_| tells_shape) {
                 findings.extend(shape::findings(specification, found));
             }
         } else {

@@ -3,7 +3,7 @@
 use super::explain::explain;
 use super::known::{Known, gave_up};
 use super::{CheckedContract, Goal, InternalError, Job, Settings};
-use crate::cache::{self, Cache, Entry, Hints, Key, Version};
+use crate::cache::{self, Cache, Entry, Examined, Hints, Key, Version};
 use crate::controller::{Controller, Wish, controller};
 use crate::internal::within;
 use crate::statistics::Statistics;
@@ -236,14 +236,21 @@ impl Task {
                 Some(own) => game::examine_environment(own, &limits),
                 None => won.examine_environment(specification, &limits),
             });
-            known.examined = !matches!(environment, Err(Limit::Late(_)));
+            let is_late = matches!(environment, Err(Limit::Late(_)));
             known.environment = environment.ok();
-            report(known.clone());
-            let shape = within("examining its formulas", || {
-                won.shape(specification, &limits)
-            });
-            known.examined &= !matches!(shape, Err(Limit::Late(_)));
-            known.shape = shape.ok();
+            if !is_late {
+                known.examined = Examined::Plant;
+            }
+            if known.tells_shape(&self.job) {
+                report(known.clone());
+                let shape = within("examining its formulas", || {
+                    won.shape(specification, &limits)
+                });
+                if !is_late && !matches!(shape, Err(Limit::Late(_))) {
+                    known.examined = Examined::Whole;
+                }
+                known.shape = shape.ok();
+            }
         }
         Ok(Ok(known))
     }
@@ -277,7 +284,7 @@ impl Task {
         let other = examines && self.job.own.is_some();
         if other
             || extracts && !entry.extracted
-            || examines && !entry.examined
+            || examines && entry.examined == Examined::Nothing
             || explains && (entry.core.is_none() || !explained)
         {
             return None;
@@ -288,10 +295,14 @@ impl Task {
         if !extracts && let Some(seconds) = &mut statistics.seconds {
             (seconds.extract, seconds.verify) = (None, None);
         }
-        Some(Known {
+        let known = Known {
             realizable: entry.realizable,
             core: entry.core,
-            examined: examines,
+            examined: if examines {
+                entry.examined
+            } else {
+                Examined::Nothing
+            },
             environment: entry.environment.filter(|_| examines),
             shape: entry.shape.filter(|_| examines),
             lost: entry.lost.filter(|_| explains),
@@ -307,7 +318,10 @@ impl Task {
             answers: Vec::new(),
             peak_nodes: entry.peak_nodes,
             statistics,
-        })
+        };
+        // The entry may be one of another tool's file, of which less was asked.
+        let says_enough = known.examined == Examined::Whole || !known.tells_shape(&self.job);
+        (says_enough || !examines).then_some(known)
     }
 
     /// What there is to remember. `None` when a limit of time or memory had a part in it.
@@ -322,7 +336,7 @@ impl Task {
         let examines = known.realizable && self.examines(known.statistics.large);
         let explains = !known.realizable && self.job.goal > Goal::Answer;
         let explained = known.lost.as_ref().is_some_and(|l| l.complete);
-        if examines && (!known.examined || self.job.own.is_some())
+        if examines && (known.examined == Examined::Nothing || self.job.own.is_some())
             || explains && (known.core.is_none() || !explained)
         {
             return None;
