@@ -362,7 +362,7 @@ impl Examined<'_> {
                     format!("the rule `{}` excludes nothing: {beside}", rule.name),
                 );
                 findings.push(finding.with_help(
-                    "leave it out, or look whether it says what is meant: the initial situation counts as called",
+                    "leave it out, or look whether it says what is meant: for `before`, `after` and `until` what stands at the start has been called",
                 ));
             }
         }
