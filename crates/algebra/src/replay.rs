@@ -195,8 +195,11 @@ fn lasso(
             return Err(format!("it breaks {}", formula.name));
         }
     }
-    let reliable = system.parts.iter().enumerate();
-    let reliable = reliable.filter(|(i, _)| !waiting.contains(i));
+    let reliable = system
+        .parts
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| !waiting.contains(i));
     let owed = reliable.flat_map(|(_, p)| &p.guarantees.justice);
     for formula in owed.chain(&claim.given.justice) {
         if !keeps_formula(RuleKind::Justice, formula, run) {

@@ -57,8 +57,9 @@ pub fn stuck(closed: &Closed<'_>, stuck: &Stuck) -> Diagnostic {
         0 => "at the start",
         _ => "after the run below",
     };
-    let among = closed.contradiction(stuck, &Limits::default());
-    let among = among.unwrap_or_default();
+    let among = closed
+        .contradiction(stuck, &Limits::default())
+        .unwrap_or_default();
     let names: Vec<String> = among.iter().map(|f| format!("`{}`", f.name)).collect();
     let what = match names.as_slice() {
         [] => format!(

@@ -105,13 +105,20 @@ fn compile(
     if let Some(toolchain) = toolchain {
         let built = toolchain.build(package, folder, rebuild).map_err(explain)?;
         built.verify().map_err(explain)?;
-        let name = built.path.file_name().unwrap_or_default();
-        let name = name.to_string_lossy().into_owned();
+        let name = built
+            .path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
         return Ok((vec![built.path], name));
     }
     package.write_source(folder).map_err(explain)?;
-    let files = package.files();
-    let files = files.iter().map(|(name, _)| folder.join(name)).collect();
+    let files = package
+        .files()
+        .iter()
+        .map(|(name, _)| folder.join(name))
+        .collect();
     Ok((files, format!("{}.dll", package.stem)))
 }
 

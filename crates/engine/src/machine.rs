@@ -150,8 +150,10 @@ pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) 
                 }
             } else {
                 result.findings.push(limited);
-                let open = walked.findings.iter();
-                let open = open.filter(|f| f.code == codes::ASSUMPTION_OPEN);
+                let open = walked
+                    .findings
+                    .iter()
+                    .filter(|f| f.code == codes::ASSUMPTION_OPEN);
                 result.findings.extend(open.cloned());
             }
         }

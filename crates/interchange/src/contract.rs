@@ -30,8 +30,9 @@ fn is_name(name: &str) -> bool {
 /// The contract. `origin` says what file it comes from.
 pub fn write(specification: &Specification, origin: &str) -> String {
     let variables = specification.variables.iter().map(|v| v.name.as_str());
-    let name = renamed([specification.name.as_str()], "Contract", is_name).pop();
-    let name = name.unwrap_or_else(|| "Contract".to_owned());
+    let name = renamed([specification.name.as_str()], "Contract", is_name)
+        .pop()
+        .unwrap_or_else(|| "Contract".to_owned());
     let formulas = || {
         let sides = [&specification.assumptions, &specification.guarantees];
         sides.into_iter().flat_map(Side::all)

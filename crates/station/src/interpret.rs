@@ -506,8 +506,10 @@ impl<'a> Meter<'a> {
         let mut longest: Option<f64> = None;
         let mut watts = self.machine.base_watts;
         for (c, component) in self.machine.components.iter().enumerate() {
-            let active = component.active.as_ref();
-            let active = active.is_some_and(|a| now(a, &after.wires) != 0);
+            let active = component
+                .active
+                .as_ref()
+                .is_some_and(|a| now(a, &after.wires) != 0);
             if active {
                 watts += self.watts(component)?;
                 let seconds = self.seconds(component, !self.running[c])?;

@@ -97,8 +97,10 @@ impl Package {
     /// All files of the package, by name; the first is the one to compile.
     pub fn files(&self) -> Vec<(String, &str)> {
         let own = (format!("{}.c", self.stem), self.c_source.as_str());
-        let support = self.support.iter();
-        let support = support.map(|(name, text)| ((*name).to_owned(), text.as_str()));
+        let support = self
+            .support
+            .iter()
+            .map(|(name, text)| ((*name).to_owned(), text.as_str()));
         std::iter::once(own).chain(support).collect()
     }
 
@@ -188,8 +190,10 @@ pub fn file_stem(name: &str) -> String {
         stem.insert_str(0, "m_");
     }
     // Not the name of a file that comes with a package.
-    let names = SUPPORT.iter().map(|(n, _)| *n);
-    let mut names = names.chain(["fmi.c", "fmi2.c", "fmi3.c"]);
+    let mut names = SUPPORT
+        .iter()
+        .map(|(n, _)| *n)
+        .chain(["fmi.c", "fmi2.c", "fmi3.c"]);
     if names.any(|n| n == format!("{stem}.c")) || is_device(&stem) {
         stem.push('_');
     }

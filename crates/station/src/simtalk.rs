@@ -239,8 +239,13 @@ impl Writer<'_> {
 
     /// `0 turn, 1 hold`; empty without operations.
     fn operations(&self) -> String {
-        let operations = self.machine.operations.iter().enumerate();
-        let operations: Vec<String> = operations.map(|(i, o)| format!("{i} {}", o.name)).collect();
+        let operations: Vec<String> = self
+            .machine
+            .operations
+            .iter()
+            .enumerate()
+            .map(|(i, o)| format!("{i} {}", o.name))
+            .collect();
         operations.join(", ")
     }
 
@@ -278,8 +283,12 @@ impl Writer<'_> {
 
     /// A kind's attributes.
     fn attributes(&self, kind: PropertyKind) -> Vec<AttributeRow<'_>> {
-        let properties = self.machine.properties.iter().zip(&self.names.attributes);
-        let properties = properties.filter(|(p, _)| p.kind == kind);
+        let properties = self
+            .machine
+            .properties
+            .iter()
+            .zip(&self.names.attributes)
+            .filter(|(p, _)| p.kind == kind);
         let attributes = properties.map(|(p, attribute)| AttributeRow {
             attribute,
             name: &p.name,

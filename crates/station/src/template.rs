@@ -58,8 +58,8 @@ fn fill(environment: &Environment<'_>, name: &str, fields: impl Serialize) -> St
     let filled = environment.get_template(name).and_then(|template| {
         if cfg!(debug_assertions) {
             let given: BTreeSet<String> = fields.try_iter()?.map(|key| key.to_string()).collect();
-            let named = template.undeclared_variables(false);
-            let named: BTreeSet<String> = named.into_iter().collect();
+            let named: BTreeSet<String> =
+                template.undeclared_variables(false).into_iter().collect();
             assert!(
                 given == named,
                 "template `{name}` and its fields differ in {:?}",

@@ -71,11 +71,15 @@ impl std::str::FromStr for Operand {
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
         for operation in Operation::ALL {
-            let inner = text.strip_prefix(operation.word()).map(str::trim_start);
-            let inner = inner.and_then(|t| t.strip_prefix('(')?.strip_suffix(')'));
+            let inner = text
+                .strip_prefix(operation.word())
+                .map(str::trim_start)
+                .and_then(|t| t.strip_prefix('(')?.strip_suffix(')'));
             if let Some(inner) = inner {
-                let operands = parts(inner)?.into_iter().map(str::parse);
-                let operands: Vec<Self> = operands.collect::<Result<_, _>>()?;
+                let operands: Vec<Self> = parts(inner)?
+                    .into_iter()
+                    .map(str::parse)
+                    .collect::<Result<_, _>>()?;
                 if operands.len() < 2 {
                     return Err(format!(
                         "`{}` takes at least two contracts",

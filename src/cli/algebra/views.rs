@@ -37,8 +37,9 @@ fn outcome(
     joined: &Joined,
     options: &GlobalOptions,
 ) -> Result<Outcome, Limit> {
-    let result = operation.fold(joined.sets.clone());
-    let result = result.expect("at least two operands were parsed; please report this");
+    let result = operation
+        .fold(joined.sets.clone())
+        .expect("at least two operands were parsed; please report this");
     let mut outcome = Outcome {
         document: Document {
             schema: schema(operation.word()),

@@ -310,11 +310,12 @@ impl Assembly<'_> {
             })
         });
         let verdict = proof.as_ref().and_then(|p| Some(p.as_ref().ok()?.verdict));
-        let proof = proof.unwrap_or_else(|| Ok(lines::Proof::default()));
-        let proof = proof.unwrap_or_else(|fault| lines::Proof {
-            findings: vec![fault.finding(line.map(|l| l.span))],
-            ..lines::Proof::default()
-        });
+        let proof = proof
+            .unwrap_or_else(|| Ok(lines::Proof::default()))
+            .unwrap_or_else(|fault| lines::Proof {
+                findings: vec![fault.finding(line.map(|l| l.span))],
+                ..lines::Proof::default()
+            });
         let failed = failed || is_failed(&proof.findings);
         if proof.routes_decided {
             findings.retain(|f| !line.is_some_and(|line| lines::is_doubt(f, line)));

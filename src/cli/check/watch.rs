@@ -117,10 +117,14 @@ fn places_of<'a>(
     let sources: &SourceMap = &loaded.library.sources;
     // What is in the program has no place on the disk.
     let is_there = |name: &str| !name.starts_with("std/") || standard.place(name).exists();
-    let read = sources.files().filter(|(_, file)| is_there(&file.name));
-    let read = read.map(|(_, file)| (standard.place(&file.name), Some(&*file.text)));
-    let missing = loaded.missing.iter();
-    let missing = missing.map(|name| (standard.place(name), None));
+    let read = sources
+        .files()
+        .filter(|(_, file)| is_there(&file.name))
+        .map(|(_, file)| (standard.place(&file.name), Some(&*file.text)));
+    let missing = loaded
+        .missing
+        .iter()
+        .map(|name| (standard.place(name), None));
     read.chain(missing).collect()
 }
 

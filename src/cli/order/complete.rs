@@ -76,8 +76,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
             Ok(after) => state = after,
             Err(refusal) => {
                 let serialisation = chosen.options.serialisation;
-                let finding = words::refused(*call, &refusal, skills, serialisation, None);
-                let finding = finding.with_help("give calls that the rules allow");
+                let finding = words::refused(*call, &refusal, skills, serialisation, None)
+                    .with_help("give calls that the rules allow");
                 return chosen.failed(command, finding, options);
             }
         }

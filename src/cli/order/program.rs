@@ -153,9 +153,14 @@ impl Program {
     fn read_text(&mut self, text: &str, file: FileId, skills: &Skills) {
         let mut at = 0;
         for line in text.split_inclusive('\n') {
-            let code = line.split('#').next().unwrap_or_default();
-            let code = code.split("//").next().unwrap_or_default();
-            let code = code.trim_start_matches('\u{feff}');
+            let code = line
+                .split('#')
+                .next()
+                .unwrap_or_default()
+                .split("//")
+                .next()
+                .unwrap_or_default()
+                .trim_start_matches('\u{feff}');
             let before = line.find(code).unwrap_or_default() + code.len() - code.trim_start().len();
             let code = code.trim();
             if !code.is_empty() {

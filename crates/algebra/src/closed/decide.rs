@@ -225,8 +225,10 @@ impl Asked<'_> {
 
     /// Justice that can be relied on.
     fn again(&self) -> Vec<usize> {
-        let owed = self.reliable.iter();
-        let owed = owed.flat_map(|c| &self.book.justice[*c].guaranteed);
+        let owed = self
+            .reliable
+            .iter()
+            .flat_map(|c| &self.book.justice[*c].guaranteed);
         self.book.again.iter().chain(owed).copied().collect()
     }
 
@@ -303,8 +305,9 @@ impl Asked<'_> {
             return Ok(None);
         };
         let keep = self.book.keep.clone();
-        let never = watch.never_begins(machine, operation);
-        let never = never.map(|rule| self.runs.add(rule));
+        let never = watch
+            .never_begins(machine, operation)
+            .map(|rule| self.runs.add(rule));
         if !self.begins(&keep, never)? {
             let by = self.forbidding(watch.operation, never)?;
             return Ok(Some(Wrong::NeverBegins(by)));

@@ -97,8 +97,9 @@ impl<'a> Playing<'a> {
         let order = self.closed.order();
         let timing = |c: usize| self.closed.controllers[c].timing();
         for component in order.iter().filter(|c| timing(**c) == Timing::Moore) {
-            let spoken = self.spoken(*component);
-            let spoken = spoken.ok_or_else(|| format!("{} has no answer", name(*component)))?;
+            let spoken = self
+                .spoken(*component)
+                .ok_or_else(|| format!("{} has no answer", name(*component)))?;
             if spoken != self.outputs(*component, values) {
                 return Err(format!("{} answers first otherwise", name(*component)));
             }

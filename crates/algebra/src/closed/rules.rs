@@ -185,8 +185,9 @@ impl Book {
 
     /// A contract: it keeps its guarantees in a step in which its assumptions are kept.
     fn contract(&mut self, closed: &Closed<'_>, component: usize) {
-        let assumed = closed.assumed(component);
-        let assumed = assumed.filter(|(at, _)| at.kind != RuleKind::Justice);
+        let assumed = closed
+            .assumed(component)
+            .filter(|(at, _)| at.kind != RuleKind::Justice);
         let (first, later) = assumed
             .map(|(at, formula)| in_step(at.kind, formula))
             .map(|both| (both.first, both.later))

@@ -144,8 +144,10 @@ impl Table<'_> {
                 later: Expr::TRUE,
             };
         }
-        let silent = (0..self.machine.states.len()).filter(|s| self.machine.states[*s].is_empty());
-        let silent = silent.map(|s| self.is_in(s, Time::Now)).collect();
+        let silent = (0..self.machine.states.len())
+            .filter(|s| self.machine.states[*s].is_empty())
+            .map(|s| self.is_in(s, Time::Now))
+            .collect();
         Both {
             first: Expr::Const(i64::from(!self.machine.initial.is_empty())),
             later: any(silent).not().simplify(),
@@ -183,8 +185,10 @@ impl Table<'_> {
 
     /// Where a row leads, with its outputs.
     fn leads_to(&self, row: &Transition, time: Time) -> Expr {
-        let number = self.states.number(&row.output, row.to);
-        let number = number.map_or(-1, |n| n as i64);
+        let number = self
+            .states
+            .number(&row.output, row.to)
+            .map_or(-1, |n| n as i64);
         Expr::Var(self.state, time).equals(Expr::Const(number))
     }
 

@@ -188,8 +188,11 @@ impl<'a> Prover<'a> {
 
     /// Records that a formula of the goal was shown: in this turn at the earliest, and after all formulas of the goal that it rests on.
     fn show(&mut self, rule: usize, by: &[usize], first: usize) {
-        let after = by.iter().filter(|i| self.shown.contains(i));
-        let after: Vec<FormulaRef> = after.map(|i| self.at(*i)).collect();
+        let after: Vec<FormulaRef> = by
+            .iter()
+            .filter(|i| self.shown.contains(i))
+            .map(|i| self.at(*i))
+            .collect();
         let turns = self
             .proof
             .discharges

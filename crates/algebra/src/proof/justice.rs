@@ -80,8 +80,10 @@ impl Prover<'_> {
         turn: usize,
     ) -> Result<Vec<usize>, Limit> {
         let parts = |rule: &usize| {
-            let drivers = self.book.entries[*rule].mentions.iter();
-            let drivers = drivers.filter_map(|v| self.book.system.driver(*v));
+            let drivers = self.book.entries[*rule]
+                .mentions
+                .iter()
+                .filter_map(|v| self.book.system.driver(*v));
             drivers.collect::<BTreeSet<usize>>().len()
         };
         let mut order = left.to_vec();

@@ -39,8 +39,10 @@ impl Waits {
                 .collect();
             for answer in &own {
                 let seen = book.runs.depends(&rules, *answer, &own)?;
-                let others = seen.into_iter().filter(|v| system.driver(*v).is_some());
-                let others: BTreeSet<VarId> = others.collect();
+                let others: BTreeSet<VarId> = seen
+                    .into_iter()
+                    .filter(|v| system.driver(*v).is_some())
+                    .collect();
                 waits.parts[part].extend(others.iter().filter_map(|v| system.driver(*v)));
                 if !others.is_empty() {
                     waits.variables.insert(*answer, others);

@@ -115,8 +115,8 @@ impl<'a> Prover<'a> {
         for (i, part) in system.parts.iter().enumerate() {
             for (kind, _, formula) in super::super::system::formulas(&part.assumptions) {
                 if kind != RuleKind::Justice {
-                    let drivers = latest(&formula.expr, kind);
-                    let drivers = drivers.iter().filter_map(|v| system.driver(*v));
+                    let read = latest(&formula.expr, kind);
+                    let drivers = read.iter().filter_map(|v| system.driver(*v));
                     edges[i].extend(drivers.filter(|j| *j != i));
                 }
             }

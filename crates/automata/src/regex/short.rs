@@ -210,8 +210,12 @@ fn factored(a: &Regex, b: &Regex) -> Option<Regex> {
         let common = x[..first].iter().cloned();
         return Some(Regex::concat(common.chain([rest])));
     }
-    let last = x.iter().rev().zip(y.iter().rev());
-    let last = last.take_while(|(a, b)| a == b).count();
+    let last = x
+        .iter()
+        .rev()
+        .zip(y.iter().rev())
+        .take_while(|(a, b)| a == b)
+        .count();
     if last > 0 {
         let rest = rests(&x[..x.len() - last], &y[..y.len() - last]);
         let common = x[x.len() - last..].iter().cloned();

@@ -112,8 +112,11 @@ mod tests {
     #[test]
     fn every_page_has_a_code() {
         for file in PAGES.files() {
-            let stem = file.path().file_stem().and_then(|s| s.to_str());
-            let stem = stem.expect("names are UTF-8");
+            let stem = file
+                .path()
+                .file_stem()
+                .and_then(|s| s.to_str())
+                .expect("names are UTF-8");
             assert!(codes::find(stem).is_some(), "{stem} is no code");
         }
     }

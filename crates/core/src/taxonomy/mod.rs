@@ -109,8 +109,11 @@ pub fn find(code: &str) -> Option<&'static Entry> {
 /// The entry of a full code in the embedded taxonomy, or the next step for somebody who wrote one that is not there.
 pub fn lookup(code: &str) -> Result<&'static Entry, String> {
     taxonomy().find(code).ok_or_else(|| {
-        let near = taxonomy().suggestions(code);
-        let near: Vec<String> = near.into_iter().map(Entry::describe).collect();
+        let near: Vec<String> = taxonomy()
+            .suggestions(code)
+            .into_iter()
+            .map(Entry::describe)
+            .collect();
         match near.as_slice() {
             [] => "find it by its term: `linewright din search WORD`".to_owned(),
             near => format!("did you mean {}?", near.join(", or ")),

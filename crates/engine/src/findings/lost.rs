@@ -242,8 +242,10 @@ fn unless_holds(expr: &Expr, unless: &Expr) -> Expr {
                 .conjuncts()
                 .into_iter()
                 .filter(|u| !known.contains(u));
-            let rest = rest.cloned().reduce(Expr::and);
-            let rest = rest.unwrap_or_else(|| unless.clone());
+            let rest = rest
+                .cloned()
+                .reduce(Expr::and)
+                .unwrap_or_else(|| unless.clone());
             (**a).clone().and(not(&rest)).implies((**b).clone())
         }
         whole => not(unless).implies(whole.clone()),

@@ -156,8 +156,10 @@ impl Task {
         // What a written controller looks like may depend on the order. So only where none is written may the search begin
         // with what earlier runs have left.
         let version = cache.filter(|_| self.job.goal != Goal::Controller);
-        let hints = version.and_then(|c| c.version(specification));
-        let hints = hints.map(|v| v.hints(specification)).unwrap_or_default();
+        let hints = version
+            .and_then(|c| c.version(specification))
+            .map(|v| v.hints(specification))
+            .unwrap_or_default();
         let solved = within("solving the game", || self.play(&hints));
         let mut statistics = Statistics::of_solver(&solved.statistics, specification);
         let large = statistics.large;

@@ -92,8 +92,10 @@ impl<'a> Moves<'a> {
         let all = (0..specification.variables.len() as u32).map(VarId);
         let (own, other): (Vec<VarId>, Vec<VarId>) =
             all.partition(|v| specification.variable(*v).owner == side);
-        let open = own.into_iter().chain(other);
-        let open = open.filter(|v| known[v.index()].is_none());
+        let open = own
+            .into_iter()
+            .chain(other)
+            .filter(|v| known[v.index()].is_none());
         let first = |v: VarId| match before {
             Some(before) => before[v.index()],
             None => specification.variable(v).domain.low(),

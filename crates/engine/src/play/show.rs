@@ -233,8 +233,11 @@ pub(super) fn moves(session: &Session<'_>) -> String {
     let (bound, free): (Vec<VarId>, Vec<VarId>) = own.into_iter().partition(|v| moves.matters(*v));
     let mut listing: Vec<Values> = Vec::new();
     let ended = moves.each(&mut |values| {
-        let values = values.iter().copied();
-        let values: Values = values.filter(|(v, _)| bound.contains(v)).collect();
+        let values: Values = values
+            .iter()
+            .copied()
+            .filter(|(v, _)| bound.contains(v))
+            .collect();
         if !listing.contains(&values) {
             listing.push(values);
         }

@@ -93,8 +93,7 @@ fn variable(
         }
         None => {
             let all = specification.variables.iter();
-            let names = all.filter(|v| own(v)).map(|v| v.name.as_str());
-            let names: Vec<&str> = names.collect();
+            let names: Vec<&str> = all.filter(|v| own(v)).map(|v| v.name.as_str()).collect();
             let instead = match nearest(name, names.iter().copied()) {
                 Some(meant) => format!("did you mean `{meant}`?"),
                 None => format!("there are {}", names.join(", ")),

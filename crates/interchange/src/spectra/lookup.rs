@@ -49,15 +49,21 @@ impl Reader {
 
     /// The names that a file sees.
     pub fn seen(&self, at: Span) -> impl Iterator<Item = &str> {
-        let scopes = self.scopes.get(&at.file).into_iter();
-        let scopes = scopes.chain(self.imported(at));
+        let scopes = self
+            .scopes
+            .get(&at.file)
+            .into_iter()
+            .chain(self.imported(at));
         scopes.flat_map(|scope| scope.symbols.keys().map(String::as_str))
     }
 
     /// The names of types that a file sees.
     pub fn seen_types(&self, at: Span) -> impl Iterator<Item = &str> {
-        let scopes = self.scopes.get(&at.file).into_iter();
-        let scopes = scopes.chain(self.imported(at));
+        let scopes = self
+            .scopes
+            .get(&at.file)
+            .into_iter()
+            .chain(self.imported(at));
         scopes.flat_map(|scope| scope.types.keys().map(String::as_str))
     }
 

@@ -67,8 +67,11 @@ pub(super) fn read(
     let Sources {
         files, findings, ..
     } = import::gather(file, text, loader);
-    let taken = files[0].declarations.iter();
-    let taken = taken.filter_map(import::state).map(|n| n.text.clone());
+    let taken = files[0]
+        .declarations
+        .iter()
+        .filter_map(import::state)
+        .map(|n| n.text.clone());
     let length = files.iter().map(|s| s.text.len()).sum();
     let mut reader = Reader::new(name, file, length, taken.collect());
     // A name whose declaration could not be read would be missed at each of its uses.

@@ -186,8 +186,11 @@ impl Automaton {
     pub fn by_state(&self, now: &dyn Fn(usize) -> Expr, of: &dyn Fn(Option<u32>) -> i64) -> Expr {
         let rows: Vec<Expr> = (0..self.states() as u32)
             .map(|s| {
-                let row = self.possible.iter().enumerate();
-                let row = row.map(|(l, bits)| (*bits, of(self.dfa.step(s, l))));
+                let row = self
+                    .possible
+                    .iter()
+                    .enumerate()
+                    .map(|(l, bits)| (*bits, of(self.dfa.step(s, l))));
                 self.decided(&row.collect::<Vec<_>>(), 0)
             })
             .collect();

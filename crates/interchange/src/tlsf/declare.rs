@@ -189,8 +189,10 @@ pub(super) fn domains<'f>(file: &'f File, expander: &mut Expander<'f, '_>) -> Ve
         // Codes do not overlap, so they cover everything exactly if their numbers add up.
         let free = |code: &Vec<Option<bool>>| code.iter().filter(|b| b.is_none()).count();
         let power = |bits: usize| 1_u128.checked_shl(u32::try_from(bits).unwrap_or(u32::MAX));
-        let covered = codes.iter().map(|c| power(free(c)).unwrap_or(u128::MAX));
-        let covered = covered.fold(0, u128::saturating_add);
+        let covered = codes
+            .iter()
+            .map(|c| power(free(c)).unwrap_or(u128::MAX))
+            .fold(0, u128::saturating_add);
         if power(enumeration.width) == Some(covered) {
             continue;
         }

@@ -152,8 +152,10 @@ impl Formulas {
                 let (near, far): (Vec<F>, Vec<F>) =
                     list.into_iter().partition(|g| self.ahead(*g).is_some());
                 let near = self.or(near, place);
-                let list = std::iter::once(near).chain(far);
-                let list = list.map(|g| self.recurrent(g, place)).collect();
+                let list = std::iter::once(near)
+                    .chain(far)
+                    .map(|g| self.recurrent(g, place))
+                    .collect();
                 return self.or(list, place);
             }
             Op::And(list) => {
@@ -161,8 +163,11 @@ impl Formulas {
                 let (far, rest): (Vec<F>, Vec<F>) = list.into_iter().partition(|g| free(self, *g));
                 if !far.is_empty() {
                     let rest = self.and(rest, place);
-                    let list = far.into_iter().chain([rest]);
-                    let list = list.map(|g| self.recurrent(g, place)).collect();
+                    let list = far
+                        .into_iter()
+                        .chain([rest])
+                        .map(|g| self.recurrent(g, place))
+                        .collect();
                     return self.and(list, place);
                 }
             }
@@ -194,8 +199,10 @@ impl Formulas {
                 let (near, far): (Vec<F>, Vec<F>) =
                     list.into_iter().partition(|g| self.ahead(*g).is_some());
                 let near = self.and(near, place);
-                let list = std::iter::once(near).chain(far);
-                let list = list.map(|g| self.persistent(g, place)).collect();
+                let list = std::iter::once(near)
+                    .chain(far)
+                    .map(|g| self.persistent(g, place))
+                    .collect();
                 return self.and(list, place);
             }
             Op::Or(list) => {
@@ -203,8 +210,11 @@ impl Formulas {
                 let (far, rest): (Vec<F>, Vec<F>) = list.into_iter().partition(|g| free(self, *g));
                 if !far.is_empty() {
                     let rest = self.or(rest, place);
-                    let list = far.into_iter().chain([rest]);
-                    let list = list.map(|g| self.persistent(g, place)).collect();
+                    let list = far
+                        .into_iter()
+                        .chain([rest])
+                        .map(|g| self.persistent(g, place))
+                        .collect();
                     return self.or(list, place);
                 }
             }

@@ -102,8 +102,10 @@ impl Writer<'_> {
     }
 
     fn formula(&mut self, formula: &Formula) -> String {
-        let gate = self.base.gate(formula, &formula.expr);
-        let gate = gate.and_then(|g| self.base.written_out(formula, g, MAX_SIZE));
+        let gate = self
+            .base
+            .gate(formula, &formula.expr)
+            .and_then(|g| self.base.written_out(formula, g, MAX_SIZE));
         let text = gate.map(|g| WORDS.gate(&self.base.gates, g, &|shape| self.test(shape)).1);
         text.unwrap_or_default()
     }

@@ -59,8 +59,8 @@ struct Writer<'s> {
 impl Writer<'_> {
     fn file(&mut self, labels: &[String]) -> String {
         let specification = self.base.specification;
-        let stem = renamed([specification.name.as_str()], "s_", is_name);
-        let stem = stem.first().map_or("specification", String::as_str);
+        let names = renamed([specification.name.as_str()], "s_", is_name);
+        let stem = names.first().map_or("specification", String::as_str);
         let mut text = format!("spec {stem}\n\n");
         for (index, (variable, name)) in specification
             .variables

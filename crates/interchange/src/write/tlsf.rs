@@ -58,8 +58,8 @@ impl Writer<'_> {
             let _ = writeln!(text, "  {head} {{");
             for (variable, name) in specification.variables.iter().zip(self.base.names) {
                 if variable.owner == owner {
-                    let about = about(variable, name, true);
-                    let about = about.map_or_else(String::new, |a| format!(" // {a}"));
+                    let about = about(variable, name, true)
+                        .map_or_else(String::new, |a| format!(" // {a}"));
                     let _ = match width(&variable.domain) {
                         _ if variable.domain == Domain::Bool => {
                             writeln!(text, "    {name};{about}")
@@ -106,8 +106,11 @@ impl Writer<'_> {
         let mut lines: Vec<String> = formulas.map(|f| self.line(f, Time::Now)).collect();
         lines.extend(self.domains(owner, Time::Now));
         section(initial, &lines, text);
-        let formulas = side.invariants.iter().map(|f| (f, Time::Next));
-        let formulas = formulas.chain(side.safety.iter().map(|f| (f, Time::Now)));
+        let formulas = side
+            .invariants
+            .iter()
+            .map(|f| (f, Time::Next))
+            .chain(side.safety.iter().map(|f| (f, Time::Now)));
         let mut lines: Vec<String> = formulas.map(|(f, from)| self.line(f, from)).collect();
         lines.extend(self.domains(owner, Time::Next));
         section(steps, &lines, text);
@@ -128,9 +131,11 @@ impl Writer<'_> {
             Time::Now => formula.expr.clone(),
             Time::Next => formula.expr.substitute(&mut |v, _| Expr::next(v)),
         };
-        let gate = self.base.gate(formula, &expr);
-        let gate = gate.map(|g| self.base.gates.in_bits(self.base.specification, g));
-        let gate = gate.and_then(|g| self.base.written_out(formula, g, MAX_SIZE));
+        let gate = self
+            .base
+            .gate(formula, &expr)
+            .map(|g| self.base.gates.in_bits(self.base.specification, g))
+            .and_then(|g| self.base.written_out(formula, g, MAX_SIZE));
         gate.map_or_else(|| WORDS.truth(true), |g| self.text(g))
     }
 

@@ -202,8 +202,11 @@ impl Examined<'_> {
         findings: &mut Vec<Diagnostic>,
     ) -> Result<(), TooLarge> {
         let is_called = |fsm: &Fsm, skill: usize| {
-            let columns = fsm.calls.iter().enumerate();
-            let mut columns = columns.filter(|(_, call)| call.0 >> skill & 1 == 1);
+            let mut columns = fsm
+                .calls
+                .iter()
+                .enumerate()
+                .filter(|(_, call)| call.0 >> skill & 1 == 1);
             let states = 0..fsm.states.len() as u32;
             columns.any(|(c, _)| states.clone().any(|s| fsm.dfa.next(s, c) != REFUSED))
         };
@@ -266,8 +269,11 @@ impl Examined<'_> {
             }
             let fsm = self.fsm(&[*rule])?;
             for event in events {
-                let columns = fsm.calls.iter().enumerate();
-                let columns = columns.filter(|(_, call)| call.0 & event.0 == event.0);
+                let columns = fsm
+                    .calls
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, call)| call.0 & event.0 == event.0);
                 let mut columns = columns.peekable();
                 let states = 0..fsm.states.len() as u32;
                 if columns.peek().is_none()

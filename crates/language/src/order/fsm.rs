@@ -151,8 +151,11 @@ impl Fsm {
         if let Some(error) = too_large {
             return Err(error);
         }
-        let complete = explored.states.iter();
-        let complete: Vec<bool> = complete.map(|s| supervisor.is_complete(s)).collect();
+        let complete: Vec<bool> = explored
+            .states
+            .iter()
+            .map(|s| supervisor.is_complete(s))
+            .collect();
         Ok(Self {
             calls,
             states: explored.states,

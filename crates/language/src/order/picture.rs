@@ -93,8 +93,11 @@ pub fn regions(skills: &Skills, options: Options) -> Result<Vec<Region>, TooLarg
 
 fn of_component(skills: &Skills, number: usize, level: Level) -> Graph {
     let component = &skills.components[number];
-    let own = skills.skills.iter();
-    let own: Vec<_> = own.filter(|s| s.component == number).collect();
+    let own: Vec<_> = skills
+        .skills
+        .iter()
+        .filter(|s| s.component == number)
+        .collect();
     let count = component.situations.len().max(1);
     let mut edges = vec![Edge {
         from: None,

@@ -61,8 +61,11 @@ impl Alphabet {
     /// The letters of a call: its skills, and the events of several skills that it contains.
     pub fn letters(&self, call: u64) -> Vec<usize> {
         let skills = (0..self.skills).filter(|s| call >> s & 1 == 1);
-        let events = self.at_once.iter().enumerate();
-        let events = events.filter(|(_, e)| *e & call == **e);
+        let events = self
+            .at_once
+            .iter()
+            .enumerate()
+            .filter(|(_, e)| *e & call == **e);
         skills.chain(events.map(|(i, _)| self.skills + i)).collect()
     }
 

@@ -79,9 +79,11 @@ pub fn together(windows: &[Window]) -> Result<Vec<Vec<bool>>, TooLarge> {
         let open = windows.iter().zip(&decided).filter(|(_, d)| d.is_none());
         let matter = open.fold(0, |mask, (w, _)| mask | w.opening | w.closing);
         for last in (0..u64::BITS).filter(|s| matter >> s & 1 == 1) {
-            let earlier = decided.iter().zip(windows);
-            let earlier = earlier.map(|(decided, w)| decided.or_else(|| w.after(last)));
-            let earlier: Vec<Option<bool>> = earlier.collect();
+            let earlier: Vec<Option<bool>> = decided
+                .iter()
+                .zip(windows)
+                .map(|(decided, w)| decided.or_else(|| w.after(last)))
+                .collect();
             if seen.len() < MOST_STATES && seen.insert(earlier.clone()) {
                 waiting.push(earlier);
             }

@@ -238,8 +238,12 @@ impl Wanted {
             let mut patterns = useful.iter();
             useful.is_empty() || patterns.any(|p| p.iter().all(|(c, s)| situation[*c] == *s))
         };
-        let situations = base.states.iter().map(|s| s.situation.clone());
-        let situations: BTreeSet<Vec<usize>> = situations.filter(|s| fits(s)).collect();
+        let situations: BTreeSet<Vec<usize>> = base
+            .states
+            .iter()
+            .map(|s| s.situation.clone())
+            .filter(|s| fits(s))
+            .collect();
         let situations: Vec<Vec<usize>> = situations.into_iter().collect();
         let reached = reached(base, &situations);
         Self {

@@ -146,8 +146,11 @@ impl<'a> Supervisor<'a> {
     /// When a rule's automaton is too large, or the product where one is needed.
     pub fn new(skills: &'a Skills, options: Options) -> Result<Self, TooLarge> {
         let alphabet = Alphabet::of(skills);
-        let kept = skills.rules.iter().enumerate();
-        let kept = kept.filter(|(_, rule)| rule.level <= options.level);
+        let kept = skills
+            .rules
+            .iter()
+            .enumerate()
+            .filter(|(_, rule)| rule.level <= options.level);
         let (deleting, kept): (Vec<_>, Vec<_>) =
             kept.partition(|(_, rule)| options.paper && !rule.deletions.is_empty());
         let mut each = Vec::new();
@@ -337,8 +340,10 @@ impl<'a> Supervisor<'a> {
     pub fn unfinished(&self, state: &State) -> Vec<usize> {
         match &self.automata {
             Automata::Each(each) => {
-                let open = each.iter().zip(&state.known);
-                let open = open.filter(|((_, serial), known)| !serial.is_complete(**known));
+                let open = each
+                    .iter()
+                    .zip(&state.known)
+                    .filter(|((_, serial), known)| !serial.is_complete(**known));
                 open.map(|((rule, _), _)| *rule).collect()
             }
             Automata::Together {
@@ -347,8 +352,11 @@ impl<'a> Supervisor<'a> {
                 states,
                 product,
             } if !self.is_complete(state) => {
-                let known = product.states(state.known[0]).iter();
-                let known: Vec<_> = known.map(|s| &states[*s as usize]).collect();
+                let known: Vec<_> = product
+                    .states(state.known[0])
+                    .iter()
+                    .map(|s| &states[*s as usize])
+                    .collect();
                 let open = |rule: usize| {
                     let states = known.iter().map(move |s| s[rule]);
                     states.map(move |s| !parts[rule].is_complete(s))

@@ -115,8 +115,9 @@ impl View<'_> {
                 .iter()
                 .any(|(there, _)| self.value(*there) > 0)
         };
-        let joining = (0..tasks.len()).filter(|t| !vars.bills[*t].is_empty());
-        let mut joining: Vec<usize> = joining.collect();
+        let mut joining: Vec<usize> = (0..tasks.len())
+            .filter(|t| !vars.bills[*t].is_empty())
+            .collect();
         joining.sort_by_key(|task| !begun(task));
         for task in joining {
             for (line, (there, count)) in vars.bills[task].iter().enumerate() {

@@ -37,8 +37,12 @@ const MOST_AT_ONCE: usize = 24;
 
 /// The rules of a line: what all places guarantee, and what is given. Rules of the goal come after them.
 fn rules(abstraction: &Abstraction) -> Vec<Rule> {
-    let sides = abstraction.system.parts.iter().map(|p| &p.guarantees);
-    let sides = sides.chain([&abstraction.claim.given, &abstraction.claim.goal]);
+    let sides = abstraction
+        .system
+        .parts
+        .iter()
+        .map(|p| &p.guarantees)
+        .chain([&abstraction.claim.given, &abstraction.claim.goal]);
     sides
         .flat_map(formulas)
         .map(|(kind, _, f)| rule(kind, &f.expr))
@@ -131,8 +135,10 @@ fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
     for part in &mut alone.parts {
         part.assumptions = Side::default();
     }
-    let safety = claim.goals().map(|(at, _)| at);
-    let safety = safety.filter(|at| at.kind != RuleKind::Justice);
+    let safety = claim
+        .goals()
+        .map(|(at, _)| at)
+        .filter(|at| at.kind != RuleKind::Justice);
     let asked = Claim {
         known: safety.filter(|at| !claim.lemmas.contains_key(at)).collect(),
         ..claim.clone()

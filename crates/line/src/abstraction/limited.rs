@@ -259,19 +259,24 @@ impl<'a> Limited<'a> {
             about.extend(stays);
 
             let gone = all(rid.clone());
-            let on = after(model, stage.at).into_iter();
-            let on = on.filter(|to| to.place != place).map(|to| {
-                let offered = model.offers(place, stage.at.kind, to.place);
-                model.taken(place, to.place).and(offered).not()
-            });
+            let on = after(model, stage.at)
+                .into_iter()
+                .filter(|to| to.place != place)
+                .map(|to| {
+                    let offered = model.offers(place, stage.at.kind, to.place);
+                    model.taken(place, to.place).and(offered).not()
+                });
             let stay = later(&gone).and(all(on));
             let stay = gone.clone().and(gives.clone().not()).implies(stay);
             let name = format!("{part}_stays_gone_up_to_{here}");
             let text = format!(
                 "where {supply} gives nothing and the places up to the {here} are empty of what it gave, they stay so, and nothing comes from there"
             );
-            let safe = about.iter().copied();
-            let safe = safe.filter(|at| at.kind != RuleKind::Justice).collect();
+            let safe = about
+                .iter()
+                .copied()
+                .filter(|at| at.kind != RuleKind::Justice)
+                .collect();
             let words = (name.as_str(), text.as_str());
             let next = book.lemma(place, RuleKind::Safety, words, &stay, safe, Reach::Named);
 
@@ -449,8 +454,11 @@ fn spots_after(model: Model<'_>, place: usize, kind: usize) -> impl Iterator<Ite
                     if work.plain && work.part == kind {
                         add(None);
                     }
-                    let lines = work.bill.iter().enumerate();
-                    let lines = lines.filter(|(_, (component, _))| *component == kind);
+                    let lines = work
+                        .bill
+                        .iter()
+                        .enumerate()
+                        .filter(|(_, (component, _))| *component == kind);
                     lines.for_each(|(line, _)| add(Some((task, line))));
                 }
             }

@@ -558,8 +558,12 @@ impl Writer<'_> {
             );
             hands.push(now.and(taken).implies(becomes(end, 0)));
             let way = model.shape.to(place, *part).iter().position(|t| t == to);
-            let decided = model.vocabulary.decisions.get(&(place, *part));
-            let decided = decided.zip(way).map_or(Expr::TRUE, |(d, way)| is(*d, way));
+            let decided = model
+                .vocabulary
+                .decisions
+                .get(&(place, *part))
+                .zip(way)
+                .map_or(Expr::TRUE, |(d, way)| is(*d, way));
             comes.push(all([becomes(end, index + 1), there(*part), decided]));
         }
         self.safety("brings_forward", text, &is(end, 0).implies(any(comes)));

@@ -75,15 +75,18 @@ pub struct Calls {
 impl Calls {
     /// The line without routes that no part takes, and without conditions that always hold.
     pub fn simplified(&self, line: &Line) -> Line {
-        let routes = line.routes.iter().enumerate();
-        let routes = routes.filter(|(at, _)| self.taken[*at]);
-        let routes = routes.map(|(at, route)| {
-            let mut route = route.clone();
-            if self.always[at] {
-                route.condition = None;
-            }
-            route
-        });
+        let routes = line
+            .routes
+            .iter()
+            .enumerate()
+            .filter(|(at, _)| self.taken[*at])
+            .map(|(at, route)| {
+                let mut route = route.clone();
+                if self.always[at] {
+                    route.condition = None;
+                }
+                route
+            });
         Line {
             routes: routes.collect(),
             ..line.clone()

@@ -418,10 +418,13 @@ impl<'a> Walk<'a> {
         let Some(machine) = machine_of(self.line, node) else {
             return;
         };
-        let sources = machine.properties.iter();
-        let sources = sources.zip(&self.tasks(node)[task].properties);
-        let given = sources.map(|(p, source)| Real(source.map_or(p.default, |s| values[s])));
-        let given: Vec<Real> = given.collect();
+        let sources = machine
+            .properties
+            .iter()
+            .zip(&self.tasks(node)[task].properties);
+        let given: Vec<Real> = sources
+            .map(|(p, source)| Real(source.map_or(p.default, |s| values[s])))
+            .collect();
         let Some(desk) = &mut self.desks[node] else {
             return;
         };

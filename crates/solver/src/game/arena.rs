@@ -325,12 +325,18 @@ impl<K: Kernel> Formulas<K> {
         let env_initial = m.and(&legal_inputs, &m.all(&env_first)?)?;
         let sys_initial = m.and(&legal_outputs, &m.all(&initial)?)?;
 
-        let env_safety = env.safety.iter().enumerate();
-        let env_safety = env_safety.filter(|(i, _)| selection.assumes(GuaranteeKind::Safety, *i));
+        let env_safety = env
+            .safety
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| selection.assumes(GuaranteeKind::Safety, *i));
         let mut env_parts: Vec<K::Function> = env_safety.flat_map(|(_, f)| f.clone()).collect();
         env_parts.push(m.prime(&legal_inputs)?);
-        let safety = sys.safety.iter().enumerate();
-        let safety = safety.filter(|(i, _)| selection.guarantees(GuaranteeKind::Safety, *i));
+        let safety = sys
+            .safety
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| selection.guarantees(GuaranteeKind::Safety, *i));
         let mut sys_parts: Vec<K::Function> = safety.flat_map(|(_, f)| f.clone()).collect();
 
         let bits = |vars: &[VarId], time| self.encoding.bit_set(vars.iter().copied(), time);

@@ -165,8 +165,7 @@ pub fn functions<K: Kernel>(
             Some(self::ways(arena, j, region, &layers, &care, &mut plans)?)
         });
         let edges = states.add(m, layers.iter().map(|l| &l.reached))?;
-        let layers = layers.iter().zip(edges);
-        let layers = layers.map(|(layer, reached)| Stage {
+        let layers = layers.iter().zip(edges).map(|(layer, reached)| Stage {
             reached,
             assumption: layer.assumption,
         });

@@ -390,8 +390,11 @@ impl<'a, K: Kernel> Check<'a, K> {
         drop(all);
 
         let mut sets = controls.certificate.diagram.clone();
-        let ranks = controls.certificate.goals.iter();
-        let ranks = ranks.flat_map(|list| list.iter().map(|r| r.reached));
+        let ranks = controls
+            .certificate
+            .goals
+            .iter()
+            .flat_map(|list| list.iter().map(|r| r.reached));
         sets.roots = ranks.chain([controls.certificate.region]).collect();
         let mut sets = m.import(&sets)?.into_iter();
         let layers = controls.certificate.goals.iter();

@@ -215,8 +215,10 @@ impl Functions {
         };
         let controls = &self.controls;
         let goals = controls.goals.iter().map(|goal| {
-            let modes = goal.modes.iter();
-            let modes = modes.map(|m| json!({"when": m.when.0, "outputs": edges(&m.outputs)}));
+            let modes = goal
+                .modes
+                .iter()
+                .map(|m| json!({"when": m.when.0, "outputs": edges(&m.outputs)}));
             json!({"modes": modes.collect::<Vec<_>>(), "reached": goal.reached.0})
         });
         let nodes = controls.diagram.nodes.iter();

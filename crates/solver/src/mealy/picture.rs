@@ -31,8 +31,8 @@ pub fn graph(machine: &Machine) -> Graph {
         states.push(label);
     }
     let mut edges = Vec::new();
-    let lists = std::iter::once((None, &machine.initial));
-    let lists = lists.chain(machine.states.iter().enumerate().map(|(i, t)| (Some(i), t)));
+    let lists = std::iter::once((None, &machine.initial))
+        .chain(machine.states.iter().enumerate().map(|(i, t)| (Some(i), t)));
     for (from, transitions) in lists {
         // One edge a target; below each other, one group of lines a combination of outputs.
         let mut merged: BTreeMap<usize, BTreeMap<&[i64], Vec<&Guard>>> = BTreeMap::new();
@@ -46,8 +46,10 @@ pub fn graph(machine: &Machine) -> Graph {
             for (output, guards) in outputs.into_iter().take(MOST_GROUPS) {
                 label.extend(guard_lines(machine, &guards));
                 let pairs = machine.outputs.iter().zip(output).zip(&common[to]);
-                let own = pairs.filter(|(_, known)| known.is_none());
-                let own: Vec<String> = own.map(|((port, v), _)| assignment(port, *v)).collect();
+                let own: Vec<String> = pairs
+                    .filter(|(_, known)| known.is_none())
+                    .map(|((port, v), _)| assignment(port, *v))
+                    .collect();
                 if !own.is_empty() {
                     let mut lines = wrap(&own, ", ");
                     lines[0].insert_str(0, "/ ");

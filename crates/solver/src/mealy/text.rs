@@ -14,8 +14,11 @@ const MOST_CUBES: usize = 200;
 
 /// A disjunction of conjunctions: of every cube the values of each input.
 pub fn guard_values(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<Values>> {
-    let cubes = guards.iter().flat_map(|g| &g.0);
-    let mut cubes: Vec<Vec<Values>> = cubes.map(|c| values(machine, c)).collect();
+    let mut cubes: Vec<Vec<Values>> = guards
+        .iter()
+        .flat_map(|g| &g.0)
+        .map(|c| values(machine, c))
+        .collect();
     if cubes.len() <= MOST_CUBES {
         while put_together(&mut cubes) {}
     }

@@ -218,8 +218,12 @@ impl Encoding {
 
 /// The bits of a variable as an unsigned number.
 fn code<K: Kernel>(m: &K, layout: &Layout, time: Time) -> Number<K> {
-    let bits = layout.bits.iter().rev();
-    let mut bits: Vec<_> = bits.map(|b| m.literal(at(*b, time), true)).collect();
+    let mut bits: Vec<_> = layout
+        .bits
+        .iter()
+        .rev()
+        .map(|b| m.literal(at(*b, time), true))
+        .collect();
     bits.push(m.constant(false));
     Number::new(bits)
 }

@@ -138,8 +138,12 @@ impl Encoded {
                 pool.push(measured(encoding.formula(m, part)?));
             }
         }
-        let others = self.occurring.iter().filter(|w| !self.named.contains(w));
-        let mut others: Vec<(VarId, Time)> = others.copied().collect();
+        let mut others: Vec<(VarId, Time)> = self
+            .occurring
+            .iter()
+            .filter(|w| !self.named.contains(w))
+            .copied()
+            .collect();
         while !others.is_empty() {
             let mentions = |(variable, time): &(VarId, Time), support: &BitSet| {
                 encoding.bits(*variable, *time).any(|b| support.contains(b))

@@ -110,8 +110,10 @@ fn component(components: &[Component], domain: &Domain) -> Component {
         span: components[0].span,
     });
     let names: Vec<&str> = components.iter().map(|c| c.name.as_str()).collect();
-    let bindings = components.iter().flat_map(|c| c.bindings.clone());
-    let bindings = bindings.chain([Expr::now(VarId(0))]);
+    let bindings = components
+        .iter()
+        .flat_map(|c| c.bindings.clone())
+        .chain([Expr::now(VarId(0))]);
     Component {
         name: names.join(", "),
         specification: Arc::new(specification),
@@ -151,8 +153,10 @@ struct Operations {
 
 impl Operations {
     fn of(machine: &Machine, inputs: usize) -> Self {
-        let wire = machine.plant.first();
-        let wire = wire.filter(|p| matches!(p.source, PlantSource::Operation));
+        let wire = machine
+            .plant
+            .first()
+            .filter(|p| matches!(p.source, PlantSource::Operation));
         Self {
             values: wire.map_or_else(Vec::new, |p| (p.domain.low()..=p.domain.high()).collect()),
             named: machine.operations.iter().map(|o| o.value).collect(),

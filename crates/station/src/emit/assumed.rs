@@ -76,8 +76,11 @@ impl<'a> Assumptions<'a> {
             });
         }
         found.kept.sort_unstable();
-        let safety = side.safety.iter().filter_map(|f| found.check_of_two(f));
-        let safety: Vec<Check> = safety.collect();
+        let safety: Vec<Check> = side
+            .safety
+            .iter()
+            .filter_map(|f| found.check_of_two(f))
+            .collect();
         found.later.extend(safety);
         found
     }
@@ -104,9 +107,11 @@ impl<'a> Assumptions<'a> {
 
     /// What is kept of the last step, if anything.
     pub fn kept(&self) -> Option<Kept> {
-        let names = self.kept.iter();
-        let names = names.map(|v| comment(&self.specification.variable(*v).name));
-        let names: Vec<String> = names.collect();
+        let names: Vec<String> = self
+            .kept
+            .iter()
+            .map(|v| comment(&self.specification.variable(*v).name))
+            .collect();
         let about = format!(
             "    /* The last step's values that assumptions speak of: {}. */",
             names.join(", ")

@@ -92,8 +92,10 @@ fn walk_rows(walks: &Walks, signal: impl Fn(Bit) -> Signal) -> (Vec<String>, Vec
             }
         }
     }
-    let starts = walks.starts.iter();
-    let starts = starts.map(|list| list.iter().map(|place| places[*place]).collect());
+    let starts = walks
+        .starts
+        .iter()
+        .map(|list| list.iter().map(|place| places[*place]).collect());
     (rows, starts.collect())
 }
 
@@ -266,11 +268,14 @@ impl Emitter<'_> {
         let k = self.component;
         let specification = &k.specification;
         let title = format!("{}: {}", comment(&k.name), comment(&k.contract));
-        let variables = self.variables.iter().zip(&specification.variables);
-        let variables = variables.map(|(name, v)| Variable {
-            name,
-            about: comment(&v.describe()),
-        });
+        let variables = self
+            .variables
+            .iter()
+            .zip(&specification.variables)
+            .map(|(name, v)| Variable {
+                name,
+                about: comment(&v.describe()),
+            });
         let outputs = specification.outputs();
         let (decisions, functions) = match self.controller {
             mealy::Controller::Machine(machine) => (Some(self.decisions(machine)), None),
@@ -437,28 +442,34 @@ impl Emitter<'_> {
                 about: comment(&condition),
             }
         });
-        let leaves = decisions.leaves.iter();
-        let leaves = leaves.map(|leaf| {
+        let leaves = decisions.leaves.iter().map(|leaf| {
             let (answer, place) = leaf.map_or((0, -1), |(answer, to)| (answer, to as i64));
             Leaf { answer, place }
         });
         let ports = &controller.outputs;
-        let answers = decisions.answers.iter().filter(|a| !a.is_empty());
-        let answers = answers.map(|values| {
-            let numbers = values.iter().map(|v| expression::literal(*v) + ",");
-            let words: Vec<String> = ports
-                .iter()
-                .zip(values)
-                .map(|(port, v)| format!("{} = {}", port.name, shown(&port.domain, *v, &port.unit)))
-                .collect();
-            let numbers: Vec<String> = numbers.collect();
-            Answer {
-                values: numbers.join(" "),
-                about: comment(&words.join(", ")),
-            }
-        });
-        let firsts = decisions.first_answers.iter();
-        let firsts = firsts.map(|answer| answer.map_or(-1, |a| a as i64));
+        let answers = decisions
+            .answers
+            .iter()
+            .filter(|a| !a.is_empty())
+            .map(|values| {
+                let numbers = values.iter().map(|v| expression::literal(*v) + ",");
+                let words: Vec<String> = ports
+                    .iter()
+                    .zip(values)
+                    .map(|(port, v)| {
+                        format!("{} = {}", port.name, shown(&port.domain, *v, &port.unit))
+                    })
+                    .collect();
+                let numbers: Vec<String> = numbers.collect();
+                Answer {
+                    values: numbers.join(" "),
+                    about: comment(&words.join(", ")),
+                }
+            });
+        let firsts = decisions
+            .first_answers
+            .iter()
+            .map(|answer| answer.map_or(-1, |a| a as i64));
         DecisionTables {
             splits: splits.collect(),
             leaves: leaves.collect(),

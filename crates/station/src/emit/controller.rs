@@ -246,8 +246,7 @@ impl<'a> Text<'a> {
 
     /// The inputs, with their bits in functions.
     fn step_inputs(&self, bits: &[Vec<Bit>]) -> Vec<Input<'_>> {
-        let inputs = self.inputs.iter().enumerate();
-        let inputs = inputs.map(|(i, (field, port))| {
+        let inputs = self.inputs.iter().enumerate().map(|(i, (field, port))| {
             let bits = bits.get(i).map_or(&[][..], Vec::as_slice);
             Input {
                 field,
@@ -262,12 +261,15 @@ impl<'a> Text<'a> {
 
     /// The outputs, with the texts of their values.
     fn step_outputs(&self, value: impl Fn(usize, &Port) -> String) -> Vec<Output<'_>> {
-        let outputs = self.outputs.iter().enumerate();
-        let outputs = outputs.map(|(i, (field, port))| Output {
-            field,
-            kind: integer(&port.domain),
-            value: value(i, port),
-        });
+        let outputs = self
+            .outputs
+            .iter()
+            .enumerate()
+            .map(|(i, (field, port))| Output {
+                field,
+                kind: integer(&port.domain),
+                value: value(i, port),
+            });
         outputs.collect()
     }
 
@@ -336,8 +338,11 @@ impl<'a> Text<'a> {
 
     fn functions(&self, functions: &Functions) -> String {
         let controls = &functions.controls;
-        let ports = self.inputs.iter().zip(&functions.input_bits);
-        let ports = ports.chain(self.outputs.iter().zip(&functions.output_bits));
+        let ports = self
+            .inputs
+            .iter()
+            .zip(&functions.input_bits)
+            .chain(self.outputs.iter().zip(&functions.output_bits));
         let signals = ports.filter_map(|((_, port), bits)| {
             Some(SignalRange {
                 first: bits.first()?.0,
@@ -387,8 +392,11 @@ fn structure<'a>(ports: &'a [(String, &Port)]) -> Vec<Field<'a>> {
     let fields = ports.iter().map(|(name, port)| {
         let values = match &port.domain {
             Domain::Enum { labels, .. } => {
-                let labels = labels.iter().enumerate();
-                let labels: Vec<String> = labels.map(|(i, label)| format!("{i} {label}")).collect();
+                let labels: Vec<String> = labels
+                    .iter()
+                    .enumerate()
+                    .map(|(i, label)| format!("{i} {label}"))
+                    .collect();
                 labels.join(", ")
             }
             Domain::Bool => "0 or 1".to_owned(),

@@ -32,8 +32,9 @@ pub(super) struct WalkTables {
 }
 
 fn nodes(nodes: &[DiagramNode], signal: Signals<'_>) -> String {
-    let nodes = nodes.iter();
-    let nodes = nodes.map(|n| format!("    {{ {}, {}, {} }},", n.high.0, n.low.0, signal(n.bit)));
+    let nodes = nodes
+        .iter()
+        .map(|n| format!("    {{ {}, {}, {} }},", n.high.0, n.low.0, signal(n.bit)));
     rows(&nodes.collect::<Vec<_>>(), "{ 0 }")
 }
 
@@ -51,8 +52,9 @@ fn goals(goals: &[(Vec<(Edge, usize)>, Edge)]) -> (String, String) {
 /// The tables of decisions and outputs.
 pub(super) fn tables(controls: &Controls, signal: Signals<'_>) -> Tables {
     let row = |outputs: &[(Bit, Edge)]| -> String {
-        let items = outputs.iter();
-        let items = items.map(|(b, e)| format!("{{ {}, {} }}, ", e.0, signal(*b)));
+        let items = outputs
+            .iter()
+            .map(|(b, e)| format!("{{ {}, {} }}, ", e.0, signal(*b)));
         items.collect::<String>()
     };
     let count = controls.first.len();

@@ -189,12 +189,15 @@ pub(super) fn definitions(machine: &Machine, emitters: &[Emitter<'_>], wires: &[
 }
 
 fn wire_list(machine: &Machine, wires: &[String]) -> Vec<Wire> {
-    let wires = wires.iter().zip(wire_values(machine)).enumerate();
-    let wires = wires.map(|(i, (name, value))| Wire {
-        name: name.clone(),
-        value,
-        about: comment(&machine.wire_name(i)),
-    });
+    let wires = wires
+        .iter()
+        .zip(wire_values(machine))
+        .enumerate()
+        .map(|(i, (name, value))| Wire {
+            name: name.clone(),
+            value,
+            about: comment(&machine.wire_name(i)),
+        });
     wires.collect()
 }
 
@@ -285,11 +288,12 @@ fn outputs(
         let outputs = specification.outputs();
         outputs.map(|id| &specification.variable(id).domain)
     });
-    let outputs = (machine.plant.len()..machine.wire_count()).zip(domains);
-    let outputs = outputs.map(|(wire, domain)| Output {
-        name: string(&machine.wire_name(wire)),
-        wire: wires[wire].clone(),
-        labels: labels(lists, known, domain),
-    });
+    let outputs = (machine.plant.len()..machine.wire_count())
+        .zip(domains)
+        .map(|(wire, domain)| Output {
+            name: string(&machine.wire_name(wire)),
+            wire: wires[wire].clone(),
+            labels: labels(lists, known, domain),
+        });
     outputs.collect()
 }

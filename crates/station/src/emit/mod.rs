@@ -153,15 +153,21 @@ fn sizes(
     values: usize,
     justice: usize,
 ) -> String {
-    let functions = machine.components.iter().zip(controllers);
-    let functions = functions.filter(|(_, controller)| controller.functions().is_some());
+    let functions = machine
+        .components
+        .iter()
+        .zip(controllers)
+        .filter(|(_, controller)| controller.functions().is_some());
     let shifted = functions.map(|(c, _)| {
         let variables = c.specification.variables.iter();
         variables.filter(|v| v.domain.low() != 0).count()
     });
     let each = |timing: Timing| {
-        let components = machine.components.iter().enumerate();
-        let components = components.filter(|(_, c)| c.specification.timing == timing);
+        let components = machine
+            .components
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| c.specification.timing == timing);
         components.map(|(index, _)| index).collect()
     };
     let limit = i64::try_from(machine.step_limit).unwrap_or(i64::MAX);

@@ -279,8 +279,7 @@ mod tests {
             }
         }
         let cubes = regions.iter().map(|region| {
-            let tests = region.iter().enumerate();
-            let tests = tests.filter(|(_, r)| **r != (0, HIGH));
+            let tests = region.iter().enumerate().filter(|(_, r)| **r != (0, HIGH));
             Cube(
                 tests
                     .map(|(input, &(low, high))| Test { input, low, high })

@@ -38,8 +38,10 @@ impl Walks {
     /// The walks of a controller's functions.
     pub fn of(controls: &Controls) -> Self {
         let modes = controls.goals.iter().flat_map(|g| &g.modes);
-        let lists = std::iter::once(&controls.first).chain(modes.map(|m| &m.outputs));
-        let lists: Vec<&[(Bit, Edge)]> = lists.map(Vec::as_slice).collect();
+        let lists: Vec<&[(Bit, Edge)]> = std::iter::once(&controls.first)
+            .chain(modes.map(|m| &m.outputs))
+            .map(Vec::as_slice)
+            .collect();
         Self::of_lists(&controls.diagram, &controls.order, &lists)
     }
 
@@ -219,8 +221,10 @@ impl Maker {
     fn walk(&mut self) -> Option<()> {
         while let Some((place, open)) = self.waiting.pop() {
             // A bit may ask for those before it, once they are decided; the first asks for none of them.
-            let asked = open.iter().filter_map(|(_, edge)| self.top(*edge));
-            let asked = asked.filter(|bit| open.iter().all(|(other, _)| other != bit));
+            let asked = open
+                .iter()
+                .filter_map(|(_, edge)| self.top(*edge))
+                .filter(|bit| open.iter().all(|(other, _)| other != bit));
             let bit = asked.min_by_key(|bit| self.level(*bit))?;
             let mut ways = [true, false].map(|value| (value, open.clone()));
             for (value, open) in &mut ways {

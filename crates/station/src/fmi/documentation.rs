@@ -69,11 +69,14 @@ pub(super) fn documentation(unit: &Unit) -> String {
             rows: rows.collect(),
         }
     });
-    let enumerations = unit.interface.enumerations.iter();
-    let enumerations = enumerations.map(|enumeration| Enumeration {
-        name: &enumeration.name,
-        labels: enumeration.labels.join(", "),
-    });
+    let enumerations = unit
+        .interface
+        .enumerations
+        .iter()
+        .map(|enumeration| Enumeration {
+            name: &enumeration.name,
+            labels: enumeration.labels.join(", "),
+        });
     render(
         "fmi/documentation.html",
         Page {

@@ -123,8 +123,10 @@ impl Unit {
             hash.update(text);
         }
         let token = token(&emit::hex(&hash.finalize()));
-        let support = version.support().iter();
-        let support = support.map(|(name, text)| (*name, (*text).to_owned()));
+        let support = version
+            .support()
+            .iter()
+            .map(|(name, text)| (*name, (*text).to_owned()));
         let source = tables::source(machine, &emitted.unit, &tables, &token, version);
         let stem = file_stem(&machine.name);
         let mut package = Package::of_files(&machine.name, &stem, source, support.collect());
@@ -176,8 +178,7 @@ fn first_operation(machine: &Machine, controllers: &[mealy::Controller]) -> usiz
 
 /// A hash in the customary form of a token.
 fn token(hash: &str) -> String {
-    let parts = [(0, 8), (8, 12), (12, 16), (16, 20), (20, 32)];
-    let parts = parts.map(|(from, to)| &hash[from..to]);
+    let parts = [(0, 8), (8, 12), (12, 16), (16, 20), (20, 32)].map(|(from, to)| &hash[from..to]);
     format!("{{{}}}", parts.join("-"))
 }
 

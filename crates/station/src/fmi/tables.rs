@@ -77,8 +77,7 @@ pub(super) fn tables(machine: &Machine, first_operation: usize) -> String {
         let ids = c.specification.outputs();
         ids.map(|id| &c.specification.variable(id).domain)
     });
-    let wires = plant.chain(outputs).enumerate();
-    let wires = wires.map(|(wire, domain)| Wire {
+    let wires = plant.chain(outputs).enumerate().map(|(wire, domain)| Wire {
         kind: type_name(domain),
         before: literal(before(domain)),
         about: comment(&machine.wire_name(wire)),

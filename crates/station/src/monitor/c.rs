@@ -115,8 +115,11 @@ impl<'a> Text<'a> {
             comment(&self.table.name),
             self.table.kept
         );
-        let orders = self.table.rules.iter();
-        let orders = orders.map(|rule| wrap(&comment(&rule.to_string()), " *       "));
+        let orders = self
+            .table
+            .rules
+            .iter()
+            .map(|rule| wrap(&comment(&rule.to_string()), " *       "));
         Heading {
             about: wrap(&about, " * "),
             orders: orders.collect(),
@@ -125,12 +128,16 @@ impl<'a> Text<'a> {
     }
 
     fn header(&self) -> String {
-        let rules = self.rules.iter().zip(&self.table.rules).enumerate();
-        let rules = rules.map(|(number, (name, rule))| Refusal {
-            about: wrap(&format!("/* {} */", comment(&rule.to_string())), "     * "),
-            name: name.clone(),
-            answer: self.answer(Why::Rule(number)),
-        });
+        let rules =
+            self.rules
+                .iter()
+                .zip(&self.table.rules)
+                .enumerate()
+                .map(|(number, (name, rule))| Refusal {
+                    about: wrap(&format!("/* {} */", comment(&rule.to_string())), "     * "),
+                    name: name.clone(),
+                    answer: self.answer(Why::Rule(number)),
+                });
         let others = [
             ("RECALL", Why::Recall),
             ("TOGETHER", Why::Together),
@@ -170,8 +177,10 @@ impl<'a> Text<'a> {
         };
         let skills: Vec<String> = table.skills.iter().map(|s| comment(s)).collect();
         let after_a_skill = format!("/* After a single skill: {}. */", skills.join(", "));
-        let reasons = (0..table.rules.len()).map(Why::Rule);
-        let reasons = reasons.chain([Why::Recall, Why::Together, Why::Unknown]);
+        let reasons =
+            (0..table.rules.len())
+                .map(Why::Rule)
+                .chain([Why::Recall, Why::Together, Why::Unknown]);
         render(
             "monitor/monitor.c",
             Source {

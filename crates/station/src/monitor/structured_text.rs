@@ -120,11 +120,16 @@ impl Words {
         let mut names = Names::default();
         let block = names.unique(&format!("FB_{}Order", stem(&table.name)));
         // The skills keep their names; ours give way.
-        let skills = table.skills.iter();
-        let skills: Vec<String> = skills.map(|s| names.unique(&identifier(s))).collect();
-        let granted = table.skills.iter();
-        let granted = granted.map(|s| names.unique(&identifier(&format!("granted_{s}"))));
-        let granted = granted.collect();
+        let skills: Vec<String> = table
+            .skills
+            .iter()
+            .map(|s| names.unique(&identifier(s)))
+            .collect();
+        let granted = table
+            .skills
+            .iter()
+            .map(|s| names.unique(&identifier(&format!("granted_{s}"))))
+            .collect();
         let mut own = |wish: &str| names.unique(&identifier(wish));
         Self {
             block,
@@ -301,26 +306,33 @@ fn body(
 ) -> String {
     let (state, set) = (&words.state, &words.set);
     let count = table.skills.len();
-    let skills = words.skills.iter().zip(&words.granted).enumerate();
-    let skills = skills.map(|(number, (name, granted))| {
-        let place = format!("{}[{count} * {set} + {number}]", set_with.name);
-        Skill {
-            name,
-            granted,
-            set_with: element(set_with).convert(index, &place),
-        }
-    });
-    let reasons = (0..table.rules.len()).map(Why::Rule);
-    let reasons = reasons.chain([Why::Recall, Why::Together]).map(|why| {
-        let text = match why {
-            Why::Rule(rule) => table.rules[rule].name.clone(),
-            other => other.text(&table.rules),
-        };
-        Reason {
-            code: refusal(layout, why),
-            text: string(&text, LONGEST),
-        }
-    });
+    let skills =
+        words
+            .skills
+            .iter()
+            .zip(&words.granted)
+            .enumerate()
+            .map(|(number, (name, granted))| {
+                let place = format!("{}[{count} * {set} + {number}]", set_with.name);
+                Skill {
+                    name,
+                    granted,
+                    set_with: element(set_with).convert(index, &place),
+                }
+            });
+    let reasons = (0..table.rules.len())
+        .map(Why::Rule)
+        .chain([Why::Recall, Why::Together])
+        .map(|why| {
+            let text = match why {
+                Why::Rule(rule) => table.rules[rule].name.clone(),
+                other => other.text(&table.rules),
+            };
+            Reason {
+                code: refusal(layout, why),
+                text: string(&text, LONGEST),
+            }
+        });
     let place = format!("{}[{} * {state} + {set}]", next.name, sets.count());
     render(
         "monitor/monitor.st",

@@ -91,8 +91,9 @@ pub fn package(profile: Option<&Profile>) -> Package {
 
 fn confirmed(profile: &Profile) -> Confirmed {
     let toml = profile.to_toml();
-    let lines = toml.lines();
-    let lines = lines.map(|line| string(&format!("profile {line}\n")));
+    let lines = toml
+        .lines()
+        .map(|line| string(&format!("profile {line}\n")));
     let [integer, real, text] = returned(profile.layout.integer_bits).map(|value| match value {
         Value::Text(t) => string(&t),
         Value::Real(x) | Value::Time(x) => format!("{x:?}"),

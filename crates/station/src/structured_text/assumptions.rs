@@ -80,16 +80,18 @@ impl Assumptions {
                 out.push_str("END_IF;\n");
             }
         }
-        let kept = kept.into_iter().filter(|(_, name)| mentions(&used, name));
-        let kept = kept.map(|(place, name)| {
-            let input = interface.inputs[place].variable();
-            let copy = Variable {
-                name,
-                description: format!("{} in the step before", input.name),
-                ..input.clone()
-            };
-            (copy, input.name, interface.inputs[place].usual())
-        });
+        let kept = kept
+            .into_iter()
+            .filter(|(_, name)| mentions(&used, name))
+            .map(|(place, name)| {
+                let input = interface.inputs[place].variable();
+                let copy = Variable {
+                    name,
+                    description: format!("{} in the step before", input.name),
+                    ..input.clone()
+                };
+                (copy, input.name, interface.inputs[place].usual())
+            });
         Self {
             kept: kept.collect(),
             no_step: interface.no_step(),

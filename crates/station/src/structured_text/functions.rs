@@ -245,8 +245,13 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
         Type::Array(_, last, _) => Width::of(0, last + 1),
         _ => Width::Lint,
     });
-    let index = all.iter().map(|t| element(t)).chain(rows).max();
-    let index = index.unwrap_or(Width::Dint).max(Width::of(0, 2 * pairs));
+    let index = all
+        .iter()
+        .map(|t| element(t))
+        .chain(rows)
+        .max()
+        .unwrap_or(Width::Dint)
+        .max(Width::of(0, 2 * pairs));
     let code = Type::Integer(code_width(interface));
     let mut scratch =
         |wish: &str, kind: Type, about: &str| Variable::new(&interface.fresh(wish), kind, about);
@@ -338,11 +343,17 @@ fn step(
         );
         indented(&statements, levels).trim_end().to_owned()
     };
-    let inputs = interface.inputs.iter().zip(&functions.input_bits);
-    let inputs = inputs.map(|(port, bits)| take_apart(port, bits, scratch));
-    let inputs = inputs.filter(|statements| !statements.is_empty());
-    let outputs = interface.outputs.iter().zip(&functions.output_bits);
-    let outputs = outputs.map(|(port, bits)| indented(&put_together(port, bits, scratch), 1));
+    let inputs = interface
+        .inputs
+        .iter()
+        .zip(&functions.input_bits)
+        .map(|(port, bits)| take_apart(port, bits, scratch))
+        .filter(|statements| !statements.is_empty());
+    let outputs = interface
+        .outputs
+        .iter()
+        .zip(&functions.output_bits)
+        .map(|(port, bits)| indented(&put_together(port, bits, scratch), 1));
     render(
         "structured_text/functions.st",
         Step {

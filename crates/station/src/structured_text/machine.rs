@@ -120,8 +120,7 @@ fn condition(inputs: &[Port<'_>], machine: &Machine, guard: &Guard) -> Option<St
         [] => "FALSE".to_owned(),
         [only] => only.join(" AND "),
         several => {
-            let several = several.iter();
-            let several: Vec<String> = several.map(|c| grouped(c, " AND ")).collect();
+            let several: Vec<String> = several.iter().map(|c| grouped(c, " AND ")).collect();
             several.join(" OR ")
         }
     })

@@ -174,13 +174,11 @@ pub(super) fn parts(
         "the inputs as numbers",
     );
 
-    let input_values = interface.inputs.iter().enumerate();
-    let input_values = input_values.map(|(place, port)| {
+    let input_values = interface.inputs.iter().enumerate().map(|(place, port)| {
         let target = format!("{}[{place}]", values.name);
         codes::read(port, &target, value).trim_end().to_owned()
     });
-    let outputs = interface.outputs.iter().enumerate();
-    let outputs = outputs.map(|(place, port)| {
+    let outputs = interface.outputs.iter().enumerate().map(|(place, port)| {
         let source = match place {
             0 => format!("{}[{}]", o.name, at.name),
             _ => format!("{}[{} + {place}]", o.name, at.name),

@@ -91,15 +91,18 @@ impl Type {
 impl Enumeration {
     fn text(&self) -> TypeText<'_> {
         let last = self.labels.len().saturating_sub(1);
-        let labels = self.labels.iter().enumerate();
-        let labels = labels.map(|(place, (label, meaning))| {
-            let comma = if place < last { "," } else { "" };
-            let meaning = match meaning.as_str() {
-                "" => String::new(),
-                meaning => format!(" (* {meaning} *)"),
-            };
-            format!("{label}{comma}{meaning}")
-        });
+        let labels = self
+            .labels
+            .iter()
+            .enumerate()
+            .map(|(place, (label, meaning))| {
+                let comma = if place < last { "," } else { "" };
+                let meaning = match meaning.as_str() {
+                    "" => String::new(),
+                    meaning => format!(" (* {meaning} *)"),
+                };
+                format!("{label}{comma}{meaning}")
+            });
         TypeText {
             description: &self.description,
             name: &self.name,

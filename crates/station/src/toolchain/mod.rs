@@ -268,8 +268,8 @@ impl Toolchain {
         create_folder(folder)?;
         // Beside its place, so that the library can be renamed into it.
         let work = WorkFolder::new(folder)?;
-        let source = package.write_source(work.path())?;
-        let source = source.file_name().unwrap_or_default();
+        let written = package.write_source(work.path())?;
+        let source = written.file_name().unwrap_or_default();
         let compiler = self.compiler(work.path())?;
         let shown = compiler.show();
         // A library for Windows carries this name inside it.

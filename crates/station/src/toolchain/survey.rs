@@ -118,9 +118,10 @@ fn host() -> Result<Found, Error> {
         answer.map_err(|why| useless(named.clone(), why))?;
     }
     let compiler = Compiler::host(None, work.path())?;
-    let version = compiler.version();
-    let version = version.and_then(|v| trial::compiles(&compiler, work.path()).map(|()| v));
-    let version = version.map_err(|why| useless(compiler.show(), why))?;
+    let version = compiler
+        .version()
+        .and_then(|v| trial::compiles(&compiler, work.path()).map(|()| v))
+        .map_err(|why| useless(compiler.show(), why))?;
     Ok(Found {
         command: compiler.program().display().to_string(),
         version: Some(version),

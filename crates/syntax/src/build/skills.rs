@@ -112,8 +112,12 @@ impl Builder {
         let rule = c.next();
         let body = self.span(&rule);
         let rule = self.order_rule(Children::of(rule).next());
-        let deletions = c.take(Rule::deletes).map(|d| Children::of(d).rest());
-        let deletions = deletions.into_iter().flatten().collect::<Vec<_>>();
+        let deletions = c
+            .take(Rule::deletes)
+            .map(|d| Children::of(d).rest())
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>();
         Order {
             doc,
             name,
@@ -132,8 +136,9 @@ impl Builder {
         match rule {
             Rule::o_after => {
                 let from = self.events(c.next());
-                let until = c.take(Rule::o_until);
-                let until = until.map(|u| self.events(Children::of(u).next()));
+                let until = c
+                    .take(Rule::o_until)
+                    .map(|u| self.events(Children::of(u).next()));
                 OrderRule::After {
                     from,
                     until: until.unwrap_or_default(),

@@ -256,8 +256,9 @@ impl<'l> Places<'l> {
     /// An expression over a level's wires.
     fn over(&self, expr: &Expr) -> Expr {
         expr.substitute(&mut |w, time| {
-            let value = self.wire(w.index());
-            let value = value.expect("a wire that was asked for; please report this");
+            let value = self
+                .wire(w.index())
+                .expect("a wire that was asked for; please report this");
             at(&value, time)
         })
     }

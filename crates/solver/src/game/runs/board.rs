@@ -326,8 +326,10 @@ impl<K: Kernel> Board<K> {
             let broken = self.broken(rules, *index)?;
             settled = self.m.and(&settled, &broken)?;
         }
-        let again = wanted.again.iter();
-        let again = again.map(|index| self.function(rules, *index));
+        let again = wanted
+            .again
+            .iter()
+            .map(|index| self.function(rules, *index));
         Ok(Question {
             again: again.collect::<Result<_, _>>()?,
             steps: reached.steps.only(&settled)?,
@@ -403,8 +405,7 @@ impl<K: Kernel> Board<K> {
         }
         let steps = self.steps(rules, keep, &variables)?;
         let m = self.m.clone();
-        let others = own.iter().copied().filter(|v| *v != answer);
-        let others: Vec<VarId> = others.collect();
+        let others: Vec<VarId> = own.iter().copied().filter(|v| *v != answer).collect();
         let at = |time| self.encoding.bit_set(others.iter().copied(), time);
         let first = m.exists(&steps.initial, &at(Time::Now))?;
         let later = m.exists(&m.all(&steps.parts)?, &at(Time::Next))?;

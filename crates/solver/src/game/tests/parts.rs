@@ -60,8 +60,9 @@ fn clusters_are_their_parts<K: Kernel>(seed: u64) -> bool {
     let largest = parts.iter().map(|p| m.size(p)).max().unwrap_or(0);
     let bound = largest + random.below(20) as usize;
     let clusters = |clustering: Clustering| {
-        let clusters = clustering.cluster(&m, parts.clone(), &gone);
-        let clusters = clusters.expect("it is small");
+        let clusters = clustering
+            .cluster(&m, parts.clone(), &gone)
+            .expect("it is small");
         assert!(clusters.iter().all(|c| m.size(c) <= bound), "seed {seed}");
         assert!(clusters.len() <= parts.len(), "seed {seed}");
         let all = m.all(&clusters).expect("it is small");

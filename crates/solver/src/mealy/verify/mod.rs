@@ -164,8 +164,12 @@ impl<'a> Check<'a> {
         let (guaranteed, justice) = rest.split_at(self.guarantee_names.len());
         let always = |id: &Id| self.pool.value(*id) == Some(1);
         let left = assumed.to_vec();
-        let guarantees = guaranteed.iter().copied().zip(0..);
-        let guarantees = guarantees.filter(|(id, _)| !always(id)).collect();
+        let guarantees = guaranteed
+            .iter()
+            .copied()
+            .zip(0..)
+            .filter(|(id, _)| !always(id))
+            .collect();
         let context = Rc::new(Context {
             legal: self.legal.place(&self.pool, left),
             guarantees,
