@@ -372,6 +372,23 @@ fn parts_that_are_not_followed_in_time_are_named_by_all_commands() {
     }
 }
 
+/// Thousands of variables in one line of text, each with a finding, are prepared and told about within seconds.
+#[test]
+fn many_variables_take_no_time_of_their_own() {
+    let session = Session::new();
+    let names: Vec<String> = (0..9_000).map(|i| format!("out{i}")).collect();
+    let contract = format!(
+        "contract A {{\n    output {}: bool\n    guarantee g: always out0\n}}\n",
+        names.join(", ")
+    );
+    std::fs::write(session.path("many.lw"), contract).expect("a file");
+    let printed = session.run("check many.lw --timeout 20");
+    assert_eq!(printed.code, 0, "{}", printed.err);
+    let found = "1 contract: 1 realizable; 8999 findings";
+    assert!(printed.out.contains(found), "{}", printed.out.len());
+    assert!(printed.out.contains("--> many.lw:2:18"));
+}
+
 #[test]
 fn a_proof_of_a_large_line_ends_by_itself() {
     let session = Session::new();

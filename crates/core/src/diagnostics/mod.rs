@@ -14,7 +14,7 @@ pub mod sarif;
 
 use crate::source::Span;
 pub use codes::Code;
-pub use nearest::{distance, nearest, related};
+pub use nearest::{distance, nearest, related, words};
 
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

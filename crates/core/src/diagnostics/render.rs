@@ -6,12 +6,14 @@
 
 use super::{Diagnostic, Severity};
 use crate::source::{FileId, SourceMap, Span};
-use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Element, Group, Level, Origin, Renderer, Snippet};
 use std::fmt::Write as _;
 use std::ops::Range;
 
 /// Wide enough for the contracts of the library; longer lines are cut around what is marked.
 const WIDTH: usize = 120;
+/// Lines of more bytes are not shown: each finding would be searched for in the whole of its line.
+const LONG_LINE: usize = 4_000;
 
 /// The findings by file name and place; those without a place come last, in the order they were found.
 pub fn sorted<'a>(sources: &SourceMap, findings: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
@@ -77,11 +79,9 @@ fn group<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Group<'a> {
     group
 }
 
-/// One snippet a file: that of the finding's own place first, those of its labels in the order they come.
-fn snippets<'a>(
-    sources: &'a SourceMap,
-    finding: &'a Diagnostic,
-) -> Vec<Snippet<'a, Annotation<'a>>> {
+/// One snippet a file: that of the finding's own place first, those of its labels in the order they come. Where a line is very long, its place
+/// alone.
+fn snippets<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Vec<Element<'a>> {
     let mut files: Vec<FileId> = Vec::new();
     let places = finding
         .span
@@ -96,20 +96,42 @@ fn snippets<'a>(
         .into_iter()
         .map(|id| {
             let file = sources.file(id);
+            let places = finding.span.into_iter();
+            let places = places.chain(finding.labels.iter().map(|l| l.0));
+            let places = places.filter(|s| s.file == id);
+            let lines = sources.lines(places.clone());
+            if longest(&file.text[lines.clone()]) > LONG_LINE {
+                let origin = Origin::path(file.name.as_str());
+                return match places.map(|s| sources.start(s)).next() {
+                    Some(start) => origin.line(start.line).char_column(start.column).into(),
+                    None => origin.into(),
+                };
+            }
+            let range = |span| {
+                let range = range(&file.text, span);
+                range.start - lines.start..range.end - lines.start
+            };
             let own = finding
                 .span
                 .filter(|s| s.file == id)
-                .map(|s| AnnotationKind::Primary.span(range(&file.text, s)));
-            let labels = finding.labels.iter().filter(|l| l.0.file == id).map(|l| {
-                AnnotationKind::Context
-                    .span(range(&file.text, l.0))
-                    .label(l.1.as_str())
-            });
-            Snippet::source(&*file.text)
+                .map(|s| AnnotationKind::Primary.span(range(s)));
+            let labels = finding
+                .labels
+                .iter()
+                .filter(|l| l.0.file == id)
+                .map(|l| AnnotationKind::Context.span(range(l.0)).label(l.1.as_str()));
+            Snippet::source(&file.text[lines.clone()])
+                .line_start(sources.position(id, lines.start as u32).line)
                 .path(file.name.as_str())
                 .annotations(own.into_iter().chain(labels))
+                .into()
         })
         .collect()
+}
+
+/// The length of the longest line, in bytes.
+fn longest(text: &str) -> usize {
+    text.lines().map(str::len).max().unwrap_or_default()
 }
 
 /// A span as a range that lies within the text, on character boundaries: the renderer panics on any other. White space at

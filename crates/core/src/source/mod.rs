@@ -3,6 +3,7 @@
 //! A [`SourceMap`] owns the text of every file that was read; a [`Span`] is a byte range in one of them. Nothing
 //! here touches the disk: whoever reads a file hands its text over.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The index of a file in its [`SourceMap`].
@@ -121,7 +122,24 @@ impl SourceMap {
         self.position(span.file, span.end)
     }
 
-    fn position(&self, file: FileId, offset: u32) -> Position {
+    /// The whole lines, as a range of bytes, from the first of these places in one file to the last.
+    pub(crate) fn lines(&self, places: impl Iterator<Item = Span>) -> Range<usize> {
+        let mut places = places.peekable();
+        let Some(first) = places.peek() else {
+            return 0..0;
+        };
+        let file = self.file(first.file);
+        let (start, end) = places.fold((u32::MAX, 0), |(start, end), span| {
+            (start.min(span.start), end.max(span.end))
+        });
+        let after = |offset| file.line_starts.partition_point(|&s| s <= offset).max(1);
+        let end = file.line_starts.get(after(end));
+        let start = file.line_starts[after(start) - 1] as usize;
+        start..end.map_or(file.text.len(), |end| *end as usize).max(start)
+    }
+
+    /// Line and column of a byte of a file.
+    pub(crate) fn position(&self, file: FileId, offset: u32) -> Position {
         let file = self.file(file);
         let line = file.line_starts.partition_point(|&s| s <= offset).max(1);
         let start = file.line_starts[line - 1] as usize;

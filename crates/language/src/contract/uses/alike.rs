@@ -7,7 +7,7 @@
 //! tells them apart.
 
 use super::mentions::Mentions;
-use linewright_core::diagnostics::{Diagnostic, codes, related};
+use linewright_core::diagnostics::{Diagnostic, codes, related, words};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{Contract, ContractItem, Domain, DomainKind, Name, Ownership};
 
@@ -45,8 +45,12 @@ const MERE: &[&str] = &[
     "variable",
 ];
 
+/// Of more variables than this no names are compared: a program has written them, and pairs grow with their square.
+const MOST_VARIABLES: usize = 1_000;
+
 struct Variable<'a> {
     name: &'a Name,
+    words: Vec<String>,
     ownership: Ownership,
     domain: &'a Domain,
 }
@@ -70,6 +74,7 @@ pub(super) fn find(
                 domain,
             } => variables.extend(names.iter().map(|name| Variable {
                 name,
+                words: words(&name.text),
                 ownership: *ownership,
                 domain,
             })),
@@ -83,16 +88,19 @@ pub(super) fn find(
             _ => {}
         }
     }
+    if variables.len() > MOST_VARIABLES {
+        return Vec::new();
+    }
     let same_type = |a: &Domain, b: &Domain| {
-        let words = |d: &Domain| -> String { sources.text(d.span).split_whitespace().collect() };
-        a.span == b.span || words(a) == words(b)
+        let text = |d: &Domain| -> String { sources.text(d.span).split_whitespace().collect() };
+        a.span == b.span || text(a) == text(b)
     };
     let mut findings = Vec::new();
     for (i, second) in variables.iter().enumerate() {
         for first in &variables[..i] {
             if first.ownership != second.ownership
-                || !same_type(first.domain, second.domain)
                 || !one_thing(first, second)
+                || !same_type(first.domain, second.domain)
             {
                 continue;
             }
@@ -125,7 +133,9 @@ pub(super) fn find(
 
 fn one_thing(a: &Variable<'_>, b: &Variable<'_>) -> bool {
     let truth = matches!(&a.domain.kind, DomainKind::Named(n) if n.text == "bool");
-    related(&a.name.text, &b.name.text).is_some_and(|kin| {
+    let other = a.name.text != b.name.text;
+    let kin = other.then(|| related(&a.words, &b.words)).flatten();
+    kin.is_some_and(|kin| {
         let mere = |w: &String| {
             let w = w.as_str();
             MERE.contains(&w) || !truth && KINDS.contains(&w)
