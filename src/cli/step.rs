@@ -203,7 +203,7 @@ fn lost(specification: &Specification, core: &[String]) -> Specification {
     let mut kept = Vec::new();
     for (kind, list) in lists {
         for (index, formula) in list.iter().enumerate() {
-            if core.is_empty() || core.contains(&formula.name) {
+            if core.is_empty() || formula.defines || core.contains(&formula.name) {
                 kept.push(GuaranteeRef { kind, index });
             }
         }

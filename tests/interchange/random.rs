@@ -97,6 +97,7 @@ fn list(
                 .into_iter()
                 .enumerate()
                 .map(|(i, expr)| Formula {
+                    defines: false,
                     name: format!("{name} {i}"),
                     requirement: None,
                     expr,

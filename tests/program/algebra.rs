@@ -192,6 +192,31 @@ contract New {
     );
 }
 
+/// A guarantee that looks like the definition of a monitor is none: it has to be kept.
+#[test]
+fn what_is_asked_of_the_past_is_compared() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let contract = |name: &str, guarantee: &str| {
+        format!(
+            "contract {name} {{\n    input a: bool\n    output x: bool\n    guarantee g: {guarantee}\n}}\n"
+        )
+    };
+    let contracts = contract("Written", "always ((previous x) = false)")
+        + &contract("Same", "always not previous x")
+        + &contract("Other", "always (x <-> a)");
+    fs::write(folder.path().join("past.lw"), contracts).expect("a file");
+    for (old, new, code) in [
+        ("Written", "Same", 0),
+        ("Same", "Written", 0),
+        ("Written", "Other", 1),
+        ("Same", "Other", 1),
+    ] {
+        let operands = [old, new].map(|name| format!("past.lw::{name}"));
+        let output = linewright(folder.path(), &["refine", &operands[0], &operands[1]]);
+        assert_eq!(output.status.code(), Some(code), "{old} {new}: {output:?}");
+    }
+}
+
 #[test]
 fn a_quotient_is_proved_by_composing_it_back() {
     let output = at_root(&["quotient", SAFE[0], SAFE[1]]);

@@ -4,6 +4,7 @@
 mod bench;
 mod legal;
 mod mended;
+mod shared;
 
 use crate::random::{Random, specification};
 use crate::support;

@@ -167,6 +167,7 @@ fn shapes_of_realizable_specifications() {
                 .and(Expr::now(done).not())
                 .implies(Expr::next(request));
             let held = Formula {
+                defines: false,
                 name: "held".to_owned(),
                 requirement: None,
                 expr,

@@ -181,6 +181,7 @@ fn with_formulas(
                     expr = boolean(r, &variables, scope, 1).or(expr);
                 }
                 formulas.push(Formula {
+                    defines: false,
                     name: format!("{name} {i}"),
                     requirement: None,
                     text: format!("{expr:?}"),

@@ -59,6 +59,7 @@ fn labels(labels: &[&str]) -> Domain {
 
 fn formula(name: &str, text: &str, expr: Expr) -> Formula {
     Formula {
+        defines: false,
         name: name.to_owned(),
         requirement: (name == "gripped").then(|| "R-12".to_owned()),
         expr,

@@ -194,6 +194,7 @@ fn calls(
     place: VarId,
 ) -> Side {
     let rule = |text: &str, expr: &Expr, span: Span| Formula {
+        defines: false,
         name: "asked in sequences".to_owned(),
         requirement: None,
         expr: expr.simplify(),

@@ -51,6 +51,7 @@ pub const COMPLETES: &str = "every request completes";
 
 fn completes(machine: &Machine, done: &Expr) -> Formula {
     Formula {
+        defines: false,
         name: COMPLETES.to_owned(),
         requirement: None,
         expr: done.clone(),
@@ -177,6 +178,7 @@ fn wire_variable(machine: &Machine, wire: usize) -> Variable {
 fn facts(machine: &Machine, done: &Expr, system: &mut System) -> Side {
     let mut side = Side::default();
     let at = |name: String, text: String, expr: Expr, span: Span| Formula {
+        defines: false,
         name,
         requirement: None,
         expr: expr.simplify(),
@@ -225,6 +227,7 @@ fn signal(
 ) {
     let shown: Vec<String> = script.iter().map(|v| input.domain.show(*v)).collect();
     let formula = |expr: Expr, text: String| Formula {
+        defines: false,
         name: format!("signal {}", input.name),
         requirement: None,
         expr: expr.simplify(),

@@ -79,6 +79,7 @@ pub fn refine(
     };
     let never = Side {
         initial: vec![Formula {
+            defines: false,
             name: "no run".to_owned(),
             requirement: None,
             expr: Expr::Const(0),

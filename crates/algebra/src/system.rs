@@ -142,40 +142,15 @@ impl Part {
                 justice: list(&side.justice),
             }
         };
-        let made_up = made_up(specification);
-        let defines = |formula: &Formula| defines(formula, &made_up);
         Self {
             name: name.to_owned(),
             timing: specification.timing,
             drives,
             assumptions: side(&specification.assumptions, &|_| true),
-            guarantees: side(&specification.guarantees, &|f| !defines(f)),
-            definitions: side(&specification.guarantees, &defines),
+            guarantees: side(&specification.guarantees, &|f| !f.defines),
+            definitions: side(&specification.guarantees, &|f| f.defines),
         }
     }
-}
-
-/// The variables that were made up for monitors.
-fn made_up(specification: &Specification) -> Vec<VarId> {
-    specification
-        .outputs()
-        .filter(|v| specification.is_made_up(*v))
-        .collect()
-}
-
-/// Whether a formula says what a monitor's value is at first, or after a step.
-fn defines(formula: &Formula, made_up: &[VarId]) -> bool {
-    let Expr::Binary(linewright_core::gr1::BinaryOp::Eq, left, right) = &formula.expr else {
-        return false;
-    };
-    let Expr::Var(v, time) = **left else {
-        return false;
-    };
-    made_up.contains(&v)
-        && match time {
-            Time::Now => matches!(**right, Expr::Const(_)),
-            Time::Next => !right.mentions_next(),
-        }
 }
 
 impl System {

@@ -165,6 +165,7 @@ fn helper(specification: &mut Specification, wanted: &str, domain: Domain) -> Va
 
 fn made_up(name: &str, expr: Expr) -> Formula {
     Formula {
+        defines: false,
         name: name.to_owned(),
         requirement: None,
         expr,

@@ -321,6 +321,7 @@ impl<'t> Names<'t> {
             && let Some(expr) = self.tree(term, &range)
         {
             let formula = Formula {
+                defines: false,
                 name: format!("{} {number}", section.name),
                 requirement: None,
                 expr,

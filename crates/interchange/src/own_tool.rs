@@ -150,6 +150,7 @@ fn every_start(specification: &Specification) -> Specification {
         given.push((v, name));
     }
     let formula = |expr| Formula {
+        defines: false,
         name: "start".to_owned(),
         requirement: None,
         expr,

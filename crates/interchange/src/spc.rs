@@ -473,6 +473,7 @@ fn lower_reachability(names: &mut Names<'_>, reach: &Reach) {
         one_line(&names.text[reach.range.clone()]),
     );
     let formula = |expr| Formula {
+        defines: false,
         name: "SYSGOAL 1".to_owned(),
         requirement: None,
         expr,

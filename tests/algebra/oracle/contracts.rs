@@ -77,6 +77,7 @@ pub fn expression(r: &mut Random, scope: &Scope<'_>) -> Expr {
 
 pub fn formula(name: String, expr: Expr) -> Formula {
     Formula {
+        defines: false,
         name,
         requirement: None,
         text: format!("{expr:?}"),

@@ -176,6 +176,7 @@ fn specification(words: &[String], name: &str) -> Specification {
         VarId(variables.len() as u32 - 1)
     };
     let formula = |name: &str, expr: Expr| Formula {
+        defines: false,
         name: name.to_owned(),
         requirement: None,
         expr,

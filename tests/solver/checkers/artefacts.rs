@@ -275,6 +275,7 @@ pub fn at_words(right: &Functions) -> Vec<Functions> {
 
 fn formula(name: &str, expr: Expr) -> Formula {
     Formula {
+        defines: false,
         name: name.to_owned(),
         requirement: None,
         text: format!("{expr:?}"),

@@ -68,6 +68,7 @@ pub fn only(
 
 fn formula(expr: &Expr) -> Formula {
     Formula {
+        defines: false,
         name: "suggested".to_owned(),
         requirement: None,
         expr: expr.clone(),

@@ -208,6 +208,7 @@ fn machines_can_rely_on_the_patterns_they_assume() {
             for v in 0..shift {
                 let copy = Expr::now(VarId(v + shift)).equals(Expr::now(VarId(v)));
                 specification.guarantees.invariants.push(Formula {
+                    defines: false,
                     name: "copy".to_owned(),
                     requirement: None,
                     expr: copy,

@@ -65,6 +65,7 @@ fn of_states(set: u32) -> Expr {
 
 pub fn listed(expr: Option<Expr>) -> Vec<Formula> {
     let formula = expr.map(|expr| Formula {
+        defines: false,
         name: "a formula".to_owned(),
         requirement: None,
         text: format!("{expr:?}"),

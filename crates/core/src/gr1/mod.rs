@@ -198,6 +198,8 @@ pub struct Formula {
     pub span: Span,
     /// Its source text, in one line.
     pub text: String,
+    /// Whether it only says what a monitor remembers, so that it leaves the machine no choice: see [`monitors`].
+    pub defines: bool,
 }
 
 /// The formulas of one side, by kind. See the module's text for what each kind means.

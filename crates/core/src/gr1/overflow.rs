@@ -186,6 +186,7 @@ mod tests {
             assumptions: Side::default(),
             guarantees: Side {
                 safety: vec![Formula {
+                    defines: false,
                     name: "counts".to_owned(),
                     requirement: None,
                     expr,

@@ -1,6 +1,7 @@
 //! A play as a table: a row a variable, a column a step.
 
 use super::list;
+use super::shape::sets;
 use linewright_core::gr1::{Formula, Owner, Specification, Timing, VarId};
 use linewright_solver::game::{Ending, GuaranteeRef, Play};
 use std::fmt::Write as _;
@@ -120,7 +121,9 @@ fn ending(s: &Specification, play: &Play) -> String {
     match &play.ending {
         Ending::Clash(rules) => {
             let mut names: Vec<String> = Vec::new();
-            for rule in rules {
+            // Definitions never clash by themselves: what reads them does.
+            let asking = |rule: &&GuaranteeRef| !rule.formula(&s.guarantees).defines;
+            for rule in rules.iter().filter(asking) {
                 if !names.contains(&name(rule)) {
                     names.push(name(rule));
                 }
@@ -147,16 +150,20 @@ fn ending(s: &Specification, play: &Play) -> String {
     }
 }
 
-/// The variables that these formulas mention, in the order of their declaration.
+/// The variables that these formulas mention, and those that the monitors among these remember, in the order of their declaration.
 pub fn mentioned<'f>(
-    specification: &Specification,
+    specification: &'f Specification,
     formulas: impl Iterator<Item = &'f Formula>,
 ) -> Vec<VarId> {
     let mut found = vec![false; specification.variables.len()];
-    for formula in formulas {
-        formula
-            .expr
-            .for_each_var(&mut |v, _| found[v.index()] = true);
+    let mut open: Vec<&Formula> = formulas.collect();
+    while let Some(formula) = open.pop() {
+        formula.expr.for_each_var(&mut |v, _| {
+            if !std::mem::replace(&mut found[v.index()], true) && specification.is_made_up(v) {
+                let defining = specification.guarantees.all();
+                open.extend(defining.filter(|f| f.defines && sets(&f.expr, v)));
+            }
+        });
     }
     let ids = (0..found.len() as u32).map(VarId);
     let own = |v: &VarId| found[v.index()] && !specification.is_made_up(*v);

@@ -203,7 +203,7 @@ fn frame(s: &Specification, v: VarId) -> String {
 }
 
 /// Whether the next value of a variable occurs.
-fn sets(expr: &Expr, v: VarId) -> bool {
+pub(super) fn sets(expr: &Expr, v: VarId) -> bool {
     let mut found = false;
     expr.for_each_var(&mut |w, t| found |= w == v && t == Time::Next);
     found

@@ -98,10 +98,10 @@ impl Known {
             }
         } else {
             let formulas = self.core.iter().flatten();
-            // A monitor's formulas have the name of the guarantee that it was made for.
-            for name in formulas.map(|r| &r.formula(&specification.guarantees).name) {
-                if !core.contains(name) {
-                    core.push(name.clone());
+            let formulas = formulas.map(|r| r.formula(&specification.guarantees));
+            for formula in formulas.filter(|f| !f.defines) {
+                if !core.contains(&formula.name) {
+                    core.push(formula.name.clone());
                 }
             }
             let told = lost::finding(specification, job.span, &core, self.lost.as_deref());
@@ -222,6 +222,7 @@ pub(super) mod tests {
 
     pub fn specification(name: &str) -> Specification {
         let formula = |name: &str, start| Formula {
+            defines: false,
             name: name.to_owned(),
             requirement: None,
             expr: Expr::FALSE,

@@ -303,6 +303,7 @@ mod tests {
 
     fn formula(expr: Expr) -> Formula {
         Formula {
+            defines: false,
             name: "rule".to_owned(),
             requirement: None,
             expr,

@@ -72,6 +72,7 @@ impl Reader {
     /// A formula of the statement at hand.
     pub fn formula(&self, expr: Expr) -> Formula {
         Formula {
+            defines: false,
             name: self.origin.name.clone(),
             requirement: None,
             expr,

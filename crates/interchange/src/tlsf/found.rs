@@ -37,6 +37,7 @@ pub(super) fn is_safety(piece: &Piece) -> bool {
 /// A formula of a piece, with its name and its place.
 pub(super) fn formula(found: &Found, expr: &Expr) -> Formula {
     Formula {
+        defines: false,
         name: found.origin.name.clone(),
         requirement: None,
         expr: expr.simplify(),

@@ -325,6 +325,7 @@ impl Meaning<'_, '_, '_> {
             .collect();
         words.dedup();
         let made = |name: &str, expr| Formula {
+            defines: false,
             name: name.to_owned(),
             requirement: None,
             expr,

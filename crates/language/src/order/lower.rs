@@ -111,6 +111,7 @@ pub fn lower(
     let now = |skill: usize| when[skill].holds.clone();
     let rising = |skill: usize| when[skill].begins();
     let formula = |expr: Expr, when: &str| Formula {
+        defines: false,
         name: format!("order {}{when}", rule.name),
         requirement: rule.requirement.clone(),
         expr: expr.simplify(),

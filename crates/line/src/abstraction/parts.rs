@@ -15,6 +15,7 @@ use linewright_language::contract::line::Line;
 /// A formula with a name and what it says.
 pub(super) fn formula(span: Span, name: &str, text: &str, expr: &Expr) -> Formula {
     Formula {
+        defines: false,
         name: name.to_owned(),
         requirement: None,
         expr: expr.simplify(),

@@ -129,6 +129,7 @@ fn open(belt: &Belt, limits: &Limits) -> Result<Vec<Broken>, Limit> {
 
 fn formula(belt: &Belt, name: &str, expr: &Expr) -> Formula {
     Formula {
+        defines: false,
         name: name.to_owned(),
         requirement: None,
         expr: expr.simplify(),

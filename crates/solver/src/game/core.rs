@@ -11,14 +11,24 @@
 
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};
-use super::reference::{AssumptionRef, GuaranteeRef};
+use super::reference::{AssumptionRef, GuaranteeRef, definitions};
 use super::set_up::SPLIT;
 use crate::symbolic::{Kernel, Limit};
+use linewright_core::gr1::Specification;
 
-/// A minimal unrealizable set of guarantees of an unrealizable specification.
-pub fn minimal_core<K: Kernel>(formulas: &Formulas<K>) -> Result<Vec<GuaranteeRef>, Limit> {
+/// A minimal unrealizable set of guarantees of an unrealizable specification, with the definitions that it cannot do without. Several
+/// guarantees may read what one of them defines; so a definition is no reason for any guarantee to be in the core.
+pub fn minimal_core<K: Kernel>(
+    formulas: &Formulas<K>,
+    specification: &Specification,
+) -> Result<Vec<GuaranteeRef>, Limit> {
+    let (definitions, asked) = definitions(&specification.guarantees);
     let mut holds = |kept: &[GuaranteeRef]| unrealizable(formulas, Selection::Only(kept));
-    let mut core = quick_xplain(&mut holds, &[], false, &formulas.guarantees())?;
+    let mut core = quick_xplain(&mut holds, &definitions, false, &asked)?;
+    if !definitions.is_empty() {
+        let needed = quick_xplain(&mut holds, &core, true, &definitions)?;
+        core.extend(needed);
+    }
     core.sort_unstable();
     Ok(core)
 }

@@ -71,10 +71,12 @@ pub trait Game: Debug + Send + Sync {
 }
 
 impl Lost {
-    /// The names of the core's formulas; empty when the core is not known.
+    /// The names of the core's formulas, but for definitions; empty when the core is not known.
     pub fn core_names(&self, specification: &Specification) -> Vec<String> {
         let core = self.core.iter().flatten();
-        core.map(|r| r.formula(&specification.guarantees).name.clone())
+        core.map(|r| r.formula(&specification.guarantees))
+            .filter(|f| !f.defines)
+            .map(|f| f.name.clone())
             .collect()
     }
 }

@@ -40,6 +40,13 @@ impl GuaranteeRef {
     }
 }
 
+/// What only defines monitors, and what asks for something.
+pub fn definitions(guarantees: &Side) -> (Vec<GuaranteeRef>, Vec<GuaranteeRef>) {
+    let (definitions, asked): (Vec<_>, Vec<_>) = all(guarantees).partition(|(_, f)| f.defines);
+    let refs = |list: Vec<(GuaranteeRef, &Formula)>| list.into_iter().map(|(at, _)| at).collect();
+    (refs(definitions), refs(asked))
+}
+
 /// All formulas of a side, with their places.
 pub fn all(side: &Side) -> impl Iterator<Item = (GuaranteeRef, &Formula)> {
     let lists = [

@@ -358,7 +358,7 @@ fn decide<K: Kernel>(
     let core = if options.without_core {
         None
     } else {
-        match core::minimal_core(&formulas) {
+        match core::minimal_core(&formulas, specification) {
             // This was a try with little room; the other kernel has more.
             Err(Limit::Memory) if limits.most_made != options.limits.most_made => {
                 return Err(Limit::Memory);

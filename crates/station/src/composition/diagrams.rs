@@ -62,6 +62,7 @@ impl Encoded {
             VarId(place as u32)
         };
         let formula = |expr: &Expr| Formula {
+            defines: false,
             name: String::new(),
             requirement: None,
             expr: expr.substitute(&mut |wire, time| Expr::Var(variable(wire), time)),

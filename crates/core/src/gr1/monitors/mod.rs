@@ -105,6 +105,7 @@ impl Monitor {
 
     fn formula(&self, expr: Expr) -> Formula {
         Formula {
+            defines: true,
             name: self.origin.name.clone(),
             requirement: self.origin.requirement.clone(),
             expr,
@@ -153,6 +154,7 @@ impl Obligation {
             Kind::Justice => &mut side.justice,
         };
         list.push(Formula {
+            defines: false,
             name: origin.name.clone(),
             requirement: origin.requirement.clone(),
             expr: self.expr.clone(),

@@ -294,6 +294,7 @@ fn at_once(
             }
             let component = &skills.components[first.component];
             let formula = |expr: Expr, when: &str| Formula {
+                defines: false,
                 name: format!("one skill of {} at a time{when}", component.name),
                 requirement: None,
                 expr: expr.simplify(),

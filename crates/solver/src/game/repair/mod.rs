@@ -22,7 +22,7 @@ pub use vocabulary::negation;
 use super::arena::Selection;
 use super::attack::Play;
 use super::core::{assumptions_that_matter, quick_xplain};
-use super::reference::GuaranteeRef;
+use super::reference::{GuaranteeRef, definitions};
 use super::set_up;
 use crate::symbolic::{Kernel, Limit, Limits};
 use linewright_core::gr1::Specification;
@@ -39,9 +39,10 @@ pub(super) fn advise_on<K: Kernel>(
     let mut trials = trial::Trials::new(&formulas, specification, core)?;
     let possible = |selection: &Selection<'_>| trial::Trials::possible(&formulas, selection);
     let contradictory = !possible(&Selection::All)?;
-    let contradiction = if contradictory && possible(&Selection::Only(&[]))? {
+    let (definitions, asked) = definitions(&specification.guarantees);
+    let contradiction = if contradictory && possible(&Selection::Only(&definitions))? {
         let mut clashes = |kept: &[GuaranteeRef]| Ok(!possible(&Selection::Only(kept))?);
-        let mut found = quick_xplain(&mut clashes, &[], false, &formulas.guarantees())?;
+        let mut found = quick_xplain(&mut clashes, &definitions, false, &asked)?;
         found.sort_unstable();
         found
     } else {

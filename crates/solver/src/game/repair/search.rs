@@ -3,7 +3,7 @@
 use super::advice::{NewAssumption, Weakening};
 use super::trial::Trials;
 use super::vocabulary::{Word, negation};
-use crate::game::reference::{GuaranteeKind as Kind, GuaranteeRef};
+use crate::game::reference::{GuaranteeKind as Kind, GuaranteeRef, definitions};
 use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::{BinaryOp, Expr, Specification, Time, VarId};
 
@@ -160,11 +160,24 @@ pub fn weakenings<K: Kernel>(
     core: &[GuaranteeRef],
     words: &[Word],
 ) -> Result<Vec<Weakening>, Limit> {
+    let specification = trials.specification;
     trials.begin();
-    let mut found = Vec::new();
+    let mut found: Vec<Weakening> = Vec::new();
+    let formula = |guarantee: GuaranteeRef| guarantee.formula(&specification.guarantees);
     for guarantee in core {
-        // What keeps a pattern's monitor going is not the user's own sentence.
-        if trials.is_of_monitor(*guarantee) || !trials.mends_without(*guarantee, None)? {
+        let is_known = found
+            .iter()
+            .any(|w| formula(w.guarantee).name == formula(*guarantee).name);
+        if formula(*guarantee).defines || is_known || !trials.mends_without(*guarantee, None)? {
+            continue;
+        }
+        // What reads a monitor is not the author's own sentence: that can only be left out.
+        if trials.is_of_monitor(*guarantee) {
+            found.push(Weakening {
+                guarantee: *guarantee,
+                unless: None,
+                gives_up: 1.0,
+            });
             continue;
         }
         let mut best: Option<Weakening> = None;
@@ -223,8 +236,9 @@ pub fn weakenings<K: Kernel>(
 /// A minimal set of guarantees without which the rest can be kept: they are taken in one after the other, as long as that
 /// works.
 pub fn leave_out<K: Kernel>(trials: &Trials<'_, K>) -> Result<Vec<GuaranteeRef>, Limit> {
-    let (mut kept, mut left) = (Vec::new(), Vec::new());
-    for guarantee in trials.formulas.guarantees() {
+    let (mut kept, asked) = definitions(&trials.specification.guarantees);
+    let mut left = Vec::new();
+    for guarantee in asked {
         kept.push(guarantee);
         if !trials.keeps(&kept)? {
             kept.pop();

@@ -15,7 +15,7 @@ const MOST_GAMES: usize = 600;
 /// The games of a search.
 pub struct Trials<'a, K: Kernel> {
     pub formulas: &'a Formulas<K>,
-    specification: &'a Specification,
+    pub specification: &'a Specification,
     core: &'a [GuaranteeRef],
     /// What is odd about the environment as it is.
     environment: EnvironmentFindings,

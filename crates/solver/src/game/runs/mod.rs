@@ -260,6 +260,7 @@ impl<K: Kernel> Ask for Board<K> {
 /// Variables and rules in the form that bits are laid out and ordered by.
 fn as_specification(variables: &[Variable], rules: &[Rule]) -> Specification {
     let formulas = rules.iter().map(|rule| Formula {
+        defines: false,
         name: String::new(),
         requirement: None,
         expr: rule.expr.clone(),
