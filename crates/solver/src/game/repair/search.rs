@@ -165,19 +165,19 @@ pub fn weakenings<K: Kernel>(
     let mut found: Vec<Weakening> = Vec::new();
     let formula = |guarantee: GuaranteeRef| guarantee.formula(&specification.guarantees);
     for guarantee in core {
-        let is_known = found
-            .iter()
-            .any(|w| formula(w.guarantee).name == formula(*guarantee).name);
-        if formula(*guarantee).defines || is_known || !trials.mends_without(*guarantee, None)? {
+        if formula(*guarantee).defines || !trials.mends_without(*guarantee, None)? {
             continue;
         }
-        // What reads a monitor is not the author's own sentence: that can only be left out.
+        // What reads a monitor is not the author's own sentence: the guarantee can only be left out, as a whole.
         if trials.is_of_monitor(*guarantee) {
-            found.push(Weakening {
-                guarantee: *guarantee,
-                unless: None,
-                gives_up: 1.0,
-            });
+            let name = &formula(*guarantee).name;
+            if found.iter().all(|w| formula(w.guarantee).name != *name) {
+                found.push(Weakening {
+                    guarantee: *guarantee,
+                    unless: None,
+                    gives_up: 1.0,
+                });
+            }
             continue;
         }
         let mut best: Option<Weakening> = None;
