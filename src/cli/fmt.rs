@@ -7,6 +7,7 @@ use super::console;
 use super::console::Console;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use crate::deadline::{Deadline, Late};
 use crate::diagnostics::{Diagnostic, json};
 use crate::engine::files;
 use crate::engine::output;
@@ -76,6 +77,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         sources: SourceMap::default(),
         findings: Vec::new(),
         code: ExitCode::Success,
+        deadline: options.limits().deadline,
     };
     let mut entries = Vec::new();
     let mut result = String::new();
@@ -87,8 +89,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 continue;
             }
         };
-        let Some(formatted) = work.format(&name, &text) else {
-            continue;
+        let formatted = match work.format(&name, &text) {
+            Ok(Some(formatted)) => formatted,
+            Ok(None) => continue,
+            Err(late) => {
+                work.give_up(&name, late);
+                break;
+            }
         };
         let changed = formatted != text;
         if arguments.check {
@@ -129,6 +136,7 @@ struct Work {
     sources: SourceMap,
     findings: Vec<Diagnostic>,
     code: ExitCode,
+    deadline: Deadline,
 }
 
 impl Work {
@@ -137,17 +145,32 @@ impl Work {
         self.code = self.code.and(ExitCode::CannotRun);
     }
 
+    fn give_up(&mut self, name: &str, late: Late) {
+        let finding = Diagnostic::error(
+            crate::diagnostics::codes::GAVE_UP,
+            None,
+            format!("{name} and what comes after it were not formatted: {late}"),
+        );
+        self.findings.push(finding.with_help(late.remedy()));
+        self.code = self.code.and(ExitCode::GaveUp);
+    }
+
     /// A file's text as it should be, or nothing where it does not parse.
-    fn format(&mut self, name: &str, text: &str) -> Option<String> {
+    ///
+    /// # Errors
+    /// When the deadline is past. Parsing is not interrupted, so this may be found out a little later.
+    fn format(&mut self, name: &str, text: &str) -> Result<Option<String>, Late> {
+        self.deadline.check()?;
         let file = self.sources.add(name, text);
         let (tree, findings) = parse(file, text);
         if !findings.is_empty() {
             for finding in findings {
                 self.finding(finding);
             }
-            return None;
+            return Ok(None);
         }
-        match format::checked(&tree, text) {
+        self.deadline.check()?;
+        Ok(match format::checked(&tree, text) {
             Ok(formatted) => Some(formatted),
             Err(fault) => {
                 let finding = Diagnostic::error(
@@ -161,7 +184,7 @@ impl Work {
                 )));
                 None
             }
-        }
+        })
     }
 
     fn print(

@@ -412,6 +412,9 @@ fn embedded(folder: &Dir<'_>, paths: &mut Vec<String>) {
 /// The text of a regular file, or why it cannot be read.
 pub fn read(path: &Path) -> Result<String, String> {
     let bytes = disk::read(path).map_err(|e| describe(&e))?;
+    if let Some(offset) = bytes.iter().position(|byte| *byte == 0) {
+        return Err(format!("it is not a text: its byte {offset} is zero"));
+    }
     String::from_utf8(bytes).map_err(|_| "it is not a text in UTF-8".to_owned())
 }
 

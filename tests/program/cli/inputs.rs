@@ -29,6 +29,23 @@ fn missing_files() {
 }
 
 #[test]
+fn what_is_no_text() {
+    let session = Session::new();
+    for (bytes, wanted) in [
+        (&b"type\0"[..], "it is not a text: its byte 4 is zero"),
+        (&b"type \xff"[..], "it is not a text in UTF-8"),
+    ] {
+        std::fs::write(session.path("data.lw"), bytes).expect("a file");
+        for line in ["check data.lw", "fmt --check data.lw"] {
+            let printed = session.run(line);
+            let told = format!("{}{}", printed.out, printed.err);
+            assert_eq!(printed.code, 2, "{line}: {told}");
+            assert!(told.contains(wanted), "{line}: {told}");
+        }
+    }
+}
+
+#[test]
 fn what_does_not_parse() {
     check(&[
         ("syntax_check", "check syntax.lw --no-timing", 2),
