@@ -253,6 +253,23 @@ moore contract Robot {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
+/// The outside sees `y` before it answers, and copies it. That `x` is promised again and again binds no single step.
+#[test]
+fn a_promise_about_inputs_does_not_blind_the_environment() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let contract = "
+moore contract Copied {
+    input x: bool
+    output y: bool
+    assume mirror: always (next true -> (x <-> y))
+    guarantee again: always eventually x
+}
+";
+    fs::write(folder.path().join("copied.lw"), contract).expect("a file");
+    let output = linewright(folder.path(), &["compat", "copied.lw"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
 /// A copy of the library, in which a text of a file is replaced.
 fn changed(folder: &Path, name: &str, file: &str, from: &str, to: &str) {
     let target = folder.join(name);

@@ -6,12 +6,13 @@
 //! realized.
 //!
 //! Who moves first is swapped as well. Machines that see the inputs of the step that they answer leave the environment the first word;
-//! where all parts answer first, and say nothing of the inputs of that step, it sees their answer.
+//! where all parts answer first, and no step that they may take depends on the inputs of that step, it sees their answer. What they do again
+//! and again may depend on these inputs all the same: such a promise binds no single step.
 
 use super::proof::{Broken, latest};
 use super::system::{System, formulas};
 use linewright_core::gr1::{Owner, Side, Specification, Timing, Variable};
-use linewright_solver::game::{self, Ending, Lasso, Limit, Limits, Outcome};
+use linewright_solver::game::{self, Ending, Lasso, Limit, Limits, Outcome, RuleKind};
 
 /// Whether there is an environment.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,9 +47,10 @@ pub fn environments_game(system: &System) -> Specification {
     let sees = system.parts.iter().all(|part| {
         let own = |side: &Side| {
             formulas(side).all(|(kind, _, f)| {
-                latest(&f.expr, kind)
-                    .iter()
-                    .all(|v| system.driver(*v).is_some())
+                kind == RuleKind::Justice
+                    || latest(&f.expr, kind)
+                        .iter()
+                        .all(|v| system.driver(*v).is_some())
             })
         };
         part.timing == Timing::Moore && own(&part.guarantees) && own(&part.definitions)

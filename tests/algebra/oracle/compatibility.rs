@@ -2,8 +2,8 @@
 //!
 //! The outside plays: it sets what no part sets, and has to keep all assumptions for as long as the parts keep their guarantees; and has
 //! to meet the justice of the assumptions whenever that of the guarantees is met. Machines that see the inputs of the step that
-//! they answer leave the outside the first word. Where all parts answer first, without looking at anything from outside in that step,
-//! the outside sees their answer.
+//! they answer leave the outside the first word. Where all parts answer first, and none of their steps depends on anything from outside in
+//! that step, the outside sees their answer, whatever they do again and again.
 
 use super::contracts::{self, formula};
 use super::graph::{Board, Relation, Set, Steps, members};
@@ -13,7 +13,7 @@ use crate::random::Random;
 use linewright::algebra::compat::{Compatibility, compatible};
 use linewright::algebra::proof::{Broken, latest};
 use linewright::algebra::system::{Part, System, formulas};
-use linewright::game::Limits;
+use linewright::game::{Limits, RuleKind};
 use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId};
 
 const SYSTEMS: u64 = 5_000;
@@ -70,7 +70,9 @@ impl Swapped {
         let own = |v: &VarId| system.driver(*v).is_some();
         let sees = system.parts.iter().all(|p| {
             let mut said = formulas(&p.guarantees);
-            let blind = said.all(|(kind, _, f)| latest(&f.expr, kind).iter().all(own));
+            let blind = said.all(|(kind, _, f)| {
+                kind == RuleKind::Justice || latest(&f.expr, kind).iter().all(own)
+            });
             p.timing == Timing::Moore && blind
         });
         let alike = |of_parts: bool| {
