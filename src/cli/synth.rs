@@ -274,10 +274,14 @@ fn counterstrategy<'c>(
         .lost
         .as_ref()
         .and_then(|l| l.counterstrategy.as_ref());
-    if found.is_none() && checked.verdict != Verdict::Realizable {
-        let text = "no counterstrategy was found within the limits";
-        let help = "give it more time with --timeout SECONDS, or make its domains smaller";
-        findings.push(Diagnostic::error(codes::GAVE_UP, span, text).with_help(help));
+    if found.is_none() {
+        if checked.verdict == Verdict::Unrealizable {
+            let text = "no counterstrategy was found within the limits";
+            let help = "give it more time with --timeout SECONDS or more memory with --memory MIB, or make its domains smaller";
+            findings.push(Diagnostic::error(codes::GAVE_UP, span, text).with_help(help));
+        } else {
+            findings.extend(checked.findings_where_needed());
+        }
     }
     found
 }

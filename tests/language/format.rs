@@ -329,3 +329,9 @@ machine M {
 ",
     );
 }
+
+#[test]
+fn comments_are_told_from_texts() {
+    let text = "import \"a//b\" // c \"d\r\n\r\n/* e\r\n// f */ import g // h\r\n\r\n/// i\r\ntype T = 0..1\r\n";
+    becomes(text, text);
+}

@@ -14,8 +14,10 @@ mod sarif;
 mod semantics;
 mod shapes;
 mod skills;
+mod spans;
 #[path = "../support/mod.rs"]
 mod support;
 mod table1;
 #[path = "../fuzz/uf_value.rs"]
 mod uf_value;
+mod words;

@@ -1,7 +1,7 @@
 //! The words of the language that cannot be names.
 //!
 //! The grammar needs them as a rule of its own (`reserved` in `lw.pest`); everything else asks this table: messages of the parser, the
-//! first look at brackets, and whoever prints contracts. A test below compares the two.
+//! first look at brackets, and whoever prints contracts. `tests/language/words.rs` compares the two.
 
 /// The letters of temporal operators. Among skills they are names.
 const TEMPORAL_LETTERS: [&str; 5] = ["GF", "G", "F", "X", "O"];
@@ -70,28 +70,4 @@ pub(super) fn is_reserved_among_skills(word: &str) -> bool {
 /// Whether a word begins an item, so that no expression can hold it.
 pub(super) fn ends_expressions(word: &str) -> bool {
     ITEMS.contains(&word)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{TEMPORAL_LETTERS, reserved};
-    use std::collections::BTreeSet;
-
-    /// The quoted words of a rule of the grammar.
-    fn words_of(rule: &str) -> BTreeSet<&'static str> {
-        let grammar = include_str!("lw.pest");
-        let head = format!("\n{rule} ");
-        let (_, body) = grammar.split_once(&head).expect("a rule");
-        let (body, _) = body.split_once("~ end").expect("words end");
-        body.split('"').skip(1).step_by(2).collect()
-    }
-
-    #[test]
-    fn the_table_holds_what_the_grammar_reserves() {
-        let table: BTreeSet<&str> = reserved().collect();
-        assert_eq!(table, words_of("reserved"));
-        assert_eq!(table.len(), reserved().count(), "a word stands there twice");
-        let letters = BTreeSet::from(TEMPORAL_LETTERS);
-        assert_eq!(letters, words_of("temporal_letter"));
-    }
 }

@@ -265,6 +265,9 @@ impl Assembly<'_> {
         let verdict = match &examined {
             Some(examined) if is_failed(examined) => SkillsVerdict::InternalError,
             Some(examined) if has_errors(examined) => SkillsVerdict::Contradictory,
+            Some(examined) if examined.iter().any(|f| f.code == codes::TOO_LARGE) => {
+                SkillsVerdict::GaveUp
+            }
             Some(_) => SkillsVerdict::Consistent,
             None => SkillsVerdict::Invalid,
         };

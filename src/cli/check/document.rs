@@ -136,6 +136,8 @@ pub(super) enum SkillsVerdict {
     Consistent,
     /// They allow nothing, or lead nowhere.
     Contradictory,
+    /// A limit was reached before it was decided.
+    GaveUp,
     /// It could not be understood.
     Invalid,
     /// This program failed while it looked at it.

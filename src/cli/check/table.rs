@@ -52,6 +52,7 @@ impl From<SkillsVerdict> for Mark {
         match verdict {
             SkillsVerdict::Consistent => Self::Good,
             SkillsVerdict::Contradictory => Self::Bad,
+            SkillsVerdict::GaveUp => Self::Open,
             SkillsVerdict::Invalid | SkillsVerdict::InternalError => Self::Failed,
         }
     }

@@ -43,7 +43,7 @@ impl EarlyExit {
             Self::Failed(error) => return Err(error),
             Self::GaveUp { error, besides } => (error, besides),
         };
-        let fewer = "fewer rules (--rule NAME, --no-rule NAME)";
+        let fewer = "fewer rules (--rule NAME, --no-rule NAME) or fewer repetitions in a sequence";
         let advice = match (error, besides) {
             (TooLarge::Late(late), _) => late.remedy().to_owned(),
             (_, Some(besides)) => format!("{fewer}, or {besides}, make it smaller"),

@@ -68,6 +68,36 @@ fn a_memory_limit_ends_in_a_message() {
 }
 
 #[test]
+fn a_counterstrategy_that_is_not_found_names_the_limit() {
+    let session = Session::new();
+    let printed = session.run("synth product.lw --counterstrategy --memory 8");
+    assert_eq!(printed.code, 3, "{}", printed.err);
+    for wanted in ["the memory limit was reached", "--memory MIB"] {
+        assert!(printed.err.contains(wanted), "{wanted}: {}", printed.err);
+    }
+}
+
+#[test]
+fn skills_that_are_not_decided_are_not_called_consistent() {
+    let session = Session::new();
+    let skills = |repeated: usize| {
+        let sequence = format!("sequence ((A | B)* A (A | B){{{repeated}}} A)");
+        let text = format!(
+            "skills S {{ component c {{ A B }} order r: {sequence} order never_A: never A }}\n"
+        );
+        std::fs::write(session.path("skills.lw"), text).expect("a file");
+        let printed = session.run("check skills.lw --format json --no-timing");
+        let document: serde_json::Value = serde_json::from_str(&printed.out).expect("a document");
+        let verdict = document["skills"][0]["verdict"].clone();
+        (printed.code, verdict)
+    };
+    assert_eq!(skills(3), (1, "contradictory".into()));
+    assert_eq!(skills(40), (0, "gave_up".into()));
+    let human = session.run("check skills.lw");
+    assert!(human.out.contains("? skills S"), "{}", human.out);
+}
+
+#[test]
 fn json_keeps_its_form_when_it_gives_up() {
     let session = Session::new();
     let printed = session.run("check product.lw --format json --stats --timeout 1");

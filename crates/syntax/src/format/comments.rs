@@ -167,20 +167,3 @@ pub(super) fn words<'t>(text: &'t str, cut: &Cut) -> Vec<&'t str> {
         .filter(|w| !SPELLINGS.contains(w))
         .collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn comments_are_told_from_texts() {
-        let text = "import \"a//b\" // c \"d\r\n\r\n/* e\n// f */ g /// h\n";
-        let cut = cut(text);
-        let comments: Vec<_> = cut.comments.iter().map(|c| c.text.as_str()).collect();
-        assert_eq!(comments, ["// c \"d", "/* e\n// f */", "/// h"]);
-        let own: Vec<_> = cut.comments.iter().map(|c| c.own_line).collect();
-        assert_eq!(own, [false, true, false]);
-        assert!(cut.comments[1].blank_before && cut.comments[2].doc());
-        assert_eq!(words(text, &cut), ["import", "\"a//b\"", "g"]);
-    }
-}
