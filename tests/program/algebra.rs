@@ -100,6 +100,61 @@ fn what_fits_is_synthesized_as_one() {
     );
 }
 
+/// The environment of the whole gives the inputs of a step before it sees its outputs.
+#[test]
+fn no_machine_is_made_under_an_assumption_about_its_own_outputs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let synthesize = |feeder: &str, assumption: &str| {
+        let contracts = format!(
+            "{feeder} {{
+    input full: bool
+    output fed: bool
+    guarantee again: always eventually fed
+}}
+contract Gripper {{
+    input fed, seen: bool
+    output closed: bool
+    assume told: {assumption}
+    guarantee on_sight: always (closed -> seen)
+}}
+"
+        );
+        fs::write(folder.path().join("own.lw"), contracts).expect("a file");
+        linewright(
+            folder.path(),
+            &["compose", "own.lw::Feeder", "own.lw::Gripper", "--synth"],
+        )
+    };
+    for feeder in ["contract Feeder", "moore contract Feeder"] {
+        for assumption in [
+            "always (fed -> seen)",
+            "(fed -> seen)",
+            "always ((closed -> next seen) and not next fed)",
+            "always (next fed -> next seen)",
+        ] {
+            let output = synthesize(feeder, assumption);
+            let told = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(1), "{assumption}: {told}");
+            assert!(
+                told.contains(
+                    "error[LW202]: `told` of `Gripper` is handed on to the outside, but constrains `fed`, chosen by `Feeder`"
+                ),
+                "{assumption}: {told}"
+            );
+        }
+        // It sees the step before.
+        for assumption in [
+            "always (fed -> next seen)",
+            "always (previous fed -> seen)",
+            "always eventually (fed -> seen)",
+        ] {
+            let output = synthesize(feeder, assumption);
+            assert_eq!(output.status.code(), Some(0), "{assumption}: {output:?}");
+            assert_eq!(document(&output)["verified"], true);
+        }
+    }
+}
+
 #[test]
 fn ports_that_do_not_fit_are_told_and_can_be_renamed() {
     let output = at_root(&["compose", "std.handling.pick", "std.handling.place"]);
@@ -232,19 +287,25 @@ fn a_quotient_is_proved_by_composing_it_back() {
     assert_eq!(document(&output)["verdict"], "proved");
 }
 
+/// What `compat` says of a contract in a file of its own, in JSON.
+fn compat_of(contract: &str) -> Output {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("own.lw"), contract).expect("a file");
+    linewright(folder.path(), &["compat", "own.lw", "--format", "json"])
+}
+
 #[test]
 fn an_environment_that_cannot_be_is_shown_by_a_play() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let contract = "
+    let output = compat_of(
+        "
 moore contract Robot {
     input door: bool
     output inside: bool
     assume open: always (inside -> next door)
     assume shut: always (inside -> next not door)
 }
-";
-    fs::write(folder.path().join("robot.lw"), contract).expect("a file");
-    let output = linewright(folder.path(), &["compat", "robot.lw", "--format", "json"]);
+",
+    );
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let document = document(&output);
     assert_eq!(document["verdict"], "incompatible");
@@ -256,17 +317,16 @@ moore contract Robot {
 /// The outside sees `y` before it answers, and copies it. That `x` is promised again and again binds no single step.
 #[test]
 fn a_promise_about_inputs_does_not_blind_the_environment() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let contract = "
+    let output = compat_of(
+        "
 moore contract Copied {
     input x: bool
     output y: bool
     assume mirror: always (next true -> (x <-> y))
     guarantee again: always eventually x
 }
-";
-    fs::write(folder.path().join("copied.lw"), contract).expect("a file");
-    let output = linewright(folder.path(), &["compat", "copied.lw"]);
+",
+    );
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 

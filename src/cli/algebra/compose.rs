@@ -14,9 +14,10 @@ use crate::engine::findings;
 use crate::engine::found;
 use crate::engine::pipeline::Jobs;
 use crate::engine::words::Told;
-use crate::gr1::{Owner, Side, Specification, Timing, VarId, Variable};
+use crate::game::RuleKind;
+use crate::gr1::{Owner, Side, Specification, Time, Timing, VarId, Variable};
 use crate::mealy;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -122,10 +123,10 @@ fn whole(system: &System, claim: &Claim, proof: &Proof) -> Specification {
         let Some(part) = at.part else { continue };
         debug_assert!(list(&system.parts[part].assumptions, at.kind).contains(&formula));
         match at.kind {
-            crate::game::RuleKind::Initial => assumptions.initial.push(formula),
-            crate::game::RuleKind::Invariant => assumptions.invariants.push(formula),
-            crate::game::RuleKind::Safety => assumptions.safety.push(formula),
-            crate::game::RuleKind::Justice => assumptions.justice.push(formula),
+            RuleKind::Initial => assumptions.initial.push(formula),
+            RuleKind::Invariant => assumptions.invariants.push(formula),
+            RuleKind::Safety => assumptions.safety.push(formula),
+            RuleKind::Justice => assumptions.justice.push(formula),
         }
     }
     let mut guarantees = Side::default();
@@ -162,6 +163,60 @@ fn whole(system: &System, claim: &Claim, proof: &Proof) -> Specification {
     }
 }
 
+/// Assumptions that are handed on although the outside does not control what they constrain: no GR(1) contract of the whole can make them,
+/// since its environment gives the inputs of a step before it sees the outputs (the rule of [`Specification::assumptions`]).
+fn beyond_the_outside(joined: &Joined, claim: &Claim, proof: &Proof) -> Vec<Diagnostic> {
+    let system = &joined.system;
+    let told = Told {
+        system,
+        claim,
+        whole: "",
+    };
+    let mut findings = Vec::new();
+    for at in told.exported(proof) {
+        let constrained = match at.kind {
+            RuleKind::Initial | RuleKind::Invariant => Time::Now,
+            RuleKind::Safety => Time::Next,
+            RuleKind::Justice => continue,
+        };
+        let formula = told.formula(at);
+        let mut chosen: BTreeMap<VarId, usize> = BTreeMap::new();
+        formula.expr.for_each_var(&mut |v, time| {
+            if time == constrained {
+                chosen.extend(system.driver(v).map(|part| (v, part)));
+            }
+        });
+        if chosen.is_empty() {
+            continue;
+        }
+        let variables = chosen.keys().map(|v| &system.variables[v.index()].name);
+        let variables = words(variables.map(String::as_str));
+        let parts: BTreeSet<usize> = chosen.into_values().collect();
+        let parts = words(parts.iter().map(|p| system.parts[*p].name.as_str()));
+        findings.push(
+            Diagnostic::error(
+                codes::NOT_CONTROLLED,
+                formula.span,
+                format!(
+                    "`{}` of `{}` is handed on to the outside, but constrains {variables}, chosen by {parts} in the same step: there is no GR(1) contract of the whole, so nothing is synthesized",
+                    formula.name,
+                    told.owner(at),
+                ),
+            )
+            .with_help(format!(
+                "let {parts} guarantee what is assumed of {variables}, or speak of the step before"
+            )),
+        );
+    }
+    findings
+}
+
+/// Names in quotes, as a list.
+fn words<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let quoted: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    findings::list(&quoted)
+}
+
 /// A controller of the whole.
 fn synth(
     joined: &Joined,
@@ -169,11 +224,16 @@ fn synth(
     proof: &Proof,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
+    let console = options.console();
+    let beyond = beyond_the_outside(joined, claim, proof);
+    if !beyond.is_empty() {
+        console.failed("compose", &joined.loaded.library.sources, &beyond)?;
+        return Ok(options.exit_code(&beyond));
+    }
     let specification = Arc::new(whole(&joined.system, claim, proof));
     let span = joined.spans[0];
     let mut jobs = Jobs::examining();
     let job = jobs.add(&specification, span);
-    let console = options.console();
     let checked = jobs.run(&options.settings(), &console.progress(1, "synthesizing"));
     let checked = &checked[job];
     let findings = checked.findings_where_needed();
@@ -229,15 +289,15 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
     if let Compatibility::Incompatible { assumptions, play } = answer {
         outcome.document.verdict = Verdict::Incompatible;
         outcome.text = String::new();
-        let named: Vec<String> = assumptions.iter().map(|n| format!("`{n}`")).collect();
+        let named = words(assumptions.iter().map(String::as_str));
         let mut finding = Diagnostic::error(
             codes::INCOMPATIBLE,
             joined.spans[0],
             format!(
                 "no environment can keep what {together} assume{}: {} {} broken, whatever comes from outside",
                 if names.len() == 1 { "s" } else { "" },
-                findings::list(&named),
-                if named.len() == 1 {
+                named,
+                if assumptions.len() == 1 {
                     "can be"
                 } else {
                     "can be made to be"
