@@ -52,6 +52,9 @@ pub enum Command {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    if !matches!(arguments.command, Command::Coverage { .. }) {
+        options.refuse_sarif("the taxonomy")?;
+    }
     let taxonomy = taxonomy();
     let console = options.console();
     match &arguments.command {

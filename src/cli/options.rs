@@ -141,6 +141,15 @@ impl GlobalOptions {
         Console::new(self.format, self.color)
     }
 
+    /// Refuses SARIF, which is for findings, where a command has a result of another kind.
+    pub fn refuse_sarif(&self, result: &str) -> anyhow::Result<()> {
+        anyhow::ensure!(
+            self.format != Format::Sarif,
+            "{result} has no findings to write as SARIF: `linewright check` has; take `--format json`"
+        );
+        Ok(())
+    }
+
     /// The limits of the whole command.
     pub fn limits(&self) -> Limits {
         self.limits_from(self.began)

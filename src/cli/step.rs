@@ -48,11 +48,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-    if options.format == Format::Sarif {
-        anyhow::bail!(
-            "a play has no findings to write as SARIF: `linewright check` has; take `--format json` for one line a step"
-        );
-    }
+    options.refuse_sarif("a play")?;
     let console = options.console();
     let loaded = match arguments.selection.load_alone("step", options)? {
         Ok(loaded) => loaded,

@@ -71,6 +71,14 @@ fn documents_begin_alike() {
             "{{\n  \"schema\": \"linewright/order-{command}/1\",\n  \"skills\": \"PickAndPlace\",\n  \"level\": \"valid\",\n"
         );
         assert!(text(&output).starts_with(&start), "{}", text(&output));
+        // A program's faults are findings; what the other commands find out is not.
+        let output = at_root(&[&["order", command, "--format", "sarif"], &rest[..]].concat());
+        if command == "check" {
+            assert_eq!(document(&output)["version"], "2.1.0");
+        } else {
+            assert_eq!(output.status.code(), Some(2), "{command}");
+            assert!(error(&output).contains("--format json"), "{command}");
+        }
     }
 }
 
@@ -582,6 +590,62 @@ fn the_strongest_level_still_takes_the_intended_program() {
             text(&output),
             error(&output)
         );
+    }
+}
+
+/// The rules hold at the level that they were found for: with them in the file, nothing more can be left out there, and the level is the same.
+#[test]
+fn a_strongest_level_is_its_own_strongest_level() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("own.lw");
+    let file = path.to_string_lossy();
+    let unit = fs::read_to_string(support::root().join(UNIT)).expect("the unit");
+    let at = unit.find("    /// Do not hit").expect("the rules");
+    let unit = (&unit[..at], &unit[at..]);
+    // A recall of `B` is needed, which the level reasonable forbids.
+    let twice = (
+        "skills S {
+    component c: {a, b} = a {
+        A -> a
+        B -> b
+    }
+",
+        "    order twice: sequence (B B A)*\n}\n",
+    );
+    for (before, after) in [unit, twice] {
+        for level in ["valid", "reasonable"] {
+            let strongest = |rules: &str| {
+                fs::write(&path, format!("{before}{rules}{after}")).expect("a file");
+                let output = at_root(&[
+                    "order",
+                    "strongest",
+                    &file,
+                    "--level",
+                    level,
+                    "--longest",
+                    "3",
+                    "--format",
+                    "json",
+                ]);
+                assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+                document(&output)
+            };
+            let first = strongest("");
+            let candidates = first["candidates"].as_array().expect("a list");
+            let kept: Vec<String> = candidates
+                .iter()
+                .filter(|c| c["verdict"] == "kept")
+                .map(|c| format!("    {}\n", c["text"].as_str().expect("a text")))
+                .collect();
+            let second = strongest(&kept.concat());
+            for count in ["states", "transitions"] {
+                assert_eq!(first[count], second[count], "{level}: {kept:?}");
+            }
+            let mut left = second["candidates"].as_array().expect("a list").iter();
+            assert!(left.all(|c| c["verdict"] == "needed"), "{level}: {second}");
+            let checked = at_root(&["check", &file, "--format", "short"]);
+            assert!(!error(&checked).contains("LW316"), "{}", error(&checked));
+        }
     }
 }
 

@@ -26,7 +26,8 @@ const ALL_AT_ONCE: u8 = 64;
     linewright order fsm examples/pick-and-place/unit.lw --rule trays --paper
     linewright order fsm examples/pick-and-place/unit.lw --by-component --emit svg --out unit.svg
 
-A transition stands between two states, however many calls lead from the one to the other.")]
+There is one transition between two states, however many calls lead from the one to the other. A call of several skills at once is left \
+out where some of them alone lead to the same state.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
@@ -131,8 +132,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let command = "order-fsm";
     let chosen = rules::choose(command, &arguments.rules, &arguments.choice, options)?;
     let emit = arguments.emit.unwrap_or(match options.format {
-        Format::Json | Format::Sarif => Emit::Json,
-        Format::Human | Format::Short => Emit::Table,
+        Format::Json => Emit::Json,
+        Format::Human | Format::Short | Format::Sarif => Emit::Table,
     });
     let skills = &chosen.skills;
     let kept = chosen.options;

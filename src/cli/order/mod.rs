@@ -107,6 +107,9 @@ impl Choice {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    if !matches!(arguments.command, Command::Check(_)) {
+        options.refuse_sarif("the result")?;
+    }
     let outcome = match &arguments.command {
         Command::Check(a) => check::run(a, options),
         Command::Monitor(a) => monitor::run(a, options),

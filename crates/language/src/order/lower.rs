@@ -74,7 +74,7 @@ pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
     let mut rules: Vec<Rule> = own.cloned().collect();
     if level >= Level::Reasonable {
         for skill in 0..skills.skills.len() {
-            rules.extend(recall(skills, skill).map(|rule| {
+            rules.extend(recall(skills, skill, level).map(|rule| {
                 Rule {
                     span: skills.skills[skill].span,
                     // As it is cited, without its head.

@@ -42,7 +42,7 @@ pub struct Request {
 /// A candidate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Candidate {
-    /// The rule that forbids it, at the level reasonable; its text is how it stands in a file.
+    /// The rule that forbids it; its text is how it stands in a file, for the level that was asked about.
     pub rule: Rule,
     /// The skills that it is about.
     pub word: Vec<usize>,
@@ -91,22 +91,24 @@ pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, TooLar
             skills: skills.clone(),
         },
     };
-    let recalls = (0..skills.skills.len()).filter_map(|s| recall(skills, s).map(|r| (vec![s], r)));
+    let level = request.options.level;
+    let recalls =
+        (0..skills.skills.len()).filter_map(|s| recall(skills, s, level).map(|r| (vec![s], r)));
     for (word, rule) in recalls {
         search.put_to_the_test(word, rule)?;
     }
     for length in 2..=request.longest {
         request.options.until.check()?;
         for word in detours(&search.base, length) {
-            let rule = detour(skills, &word);
+            let rule = detour(skills, &word, level);
             search.put_to_the_test(word, rule)?;
         }
     }
     Ok(search.found)
 }
 
-/// The rule against a recall: its component is where the skill leads, and no other skill has led it away.
-pub(super) fn recall(skills: &Skills, skill: usize) -> Option<Rule> {
+/// The rule against a recall, as it is written for a level: its component is where the skill leads, and no other skill has led it away.
+pub(super) fn recall(skills: &Skills, skill: usize, level: Level) -> Option<Rule> {
     let of = &skills.skills[skill];
     let effect = of.effect?;
     let all = skills.skills.iter().enumerate();
@@ -122,6 +124,7 @@ pub(super) fn recall(skills: &Skills, skill: usize) -> Option<Rule> {
         _ => format!(" until {}", names(&other)),
     };
     Some(derived(
+        level,
         format!("recall_{}", of.name),
         &format!("after {}{until}: never {}", names(&same), of.name),
         Kind::After {
@@ -132,22 +135,28 @@ pub(super) fn recall(skills: &Skills, skill: usize) -> Option<Rule> {
     ))
 }
 
-fn detour(skills: &Skills, word: &[usize]) -> Rule {
+fn detour(skills: &Skills, word: &[usize], level: Level) -> Rule {
     let names: Vec<&str> = word
         .iter()
         .map(|s| skills.skills[*s].name.as_str())
         .collect();
     let places = word.iter().map(|s| vec![Event(vec![*s])]).collect();
     derived(
+        level,
         format!("detour_{}", names.join("_")),
         &format!("never {}", names.join(" then ")),
         Kind::InARow(vec![places]),
     )
 }
 
-fn derived(name: String, body: &str, kind: Kind) -> Rule {
+fn derived(level: Level, name: String, body: &str, kind: Kind) -> Rule {
+    // A file's rules are kept from the level valid on, or at the level reasonable.
+    let at = match level {
+        Level::Arbitrary | Level::Valid => String::new(),
+        Level::Reasonable => format!(" at {}", level.word()),
+    };
     Rule {
-        text: format!("order {name} at reasonable: {body}"),
+        text: format!("order {name}{at}: {body}"),
         name,
         requirement: None,
         doc: String::new(),
@@ -430,42 +439,42 @@ mod tests {
     #[test]
     fn recalls_and_detours_of_the_papers_unit() {
         insta::assert_snapshot!(found(2, Vec::new(), &[]), @r"
-        order recall_Left at reasonable: after Left until Right: never Left
-        order recall_Right at reasonable: after Right until Left: never Right
-        order recall_Up at reasonable: after Up until Down: never Up
-        order recall_Down at reasonable: after Down until Up: never Down
-        order recall_Release at reasonable: after Release until Grip: never Release
-        order recall_Grip at reasonable: after Grip until Release: never Grip
-        order detour_Left_Right at reasonable: never Left then Right
-        order detour_Right_Left at reasonable: never Right then Left
-        order detour_Up_Down at reasonable: never Up then Down
-        order detour_Down_Up at reasonable: never Down then Up
-        order detour_Release_Grip at reasonable: never Release then Grip
-        order detour_Grip_Release at reasonable: never Grip then Release
+        order recall_Left: after Left until Right: never Left
+        order recall_Right: after Right until Left: never Right
+        order recall_Up: after Up until Down: never Up
+        order recall_Down: after Down until Up: never Down
+        order recall_Release: after Release until Grip: never Release
+        order recall_Grip: after Grip until Release: never Grip
+        order detour_Left_Right: never Left then Right
+        order detour_Right_Left: never Right then Left
+        order detour_Up_Down: never Up then Down
+        order detour_Down_Up: never Down then Up
+        order detour_Release_Grip: never Release then Grip
+        order detour_Grip_Release: never Grip then Release
         23 states, 35 transitions
         ");
         insta::assert_snapshot!(found(3, Vec::new(), &["detour_Left_Right"]), @r"
-        order recall_Left at reasonable: after Left until Right: never Left
-        order recall_Right at reasonable: after Right until Left: never Right
-        order recall_Up at reasonable: after Up until Down: never Up
-        order recall_Down at reasonable: after Down until Up: never Down
-        order recall_Release at reasonable: after Release until Grip: never Release
-        order recall_Grip at reasonable: after Grip until Release: never Grip
-        dropped: order detour_Left_Right at reasonable: never Left then Right
-        order detour_Right_Left at reasonable: never Right then Left
-        order detour_Up_Down at reasonable: never Up then Down
-        order detour_Down_Up at reasonable: never Down then Up
-        order detour_Release_Grip at reasonable: never Release then Grip
-        order detour_Grip_Release at reasonable: never Grip then Release
-        needed: order detour_Left_Right_Down at reasonable: never Left then Right then Down (Right Grip Left Right: left, up, open)
-        order detour_Left_Right_Grip at reasonable: never Left then Right then Grip
-        order detour_Left_Grip_Right at reasonable: never Left then Grip then Right
-        order detour_Right_Grip_Left at reasonable: never Right then Grip then Left
-        order detour_Up_Left_Right at reasonable: never Up then Left then Right
-        order detour_Up_Grip_Down at reasonable: never Up then Grip then Down
-        needed: order detour_Down_Grip_Up at reasonable: never Down then Grip then Up (Down: left, up, open)
-        order detour_Release_Up_Grip at reasonable: never Release then Up then Grip
-        needed: order detour_Grip_Down_Release at reasonable: never Grip then Down then Release (Right Grip: left, up, open)
+        order recall_Left: after Left until Right: never Left
+        order recall_Right: after Right until Left: never Right
+        order recall_Up: after Up until Down: never Up
+        order recall_Down: after Down until Up: never Down
+        order recall_Release: after Release until Grip: never Release
+        order recall_Grip: after Grip until Release: never Grip
+        dropped: order detour_Left_Right: never Left then Right
+        order detour_Right_Left: never Right then Left
+        order detour_Up_Down: never Up then Down
+        order detour_Down_Up: never Down then Up
+        order detour_Release_Grip: never Release then Grip
+        order detour_Grip_Release: never Grip then Release
+        needed: order detour_Left_Right_Down: never Left then Right then Down (Right Grip Left Right: left, up, open)
+        order detour_Left_Right_Grip: never Left then Right then Grip
+        order detour_Left_Grip_Right: never Left then Grip then Right
+        order detour_Right_Grip_Left: never Right then Grip then Left
+        order detour_Up_Left_Right: never Up then Left then Right
+        order detour_Up_Grip_Down: never Up then Grip then Down
+        needed: order detour_Down_Grip_Up: never Down then Grip then Up (Down: left, up, open)
+        order detour_Release_Up_Grip: never Release then Up then Grip
+        needed: order detour_Grip_Down_Release: never Grip then Down then Release (Right Grip: left, up, open)
         23 states, 30 transitions
         ");
     }
