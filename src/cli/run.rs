@@ -6,7 +6,7 @@ use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use super::time;
 use crate::contract::machine::Machine;
-use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::engine::simulation::{self, SimulationOptions};
 use crate::engine::synthesis::Synthesis;
 use crate::engine::{lines, machines};
@@ -122,14 +122,17 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             let several = (arguments.replications > 1).then_some(&run.replications);
             let seconds = (!options.no_timing).then_some(run.seconds);
             match options.format {
-                Format::Json => console.document(&report::json(line, trace, several, seconds))?,
+                Format::Json => {
+                    let mut document = report::json(line, trace, several, seconds);
+                    document["findings"] =
+                        serde_json::to_value(json::findings(sources, &findings))?;
+                    console.document(&document)?;
+                }
                 Format::Sarif => console.failed("run", sources, &findings)?,
                 Format::Human | Format::Short => {
                     console.result(&report::table(line, trace, several))?;
+                    console.findings(sources, &findings)?;
                 }
-            }
-            if options.format != Format::Sarif {
-                console.findings(sources, &findings)?;
             }
         }
         Err(more) => {

@@ -116,8 +116,10 @@ fn a_line_that_blocks_itself() {
     assert_shown!("blocked", printed);
     let document = session.run("run blocked.lw --format json --no-timing");
     assert_eq!(document.code, 1);
+    assert_eq!(document.err, "");
     let document: serde_json::Value = serde_json::from_str(&document.out).expect("a document");
     assert_eq!(document["products"], 0);
+    assert_eq!(document["findings"][0]["code"], "LW403", "{document}");
 }
 
 #[test]
