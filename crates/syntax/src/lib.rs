@@ -4,6 +4,7 @@
 //! the crate `language`.
 
 pub mod ast;
+mod binds;
 mod build;
 pub mod format;
 mod mend;

@@ -465,12 +465,8 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::name | Rule::path => "a name",
             Rule::integer => "a whole number",
             Rule::expression
-            | Rule::iff
-            | Rule::implication
+            | Rule::operators
             | Rule::disjunction
-            | Rule::exclusive
-            | Rule::conjunction
-            | Rule::since
             | Rule::past
             | Rule::past_op
             | Rule::never_word
@@ -480,7 +476,6 @@ fn expectations(rules: &[Rule]) -> String {
             | Rule::prefix
             | Rule::comparison
             | Rule::additive
-            | Rule::product
             | Rule::signed
             | Rule::sign
             | Rule::postfix

@@ -1,7 +1,9 @@
 //! Types, expressions and formulas.
 
-use super::super::ast::{BinaryOp, Domain, DomainKind, Expr, ExprKind, Name, Quantifier};
+use super::super::ast::{BinaryOp, Domain, DomainKind, Expr, ExprKind, Name, Quantifier, UntilOp};
+use super::super::binds;
 use super::super::parser::Rule;
+use super::pattern::until_op;
 use super::{Builder, Children};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
@@ -95,15 +97,8 @@ impl Builder {
         match rule {
             Rule::expression => self.patterned(pair),
             Rule::parenthesis | Rule::wide => self.expr(Children::of(pair).next()),
-            Rule::since => self.since(pair),
             Rule::past => self.past(pair),
-            Rule::iff
-            | Rule::disjunction
-            | Rule::exclusive
-            | Rule::conjunction
-            | Rule::additive
-            | Rule::product => self.chain(pair),
-            Rule::implication => self.implication(pair),
+            Rule::operators | Rule::disjunction | Rule::additive => self.operators(pair),
             Rule::negation => self.negation(pair),
             Rule::comparison => self.comparison(pair),
             Rule::signed => self.signed(pair),
@@ -140,21 +135,46 @@ impl Builder {
         Box::new(self.expr(c.next()))
     }
 
-    /// `a op b op c`: one of the levels that group to the left. A chain of one operator that may be grouped in any way is halved
-    /// instead, which keeps long conjunctions and sums shallow.
-    pub(super) fn chain(&mut self, pair: Pair<'_, Rule>) -> Expr {
+    /// `a op b op c`, where each operator binds in its own way.
+    fn operators(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let mut c = Children::of(pair);
         let first = c.next();
         if c.pairs.peek().is_none() {
             return self.expr(first);
         }
-        let mut operands = vec![self.placed(first)];
-        let mut ops = Vec::new();
+        let first = self.placed(first);
+        let mut rest = Vec::new();
         while let Some(op) = c.pairs.next() {
-            ops.push(binary_op(op.as_str()));
-            operands.push(self.placed(c.next()));
+            rest.push((Infix::of(&op), self.placed(c.next())));
         }
-        if let Some(op) = ops.first()
+        self.grouped(first, rest).expr
+    }
+
+    /// Groups what binds tighter, and joins the groups by the operators that bind loosest.
+    fn grouped(&mut self, first: Placed, rest: Vec<(Infix, Placed)>) -> Placed {
+        let Some(loosest) = rest.iter().map(|(op, _)| op.binds()).min() else {
+            return first;
+        };
+        let mut ops = Vec::new();
+        let mut operands = Vec::new();
+        let mut group = (first, Vec::new());
+        for (op, operand) in rest {
+            if op.binds() == loosest {
+                let before = std::mem::replace(&mut group, (operand, Vec::new()));
+                operands.push(self.grouped(before.0, before.1));
+                ops.push(op);
+            } else {
+                group.1.push((op, operand));
+            }
+        }
+        operands.push(self.grouped(group.0, group.1));
+        self.joined(&ops, operands)
+    }
+
+    /// Operands of operators that bind equally: implications group to the right, all else to the left. A chain of one operator that may be
+    /// grouped in any way is halved instead, which keeps long conjunctions and sums shallow.
+    fn joined(&mut self, ops: &[Infix], mut operands: Vec<Placed>) -> Placed {
+        if let Infix::Binary(op) = ops[0]
             && matches!(
                 op,
                 BinaryOp::And
@@ -164,19 +184,22 @@ impl Builder {
                     | BinaryOp::Add
                     | BinaryOp::Mul
             )
-            && ops.iter().all(|o| o == op)
+            && ops.iter().all(|o| *o == ops[0])
         {
-            return balanced(*op, operands);
+            return balanced(op, operands);
         }
         self.limit(&mut operands);
-        let mut operands = operands.into_iter();
-        let first = operands
-            .next()
-            .unwrap_or_else(|| unreachable!("a chain has an operand"));
-        ops.into_iter()
-            .zip(operands)
-            .fold(first, |a, (op, b)| binary(op, a, b))
-            .expr
+        let joined = if ops[0] == Infix::Binary(BinaryOp::Implies) {
+            let last_first = operands.into_iter().rev();
+            last_first.reduce(|b, a| ops[0].join(a, b))
+        } else {
+            let mut ops = ops.iter();
+            operands.into_iter().reduce(|a, b| {
+                let op = ops.next().expect("one stands between two operands");
+                op.join(a, b)
+            })
+        };
+        joined.unwrap_or_else(|| unreachable!("a chain has an operand"))
     }
 
     /// An operand with its place.
@@ -184,27 +207,6 @@ impl Builder {
         let place = self.span(&pair);
         let expr = self.expr(pair);
         Placed { expr, place }
-    }
-
-    pub(super) fn implication(&mut self, pair: Pair<'_, Rule>) -> Expr {
-        let mut c = Children::of(pair);
-        let first = c.next();
-        if c.pairs.peek().is_none() {
-            return self.expr(first);
-        }
-        let mut operands = vec![self.placed(first)];
-        for p in c.rest() {
-            if p.as_rule() != Rule::implies_op {
-                operands.push(self.placed(p));
-            }
-        }
-        self.limit(&mut operands);
-        operands
-            .into_iter()
-            .rev()
-            .reduce(|b, a| binary(BinaryOp::Implies, a, b))
-            .unwrap_or_else(|| unreachable!("an implication has an operand"))
-            .expr
     }
 
     /// Chains that cannot be halved make deep trees; refuse what would be deeper than any real formula.
@@ -307,10 +309,10 @@ impl Builder {
                 return left.expr;
             }
             let right = self.placed(c.next());
-            links.push(binary(binary_op(op.as_str()), left, right.clone()));
+            links.push(Infix::of(&op).join(left, right.clone()));
             left = right;
         }
-        balanced(BinaryOp::And, links)
+        balanced(BinaryOp::And, links).expr
     }
 
     pub(super) fn signed(&mut self, pair: Pair<'_, Rule>) -> Expr {
@@ -474,22 +476,52 @@ pub(super) struct Placed {
     pub place: Span,
 }
 
-fn binary(op: BinaryOp, a: Placed, b: Placed) -> Placed {
-    let place = a.place.to(b.place);
-    let kind = ExprKind::Binary(op, Box::new(a.expr), Box::new(b.expr));
-    Placed {
-        expr: make(kind, place),
-        place,
+/// What stands between two operands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Infix {
+    Binary(BinaryOp),
+    Since,
+    Until(UntilOp),
+}
+
+impl Infix {
+    fn of(pair: &Pair<'_, Rule>) -> Self {
+        match pair.as_rule() {
+            Rule::since_op => Self::Since,
+            Rule::until_op => Self::Until(until_op(pair.as_str())),
+            _ => Self::Binary(binary_op(pair.as_str())),
+        }
+    }
+
+    fn binds(self) -> u8 {
+        match self {
+            Self::Binary(op) => binds::of(op),
+            Self::Since | Self::Until(_) => binds::SINCE,
+        }
+    }
+
+    fn join(self, a: Placed, b: Placed) -> Placed {
+        let place = a.place.to(b.place);
+        let (a, b) = (Box::new(a.expr), Box::new(b.expr));
+        let kind = match self {
+            Self::Binary(op) => ExprKind::Binary(op, a, b),
+            Self::Since => ExprKind::Since(a, b),
+            Self::Until(op) => ExprKind::Until(op, a, b),
+        };
+        Placed {
+            expr: make(kind, place),
+            place,
+        }
     }
 }
 
-fn balanced(op: BinaryOp, mut operands: Vec<Placed>) -> Expr {
+fn balanced(op: BinaryOp, mut operands: Vec<Placed>) -> Placed {
     while operands.len() > 1 {
         let mut halved = Vec::with_capacity(operands.len().div_ceil(2));
         let mut pairs = operands.into_iter();
         while let Some(a) = pairs.next() {
             halved.push(match pairs.next() {
-                Some(b) => binary(op, a, b),
+                Some(b) => Infix::Binary(op).join(a, b),
                 None => a,
             });
         }
@@ -498,7 +530,6 @@ fn balanced(op: BinaryOp, mut operands: Vec<Placed>) -> Expr {
     operands
         .pop()
         .unwrap_or_else(|| unreachable!("a chain has an operand"))
-        .expr
 }
 
 pub(super) fn binary_op(text: &str) -> BinaryOp {

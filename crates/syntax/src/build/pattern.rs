@@ -2,7 +2,7 @@
 
 use super::super::ast::{BinaryOp, Expr, ExprKind, PastOp, PatternKind, Scope, UntilOp};
 use super::super::parser::Rule;
-use super::expression::{Placed, make};
+use super::expression::make;
 use super::{Builder, Children};
 use linewright_core::source::Span;
 use pest::iterators::Pair;
@@ -84,39 +84,6 @@ impl Builder {
         }
     }
 
-    /// `a since b since c` groups to the left.
-    pub(super) fn since(&mut self, pair: Pair<'_, Rule>) -> Expr {
-        let mut c = Children::of(pair);
-        let first = c.next();
-        if c.pairs.peek().is_none() {
-            return self.expr(first);
-        }
-        let mut operands = vec![self.placed(first)];
-        let mut ops = Vec::new();
-        while let Some(op) = c.pairs.next() {
-            ops.push((op.as_rule() == Rule::until_op).then(|| until_op(op.as_str())));
-            operands.push(self.placed(c.next()));
-        }
-        self.limit(&mut operands);
-        let mut operands = operands.into_iter();
-        let first = operands
-            .next()
-            .unwrap_or_else(|| unreachable!("a chain has an operand"));
-        let since = operands.zip(ops).fold(first, |a, (b, op)| {
-            let place = a.place.to(b.place);
-            let (left, right) = (Box::new(a.expr), Box::new(b.expr));
-            let kind = match op {
-                Some(op) => ExprKind::Until(op, left, right),
-                None => ExprKind::Since(left, right),
-            };
-            Placed {
-                expr: make(kind, place),
-                place,
-            }
-        });
-        since.expr
-    }
-
     pub(super) fn past(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let span = self.span(&pair);
         let mut c = Children::of(pair);
@@ -131,7 +98,7 @@ impl Builder {
     }
 }
 
-fn until_op(word: &str) -> UntilOp {
+pub(super) fn until_op(word: &str) -> UntilOp {
     match word.trim() {
         "W" | "unless" => UntilOp::Weak,
         "R" | "release" => UntilOp::Release,

@@ -7,7 +7,8 @@
 use super::super::ast::{
     BinaryOp, Domain, DomainKind, Expr, ExprKind, Pattern, PatternKind, Quantifier, Scope,
 };
-use super::parts::{Parts, binding, binds, parts, wide};
+use super::super::binds;
+use super::parts::{Parts, binding, parts, wide};
 use super::printer::Printer;
 use linewright_core::source::Span;
 

@@ -2,24 +2,8 @@
 //! tight each binds is said.
 
 use super::super::ast::{BinaryOp, Expr, ExprKind, Pattern, PatternKind};
+use super::super::binds;
 use super::super::build::{MAX_CHAIN, small_enough_for_the_middle};
-
-/// How tight an expression binds: the rule of the grammar that takes it without brackets.
-pub(super) mod binds {
-    pub const PATTERN: u8 = 0;
-    pub const IFF: u8 = 1;
-    pub const IMPLICATION: u8 = 2;
-    pub const DISJUNCTION: u8 = 3;
-    pub const EXCLUSIVE: u8 = 4;
-    pub const CONJUNCTION: u8 = 5;
-    pub const SINCE: u8 = 6;
-    pub const NEGATION: u8 = 7;
-    pub const COMPARISON: u8 = 8;
-    pub const ADDITIVE: u8 = 9;
-    pub const PRODUCT: u8 = 10;
-    pub const SIGNED: u8 = 11;
-    pub const POSTFIX: u8 = 12;
-}
 
 /// An expression taken apart.
 pub(super) enum Parts<'e> {
