@@ -808,6 +808,83 @@ fn a_walk_that_ends_early_says_nothing_of_routes_that_it_did_not_reach() {
     assert!(calls.undecided.is_empty(), "{:?}", calls.undecided);
 }
 
+/// Lines compute with real numbers: half of 3 is 1.5, and `floor` makes it 1.
+#[test]
+fn a_line_divides_as_real_numbers_are_divided() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (condition, finished) in [
+        ("x / 2 = 1", 0),
+        ("x / 2 = 1.5", 4),
+        ("floor(x / 2) = 1", 4),
+    ] {
+        let line = format!(
+            "{MACHINES}line L {{
+    part P {{ property x: 0..9 = 3 }}
+    source s: P every 9 s limit 4
+    sink k
+    sink bin rejects
+    station a: Any {{ perform take on P }}
+    route P: s -> a
+    route P: a -> k when {condition}
+    route P: a -> bin otherwise
+}}
+"
+        );
+        std::fs::write(folder.path().join("line.lw"), line).expect("a file");
+        let words = ["run", "line.lw", "--until", "1h", "--format", "json"];
+        let output = linewright(folder.path(), &words);
+        let document: Value = serde_json::from_slice(&output.stdout).expect("a document");
+        assert_eq!(document["products"], finished, "{condition}: {document:#}");
+    }
+}
+
+/// A machine that is wrong in itself is judged where it is used; a file that cannot be understood is not used at all.
+#[test]
+fn what_stands_beside_a_line_has_to_be_understood() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let line = "line L {
+    part P
+    source s: P every 9 s
+    sink k
+    station a: Any { perform take on P }
+    route P: s -> a -> k
+}
+";
+    // Nobody gives `a` its order; and an operation that can never end.
+    let unbound = "machine Beside {
+    step 1 s
+    coordinator c: Single { job = operation = go  executed = a.finished }
+    action a: Plain when c.command { }
+    operation go: a
+    done c.done
+}
+";
+    let stuck = &unbound.replace("c.command { }", "c.command { requested = false }");
+    for (beside, code, exit) in [(unbound, "LW301", 1), (stuck, "LW303", 0)] {
+        let text = format!("{MACHINES}{line}{beside}");
+        std::fs::write(folder.path().join("line.lw"), text).expect("a file");
+        let run = |words: &[&str]| {
+            let output = linewright(folder.path(), words);
+            let said = [output.stdout, output.stderr].concat();
+            (
+                output.status.code(),
+                String::from_utf8_lossy(&said).into_owned(),
+            )
+        };
+        let (checked, said) = run(&["check", "line.lw"]);
+        assert_eq!(checked, Some(1), "{said}");
+        assert!(said.contains(code), "{said}");
+        for words in [
+            &["run", "line.lw::L", "--parts", "3"][..],
+            &["build", "line.lw::Any", "--target", "source"],
+        ] {
+            let (ended, said) = run(words);
+            assert_eq!(ended, Some(exit), "{words:?} beside {code}: {said}");
+            assert_eq!(said.contains(code), exit == 1, "{words:?}: {said}");
+        }
+    }
+}
+
 /// What `check`, `build` and `run` say of a line, with their exit codes.
 fn judged(line: &str) -> [(i32, String); 3] {
     let folder = tempfile::tempdir().expect("a folder");

@@ -4,6 +4,7 @@ use super::metric::{self, ReplicatedRequirement};
 use super::plant::Plant;
 use super::statistics::student_t;
 use super::trace::{End, Trace};
+use linewright_core::deadline::Late;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, Metric};
 
@@ -60,7 +61,7 @@ impl Plant {
         let mut traces = Vec::new();
         for offset in 0..count {
             traces.push(self.run_seeded(first.wrapping_add(offset)));
-            if offset + 1 < count && self.is_late() {
+            if offset + 1 < count && self.late().is_some() {
                 break;
             }
         }
@@ -71,12 +72,13 @@ impl Plant {
         }
         let mut replications = Replications::of(self.line(), &traces);
         if done < count {
-            let message =
-                format!("{done} of {count} runs were over when the time limit was reached");
+            let late = self.late().unwrap_or(Late::Time);
+            let message = format!("{late}: {done} of {count} runs were over");
             replications.findings.push(
-                Diagnostic::error(codes::GAVE_UP, self.line().span, message).with_help(
-                    "give them more time with --timeout SECONDS, or ask for fewer with --replications",
-                ),
+                Diagnostic::error(codes::GAVE_UP, self.line().span, message).with_help(format!(
+                    "{}, or ask for fewer runs with --replications",
+                    late.remedy()
+                )),
             );
         }
         (traces, replications)

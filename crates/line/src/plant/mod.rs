@@ -26,6 +26,7 @@ use conveyor::Conveyor;
 use counters::Counters;
 use flow::{Outlet, Ways};
 use journal::Journal;
+use linewright_core::deadline::Late;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Limit, Line, NodeKind, Shift};
 use linewright_station::Controller;
@@ -212,9 +213,9 @@ impl Plant {
         run.finish(end)
     }
 
-    /// Whether the deadline of the real clock is past.
-    pub(super) fn is_late(&self) -> bool {
-        self.setup.options.deadline.is_past()
+    /// Why no further run begins, once the deadline of the real clock is past.
+    pub(super) fn late(&self) -> Option<Late> {
+        self.setup.options.deadline.check().err()
     }
 }
 
