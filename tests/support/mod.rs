@@ -35,11 +35,16 @@ pub fn skip(what: &str, why: &str) {
 
 /// Runs the program in a folder, without colours.
 pub fn linewright(folder: &Path, arguments: &[&str]) -> Output {
+    linewright_with_cache(Path::new("off"), folder, arguments)
+}
+
+/// The same with a cache, for tests that do not ask how controllers are found: `off`, or its folder.
+pub fn linewright_with_cache(cache: &Path, folder: &Path, arguments: &[&str]) -> Output {
     Command::new(PROGRAM)
         .args(arguments)
         .current_dir(folder)
         .env_remove("CLICOLOR_FORCE")
-        .env("LINEWRIGHT_CACHE", "off")
+        .env("LINEWRIGHT_CACHE", cache)
         .env("NO_COLOR", "1")
         .output()
         .expect("the program starts")

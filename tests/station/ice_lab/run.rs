@@ -1,11 +1,11 @@
 //! The command of the main job: 50 products, as a table and as a document.
 
-use crate::support::{linewright, root, sandbox};
+use crate::support::{linewright, linewright_with_cache, root, sandbox};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Output;
 
-/// A folder with the libraries of both lines, so that only the first of these tests has to compile.
+/// A folder with the controllers and the libraries of both lines, so that only the first of these tests has to solve and to compile.
 fn libraries() -> &'static Path {
     static FOLDER: std::sync::OnceLock<tempfile::TempDir> = std::sync::OnceLock::new();
     FOLDER
@@ -18,7 +18,7 @@ fn run(line: &str, more: &[&str]) -> Output {
     let line = format!("examples/ice-lab/{line}");
     let mut arguments = vec!["run", &line, "--out", &folder];
     arguments.extend(more);
-    linewright(root(), &arguments)
+    linewright_with_cache(&libraries().join(".cache"), root(), &arguments)
 }
 
 fn document(line: &str, more: &[&str]) -> (Value, String) {
