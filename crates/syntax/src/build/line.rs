@@ -4,6 +4,7 @@ use super::super::ast::{Counted, Line, LineItem, StationItem, Supply};
 use super::super::parser::Rule;
 use super::expression::binary_op;
 use super::{Builder, Children};
+use linewright_core::diagnostics::{Diagnostic, codes};
 use pest::iterators::Pair;
 
 impl Builder {
@@ -32,6 +33,21 @@ impl Builder {
             count,
             name: self.name(&c.next()),
         }
+    }
+
+    /// `, at most 6 in the line`.
+    fn at_most(&mut self, pair: Pair<'_, Rule>) -> u64 {
+        let span = self.span(&pair);
+        let mut c = Children::of(pair);
+        c.next();
+        let most = self.count(&c.next());
+        if c.pairs.peek().is_none() {
+            self.findings.push(
+                Diagnostic::error(codes::SYNTAX, span, "this does not say where")
+                    .with_help(format!("write `, at most {most} in the line`")),
+            );
+        }
+        most
     }
 
     pub(super) fn line_item(&mut self, rule: Rule, item: Pair<'_, Rule>) -> LineItem {
@@ -82,11 +98,7 @@ impl Builder {
                         limit,
                     }
                 };
-                let most = c.take(Rule::in_line).map(|most| {
-                    let mut c = Children::of(most);
-                    c.next();
-                    self.count(&c.next())
-                });
+                let most = c.take(Rule::in_line).map(|most| self.at_most(most));
                 LineItem::Source {
                     name,
                     part,
