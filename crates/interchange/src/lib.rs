@@ -116,6 +116,9 @@ pub struct Reading {
 /// be read.
 pub type Loader<'a> = dyn FnMut(&str, FileId) -> Result<(FileId, Arc<str>), String> + 'a;
 
+/// Bytes of stack: what the readers' bounds on depth allow times what a level needs, generously. Whoever calls may have less.
+const STACK: usize = 256 << 20;
+
 /// Reads a text that imports nothing. `name` becomes the specification's name. Never fails: what could not be understood is in the
 /// findings.
 pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
@@ -134,7 +137,7 @@ pub fn read_with(
     let mut names = names::Names::new(name, file, text);
     let mut reachability = false;
     let mut own = None;
-    let (specification, mut findings) = match format {
+    let (specification, mut findings) = stacker::grow(STACK, || match format {
         Format::Spectra => spectra::read(name, file, text, loader),
         Format::Spc => {
             reachability = spc::read(&mut names);
@@ -153,7 +156,7 @@ pub fn read_with(
             own = with_own.map(Arc::new);
             (specification, findings)
         }
-    };
+    });
     findings.sort_by_key(|f| f.span);
     Reading {
         format,

@@ -47,37 +47,14 @@ use linewright_core::diagnostics::{Diagnostic, codes, has_errors};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::monitors::Monitors;
 use linewright_core::gr1::{Side, Specification, Timing, VarId};
-use linewright_core::source::{FileId, Span};
+use linewright_core::source::FileId;
 use meaning::Meaning;
 pub(super) use operators::is_reserved;
 use report::Report;
 use std::collections::BTreeMap;
 
-/// Bytes of stack: the expansion's bound on depth times what a level needs, generously.
-const STACK: usize = 256 << 20;
-
 /// What was read: the specification, and where some of its assumptions are not the file's own, what it is with only those.
 type Read = (Specification, Option<Specification>);
-
-/// Reads a text. What could not be understood is in the findings.
-pub(super) fn read(name: &str, file: FileId, text: &str) -> (Read, Vec<Diagnostic>) {
-    std::thread::scope(|scope| {
-        let builder = std::thread::Builder::new().stack_size(STACK);
-        let reader = builder.spawn_scoped(scope, || read_here(name, file, text));
-        match reader.map(std::thread::ScopedJoinHandle::join) {
-            Ok(Ok(found)) => found,
-            Ok(Err(panic)) => std::panic::resume_unwind(panic),
-            Err(error) => {
-                let finding = Diagnostic::error(
-                    codes::GAVE_UP,
-                    Span::new(file, 0, 0),
-                    format!("there is no room to read this file: {error}"),
-                );
-                ((empty(name), None), vec![finding])
-            }
-        }
-    })
-}
 
 fn empty(name: &str) -> Specification {
     Specification {
@@ -89,7 +66,8 @@ fn empty(name: &str) -> Specification {
     }
 }
 
-fn read_here(name: &str, file: FileId, text: &str) -> (Read, Vec<Diagnostic>) {
+/// Reads a text. What could not be understood is in the findings.
+pub(super) fn read(name: &str, file: FileId, text: &str) -> (Read, Vec<Diagnostic>) {
     let mut report = Report::new(file);
     let tokens = lexer::words(text, &mut report);
     let tree = parser::Parser::new(text, &tokens, &mut report).file();

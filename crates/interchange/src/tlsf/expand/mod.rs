@@ -23,7 +23,7 @@ use std::rc::Rc;
 
 /// So many expressions are evaluated for one file.
 const MAX_STEPS: u64 = 4_000_000;
-/// Evaluations nest so deep; see [`super::STACK`].
+/// Evaluations nest so deep; the stack is that of [`crate::read`].
 const MAX_DEPTH: u32 = 4_000;
 /// A set has at most so many elements.
 const MAX_SET: i64 = 1 << 16;
