@@ -44,7 +44,7 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
     };
     let findings = found::of_proof(told, &proof, &|part| part.map(|p| joined.spans[p]));
     if arguments.synth && proof.holds() {
-        return synth(&joined, &claim, &proof, options);
+        return synth(&joined, told, &proof, options);
     }
     let outcome = Outcome {
         text: text(told, &proof, arguments.synth),
@@ -111,12 +111,8 @@ fn text(told: Told<'_>, proof: &Proof, synth: bool) -> String {
 }
 
 /// One contract of all parts, where every assumption is met or handed on: its assumptions are those that were handed on.
-fn whole(system: &System, claim: &Claim, proof: &Proof) -> Specification {
-    let told = Told {
-        system,
-        claim,
-        whole: "",
-    };
+fn whole(told: Told<'_>, proof: &Proof) -> Specification {
+    let system = told.system;
     let mut assumptions = Side::default();
     for at in told.exported(proof) {
         let formula = told.formula(at).clone();
@@ -165,13 +161,8 @@ fn whole(system: &System, claim: &Claim, proof: &Proof) -> Specification {
 
 /// Assumptions that are handed on although the outside does not control what they constrain: no GR(1) contract of the whole can make them,
 /// since its environment gives the inputs of a step before it sees the outputs (the rule of [`Specification::assumptions`]).
-fn beyond_the_outside(joined: &Joined, claim: &Claim, proof: &Proof) -> Vec<Diagnostic> {
-    let system = &joined.system;
-    let told = Told {
-        system,
-        claim,
-        whole: "",
-    };
+fn beyond_the_outside(told: Told<'_>, proof: &Proof) -> Vec<Diagnostic> {
+    let system = told.system;
     let mut findings = Vec::new();
     for at in told.exported(proof) {
         let constrained = match at.kind {
@@ -220,17 +211,17 @@ fn words<'a>(names: impl Iterator<Item = &'a str>) -> String {
 /// A controller of the whole.
 fn synth(
     joined: &Joined,
-    claim: &Claim,
+    told: Told<'_>,
     proof: &Proof,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let beyond = beyond_the_outside(joined, claim, proof);
+    let beyond = beyond_the_outside(told, proof);
     if !beyond.is_empty() {
         console.failed("compose", &joined.loaded.library.sources, &beyond)?;
         return Ok(options.exit_code(&beyond));
     }
-    let specification = Arc::new(whole(&joined.system, claim, proof));
+    let specification = Arc::new(whole(told, proof));
     let span = joined.spans[0];
     let mut jobs = Jobs::examining();
     let job = jobs.add(&specification, span);

@@ -1,7 +1,7 @@
 //! The line at real size: every controller verified, both forms of controllers, libraries like the interpreter, no violation.
 
 use crate::differential::differential;
-use crate::support::{PROGRAM, root};
+use crate::support::{linewright_with_cache, root};
 use linewright::engine::cache::Cache;
 use linewright::engine::controlled::compose;
 use linewright::engine::controller::Wish;
@@ -12,7 +12,6 @@ use linewright::game::{Heuristics, KernelChoice, Limits};
 use linewright::station::ErrorCode;
 use linewright::station::composition::By;
 use serde_json::Value;
-use std::process::Command;
 use std::sync::Arc;
 
 const LINE: &str = "examples/ice-lab/real.lw";
@@ -84,13 +83,9 @@ fn the_line_at_real_size_runs() {
     assert_eq!(tables, TABLES);
 
     let libraries = folder.path().display().to_string();
-    let output = Command::new(PROGRAM)
-        .args(["run", LINE, "--parts", "3", "--out", &libraries])
-        .args(["--format", "json", "--no-timing"])
-        .current_dir(root())
-        .env("LINEWRIGHT_CACHE", &cache)
-        .output()
-        .expect("the program starts");
+    let arguments = ["run", LINE, "--parts", "3", "--out", &libraries];
+    let form = ["--format", "json", "--no-timing"];
+    let output = linewright_with_cache(&cache, root(), &[&arguments[..], &form].concat());
     let text = String::from_utf8_lossy(&output.stdout);
     let document: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(output.status.code(), Some(0), "{text}");
