@@ -113,14 +113,18 @@ impl Swapped {
         }
     }
 
-    /// Whether the outside can bring about one of `good`, whichever of `legal` the parts choose.
-    fn controls(&self, legal: Set, good: Set) -> bool {
+    /// Whether the outside can bring about one of `kept` that is among `good`, whichever of `legal` the parts choose. Where it leaves
+    /// them nothing to choose, any of `kept` will do: it must not break an assumption itself.
+    fn controls(&self, legal: Set, kept: Set, good: Set) -> bool {
         if self.sees {
             let mut answers = self.of_parts.iter();
-            answers.all(|y| y & legal == 0 || y & legal & good != 0)
+            answers.all(|y| y & legal == 0 || y & legal & kept & good != 0)
         } else {
             let mut moves = self.from_outside.iter();
-            moves.any(|x| x & legal & !good == 0 && (self.corners || x & legal != 0))
+            moves.any(|x| match x & legal {
+                0 => self.corners && x & kept != 0,
+                answers => answers & !(kept & good) == 0,
+            })
         }
     }
 
@@ -129,7 +133,7 @@ impl Swapped {
         let all = self.board.everything();
         let before = |target: &dyn Fn(usize) -> Set| {
             members(all)
-                .filter(|s| self.controls(self.parts.step[*s], self.outside.step[*s] & target(*s)))
+                .filter(|s| self.controls(self.parts.step[*s], self.outside.step[*s], target(*s)))
                 .fold(0, |set: Set, s| set | 1 << s)
         };
         let mut z = all;
@@ -165,7 +169,7 @@ impl Swapped {
     }
 
     fn won(&self) -> bool {
-        self.controls(self.parts.start, self.outside.start & self.winning())
+        self.controls(self.parts.start, self.outside.start, self.winning())
     }
 
     /// Steps that the parts may take, and that the outside may, after a state or at the beginning.
@@ -192,8 +196,15 @@ fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
             let same = same.expect("a group");
             assert!(same & legal != 0 && same & legal & kept == 0, "{steps:?}");
         } else {
-            assert!(!game.controls(legal, kept), "{steps:?}");
-            assert!((legal & !kept) >> state & 1 == 1, "the end of {steps:?}");
+            let everything = game.board.everything();
+            assert!(!game.controls(legal, kept, everything), "{steps:?}");
+            let move_made = game.from_outside.iter().find(|x| *x >> state & 1 == 1);
+            let answers = move_made.expect("a group") & legal;
+            let is_cornered = answers == 0;
+            assert!(
+                is_cornered || (legal & !kept) >> state & 1 == 1,
+                "the end of {steps:?}"
+            );
         }
         before = Some(*state);
     }
@@ -317,4 +328,52 @@ fn codes_without_a_value_are_no_way_out() {
             assert!(matches!(play, Some(Broken::Lasso(_))), "{play:?}");
         }
     }
+}
+
+/// Without power the heater cannot start hot, as it promises; but without power the environment has broken an assumption itself. So the
+/// heater starts with power and hot, and the next step breaks one of the two.
+#[test]
+fn no_answer_is_left_only_within_the_assumptions() {
+    let (power, hot) = (VarId(0), VarId(1));
+    let heater = Part {
+        name: "Heater".to_owned(),
+        timing: Timing::Mealy,
+        drives: vec![hot],
+        assumptions: Side {
+            invariants: vec![formula("powered".to_owned(), Expr::now(power))],
+            safety: vec![formula(
+                "cuts_out".to_owned(),
+                Expr::now(hot).implies(Expr::next(power).not()),
+            )],
+            ..Side::default()
+        },
+        guarantees: Side {
+            initial: vec![
+                formula(
+                    "follows".to_owned(),
+                    Expr::now(hot).implies(Expr::now(power)),
+                ),
+                formula("starts_hot".to_owned(), Expr::now(hot)),
+            ],
+            ..Side::default()
+        },
+        definitions: Side::default(),
+    };
+    let mut system = System {
+        variables: contracts::named(&[Domain::Bool, Domain::Bool]),
+        parts: vec![heater],
+    };
+    let found = compatible(&system, &Limits::default()).expect("no limit");
+    let Compatibility::Incompatible { assumptions, play } = found else {
+        panic!("no environment keeps both");
+    };
+    assert_eq!(assumptions, ["powered", "cuts_out"]);
+    let Some(Broken::Trace(steps)) = play else {
+        panic!("a step without a way on");
+    };
+    assert_eq!((steps.len(), &steps[0]), (2, &vec![1, 1]));
+    // It need not always be powered.
+    system.parts[0].assumptions.invariants.clear();
+    let found = compatible(&system, &Limits::default()).expect("no limit");
+    assert_eq!(found, Compatibility::Compatible);
 }

@@ -174,12 +174,17 @@ pub fn mentions(expr: &Expr) -> BTreeSet<VarId> {
     found
 }
 
-/// The variables of a formula whose values belong to the last step that it speaks of.
-pub fn latest(expr: &Expr, kind: RuleKind) -> BTreeSet<VarId> {
-    let time = match kind {
+/// The time of the last step that a formula of this kind speaks of.
+pub fn last_step(kind: RuleKind) -> Time {
+    match kind {
         RuleKind::Safety => Time::Next,
         _ => Time::Now,
-    };
+    }
+}
+
+/// The variables of a formula whose values belong to the last step that it speaks of.
+pub fn latest(expr: &Expr, kind: RuleKind) -> BTreeSet<VarId> {
+    let time = last_step(kind);
     let mut found = BTreeSet::new();
     expr.for_each_var(&mut |v, t| {
         if t == time {

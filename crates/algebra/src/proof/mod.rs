@@ -23,7 +23,7 @@ mod justice;
 mod loops;
 mod prover;
 
-pub use book::latest;
+pub use book::{last_step, latest};
 
 use super::system::{FormulaRef, Half, System, formulas, list_mut};
 use linewright_core::gr1::{Formula, Side, VarId};
