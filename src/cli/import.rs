@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut findings = loaded.findings.clone();
     match &arguments.out {
         None => console.result(&text)?,
-        Some(path) => match output::write(path, &text) {
+        Some(path) => match output::write(path, &text, &loaded.places) {
             Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
             Err(finding) => findings.push(*finding),
         },

@@ -17,6 +17,7 @@ use crate::mealy::{counter, verify::verify_counterstrategy};
 use crate::play::{Effect, Opponent, Session};
 use anyhow::Context as _;
 use clap::Args;
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, IsTerminal as _};
 use std::path::{Path, PathBuf};
 
@@ -107,6 +108,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     );
     let mut table = Table {
         session,
+        sources: &loaded.places,
         console,
         mistakes: 0,
         open: true,
@@ -214,6 +216,8 @@ fn read(path: &Path) -> anyhow::Result<String> {
 /// Where a play takes place: what is said goes to the console, files are read and written.
 struct Table<'a> {
     session: Session<'a>,
+    /// Where the sources lie on the disk.
+    sources: &'a BTreeSet<PathBuf>,
     console: Console,
     /// Commands that could not be done.
     mistakes: usize,
@@ -266,13 +270,15 @@ impl Table<'_> {
                 match reply.effect {
                     Effect::Nothing => Ok(()),
                     Effect::Quit => return Ok(false),
-                    Effect::Save(file, text) => match output::write(Path::new(&file), &text) {
-                        Ok(()) => {
-                            self.console.remark(&format!("wrote {file}\n"))?;
-                            Ok(())
+                    Effect::Save(file, text) => {
+                        match output::write(Path::new(&file), &text, self.sources) {
+                            Ok(()) => {
+                                self.console.remark(&format!("wrote {file}\n"))?;
+                                Ok(())
+                            }
+                            Err(finding) => Err(finding.message),
                         }
-                        Err(finding) => Err(finding.message),
-                    },
+                    }
                     Effect::Replay(_) if depth == MOST_NESTED => Err(format!(
                         "scripts replay each other more than {MOST_NESTED} deep"
                     )),

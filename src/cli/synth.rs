@@ -248,7 +248,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     if let Some(folder) = &arguments.out {
         for (name, text) in &written.files {
             let path = folder.join(name);
-            match output::write(&path, text) {
+            match output::write(&path, text, &loaded.places) {
                 Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
                 Err(finding) => findings.push(*finding),
             }

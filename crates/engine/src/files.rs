@@ -12,7 +12,7 @@ use linewright_interchange::{self as interchange, Format, Reading};
 use linewright_language::contract::{self, Contract, Library};
 use linewright_station::disk;
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -45,35 +45,33 @@ impl StandardLibrary {
         }
     }
 
-    /// The paths of all contracts in it, in alphabetic order.
-    fn paths(&self) -> Result<Vec<String>, String> {
-        let mut paths = Vec::new();
+    /// The paths of all contracts in it, in alphabetic order; a finding for each folder that cannot be read.
+    fn paths(&self) -> (Vec<String>, Vec<Diagnostic>) {
+        let (mut paths, mut findings) = (Vec::new(), Vec::new());
         match &self.folder {
             Some(folder) => {
-                for file in search(folder)? {
-                    let inner = file.strip_prefix(folder).unwrap_or(&file);
+                let found = search(folder);
+                for file in &found.files {
+                    let inner = file.strip_prefix(folder).unwrap_or(file);
                     paths.push(shown(inner));
                 }
+                findings.extend(found.unreadable.iter().map(|(n, why)| unreadable(n, why)));
             }
             None => embedded(&BUNDLED, &mut paths),
         }
         paths.sort();
-        Ok(paths)
+        (paths, findings)
     }
 
     /// Every file of it, as name and text; a finding for each that cannot be read.
     fn files(&self) -> (Vec<(String, String)>, Vec<Diagnostic>) {
-        let (mut files, mut findings) = (Vec::new(), Vec::new());
-        match self.paths() {
-            Ok(paths) => {
-                for path in paths {
-                    match self.read(&path) {
-                        Ok(text) => files.push((format!("std/{path}"), text)),
-                        Err(why) => findings.push(unreadable(&path, &why)),
-                    }
-                }
+        let (paths, mut findings) = self.paths();
+        let mut files = Vec::new();
+        for path in paths {
+            match self.read(&path) {
+                Ok(text) => files.push((format!("std/{path}"), text)),
+                Err(why) => findings.push(unreadable(&path, &why)),
             }
-            Err(why) => findings.push(unreadable("the library", &why)),
         }
         (files, findings)
     }
@@ -138,6 +136,8 @@ pub struct Loaded {
     pub unreadable: Vec<String>,
     /// The names of files that are imported and could not be read.
     pub missing: Vec<String>,
+    /// Where the files lie on the disk, without links: no result may be written over them.
+    pub places: BTreeSet<PathBuf>,
     /// Other tools' specifications. Those that could be read are also in the library, as contracts.
     pub foreign: Vec<Foreign>,
 }
@@ -273,6 +273,7 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
             loaded.add_foreign(format, &name, text, &mut names, standard);
         }
     }
+    loaded.places = names.0.into_keys().collect();
     loaded
 }
 
@@ -300,7 +301,7 @@ pub fn places(paths: &[String], standard: &StandardLibrary) -> (Vec<PathBuf>, Ve
         }
     }
     for folder in &folders {
-        files.extend(search(folder).unwrap_or_default());
+        files.extend(search(folder).files);
     }
     (folders, files)
 }
@@ -346,13 +347,13 @@ fn within(place: &Path) -> Vec<Found> {
     if !place.is_dir() {
         return vec![read_named(place)];
     }
-    match search(place) {
-        Ok(files) if files.is_empty() => {
-            vec![Err((shown(place), "it holds no .lw file".to_owned()))]
-        }
-        Ok(files) => files.iter().map(|f| read_named(f)).collect(),
-        Err(why) => vec![Err((shown(place), why))],
+    let found = search(place);
+    let mut all: Vec<Found> = found.files.iter().map(|f| read_named(f)).collect();
+    all.extend(found.unreadable.into_iter().map(Err));
+    if all.is_empty() {
+        all.push(Err((shown(place), "it holds no .lw file".to_owned())));
     }
+    all
 }
 
 fn read_named(path: &Path) -> Found {
@@ -376,26 +377,44 @@ fn library_path(name: &str) -> Option<String> {
     (plain && !ending).then(|| format!("{}.lw", inner.replace('.', "/")))
 }
 
-/// Every `.lw` file below a folder, in alphabetic order. Folders whose name begins with a dot are left out, and symbolic links
-/// to folders too: they can lead in a circle.
-fn search(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let mut found = Vec::new();
+/// What lies below a folder.
+#[derive(Debug, Default)]
+struct Search {
+    /// Every `.lw` file, in alphabetic order.
+    files: Vec<PathBuf>,
+    /// The folders that cannot be read, in alphabetic order, and why.
+    unreadable: Vec<(String, String)>,
+}
+
+/// Looks for `.lw` files below a folder. Folders whose name begins with a dot are left out, and symbolic links to folders
+/// too: they can lead in a circle.
+fn search(folder: &Path) -> Search {
+    let mut found = Search::default();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
-        let entries = std::fs::read_dir(&folder).map_err(|e| describe(&e))?;
-        for entry in entries {
-            let entry = entry.map_err(|e| describe(&e))?;
-            let (path, kind) = (entry.path(), entry.file_type().map_err(|e| describe(&e))?);
+        if let Err(error) = found.look_into(&folder, &mut folders) {
+            found.unreadable.push((shown(&folder), describe(&error)));
+        }
+    }
+    found.files.sort();
+    found.unreadable.sort();
+    found
+}
+
+impl Search {
+    fn look_into(&mut self, folder: &Path, folders: &mut Vec<PathBuf>) -> std::io::Result<()> {
+        for entry in std::fs::read_dir(folder)? {
+            let entry = entry?;
+            let (path, kind) = (entry.path(), entry.file_type()?);
             // Whatever has the name of a contract is one, or is said to be none when it is read.
             if path.extension().is_some_and(|e| e == "lw") {
-                found.push(path);
+                self.files.push(path);
             } else if kind.is_dir() && !entry.file_name().to_string_lossy().starts_with('.') {
                 folders.push(path);
             }
         }
+        Ok(())
     }
-    found.sort();
-    Ok(found)
 }
 
 fn embedded(folder: &Dir<'_>, paths: &mut Vec<String>) {
@@ -535,6 +554,6 @@ mod tests {
             standard.import("turn.lw", "std/handling/pick.lw").unwrap(),
             imported
         );
-        assert_eq!(standard.paths().unwrap(), ["handling/turn.lw"]);
+        assert_eq!(standard.paths().0, ["handling/turn.lw"]);
     }
 }

@@ -6,6 +6,7 @@ use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_station::profile::Profile;
 use linewright_station::simtalk::Beside;
 use linewright_station::{self as station, Package, Toolchain, fmi, probe, simtalk};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// What was written, and what is to be said of it.
@@ -50,7 +51,7 @@ pub fn build(
     let texts = simtalk::texts(controlled.machine, &package, profile, beside);
     written.methods(folder, &library, &texts.methods)?;
     let page = folder.join(simtalk::page_name(&library));
-    output::write(&page, &texts.page)?;
+    output::write(&page, &texts.page, &BTreeSet::new())?;
     written.files.push(page);
     Ok(written)
 }

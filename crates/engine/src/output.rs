@@ -3,13 +3,27 @@
 use super::files;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_station::disk;
+use std::collections::BTreeSet;
 use std::fs::Permissions;
 use std::io::{self, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Writes a file, and makes its folder where that is missing. A link stays, and where it leads is written; what is no regular file, such as a
-/// device or a named pipe, is left as it is and told.
-pub fn write(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
+/// Writes a file, and makes its folder where that is missing. A link stays, and the file it leads to is written.
+///
+/// # Errors
+/// The file cannot be written, is not a regular file (a device, a named pipe), or is one of the `sources` from which the
+/// command makes its result ([`Loaded::places`](files::Loaded::places)). What was there before is unchanged.
+pub fn write(path: &Path, text: &str, sources: &BTreeSet<PathBuf>) -> Result<(), Box<Diagnostic>> {
+    if std::fs::canonicalize(path).is_ok_and(|place| sources.contains(&place)) {
+        let message = format!(
+            "{} is not overwritten: it is a source of this result",
+            path.display()
+        );
+        let help = "give the result another name, or write it into another folder";
+        return Err(Box::new(
+            Diagnostic::error(codes::OUTPUT_UNWRITABLE, None, message).with_help(help),
+        ));
+    }
     let written = if path.exists() {
         files::is_regular(path)
             .map_err(io::Error::other)
@@ -37,7 +51,7 @@ pub fn keep(path: &Path, text: &str, help: &str) -> Result<(), Box<Diagnostic>> 
                 Diagnostic::error(codes::FILE_KEPT, None, message).with_help(help),
             ))
         }
-        Err(_) => write(path, text),
+        Err(_) => write(path, text, &BTreeSet::new()),
     }
 }
 
@@ -92,8 +106,9 @@ mod tests {
     fn files_are_replaced_and_folders_made() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a/b.json");
-        write(&path, "one").unwrap();
-        write(&path, "two").unwrap();
+        let none = BTreeSet::new();
+        write(&path, "one", &none).unwrap();
+        write(&path, "two", &none).unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "two");
         let left: Vec<_> = std::fs::read_dir(path.parent().unwrap()).unwrap().collect();
         assert_eq!(left.len(), 1, "no temporary file stays behind");
@@ -103,7 +118,7 @@ mod tests {
     fn an_unwritable_folder_is_a_finding() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a"), "a file, no folder").unwrap();
-        let finding = write(&folder.path().join("a/b.json"), "text").unwrap_err();
+        let finding = write(&folder.path().join("a/b.json"), "text", &BTreeSet::new()).unwrap_err();
         assert_eq!(finding.code, codes::OUTPUT_UNWRITABLE);
     }
 

@@ -23,6 +23,7 @@ use crate::source::Span;
 use assembly::Assembly;
 use clap::Args;
 use document::Document;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use view::{FileView, view};
 
@@ -163,7 +164,7 @@ fn check(
         let found = if own.is_empty() && has_errors(&findings) {
             Vec::new()
         } else {
-            write_proof(path, &own)?
+            write_proof(path, &own, &loaded.places)?
         };
         document
             .findings
@@ -227,6 +228,7 @@ fn is_only_refined(loaded: &Loaded, contract: &Contract) -> bool {
 fn write_proof(
     path: &Path,
     contracts: &[(&Contract, &CheckedContract)],
+    sources: &BTreeSet<PathBuf>,
 ) -> anyhow::Result<Vec<Diagnostic>> {
     let [(contract, checked)] = contracts else {
         anyhow::bail!(
@@ -243,7 +245,7 @@ fn write_proof(
     Ok(match (&checked.ranking, checked.verdict) {
         (Some(ranking), _) => {
             let text = proof::to_text(&contract.specification, ranking);
-            output::write(path, &text).err().map(|f| *f).into_iter().collect()
+            output::write(path, &text, sources).err().map(|f| *f).into_iter().collect()
         }
         (None, Verdict::Unrealizable) => vec![
             note(format!("there is no proof for `{name}` in {}", path.display())).with_help(

@@ -157,7 +157,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     }
     match &arguments.out {
         None => console.result(&text)?,
-        Some(path) => match output::write(path, &text) {
+        Some(path) => match output::write(path, &text, &chosen.loaded.places) {
             Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
             Err(finding) => return chosen.failed(command, *finding, options),
         },

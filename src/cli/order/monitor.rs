@@ -164,7 +164,7 @@ fn emitted(
     };
     for (name, text) in &files {
         let path = folder.join(name);
-        if let Err(finding) = output::write(&path, text) {
+        if let Err(finding) = output::write(&path, text, &chosen.loaded.places) {
             return chosen.failed(COMMAND, *finding, options);
         }
         console.remark(&format!("wrote {}\n", path.display()))?;

@@ -3,7 +3,7 @@
 use super::session::Session;
 use crate::support::{linewright, root};
 #[cfg(unix)]
-use std::path::Path;
+use std::path::{Path, PathBuf};
 #[cfg(unix)]
 use std::process::{Command, Output, Stdio};
 #[cfg(unix)]
@@ -24,6 +24,68 @@ fn a_folder_without_files_is_the_same_to_all() {
         let all = format!("{}{}", printed.out, printed.err);
         let wanted = "error[LW001]: empty cannot be read: it holds no .lw file";
         assert!(all.contains(wanted), "{line}: {all}");
+    }
+}
+
+/// A folder that cannot be read, since its path is longer than the system takes, is named; what lies beside it is looked at.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_cannot_be_read_is_named() {
+    let session = Session::new();
+    let half: PathBuf = std::iter::repeat_n("0".repeat(250), 9).collect();
+    for folder in ["plant", "moved"] {
+        std::fs::create_dir_all(session.path(folder).join(&half)).expect("a folder");
+    }
+    let inner = session.path("plant").join(&half).join("inner");
+    std::fs::rename(session.path("moved"), inner).expect("a folder that moves");
+    std::fs::copy(session.path("lamp.lw"), session.path("plant/lamp.lw")).expect("a copy");
+    for line in ["check plant", "fmt --check plant"] {
+        let printed = session.run(&format!("{line} --format short"));
+        assert_eq!(printed.code, 2, "{line}");
+        let all = format!("{}{}", printed.out, printed.err);
+        assert!(all.contains("error[LW001]: plant/0000"), "{line}: {all}");
+        assert_eq!(all.matches("cannot be read").count(), 1, "{line}: {all}");
+        assert!(
+            !line.starts_with("check") || all.contains("contract Light: realizable"),
+            "{all}"
+        );
+    }
+}
+
+/// Whatever names its own source as the place of its result is refused, and the source stays.
+#[test]
+fn no_result_is_written_over_its_source() {
+    let session = Session::new();
+    let examples = root().join("examples");
+    for name in [
+        "other-tools/arbiter.tlsf",
+        "other-tools/arbiter.spc",
+        "pick-and-place/unit.lw",
+    ] {
+        let place = examples.join(name);
+        let own = place.file_name().expect("a name").to_string_lossy();
+        std::fs::copy(&place, session.path(&own)).expect("a copy");
+    }
+    std::fs::write(session.path("save.txt"), "save lamp.lw\n").expect("a file");
+    std::fs::create_dir(session.path("inner")).expect("a folder");
+    for (line, file) in [
+        ("check lamp.lw --proof lamp.lw", "lamp.lw"),
+        ("check lamp.lw --proof inner/../lamp.lw", "lamp.lw"),
+        ("synth arbiter.tlsf --emit tlsf --out .", "arbiter.tlsf"),
+        ("import arbiter.spc --out arbiter.spc", "arbiter.spc"),
+        ("order fsm unit.lw --out unit.lw", "unit.lw"),
+        ("step lamp.lw --script save.txt", "lamp.lw"),
+    ] {
+        let before = std::fs::read(session.path(file)).expect("a file");
+        let printed = session.run(line);
+        let all = format!("{}{}", printed.out, printed.err);
+        assert_ne!(printed.code, 0, "{line}: {all}");
+        assert!(
+            all.contains("is not overwritten: it is a source of this result"),
+            "{line}: {all}"
+        );
+        let after = std::fs::read(session.path(file)).expect("a file");
+        assert!(before == after, "{line}");
     }
 }
 
