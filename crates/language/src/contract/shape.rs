@@ -7,6 +7,7 @@ use super::units::Unit;
 use super::value::Type;
 use linewright_core::gr1::{Domain, VarId};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A finite type.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +53,7 @@ impl Shape {
             Self::Scalar(domain, unit) => Entry::One(add(name, domain, *unit)),
             Self::Array(of, n) => {
                 let elements = (0..*n).map(|i| of.declare(format!("{name}[{i}]"), add));
-                Entry::Many(elements.collect())
+                Entry::Many(Arc::new(elements.collect()))
             }
             Self::Record(members) => {
                 let entries = members.iter().map(|(member, shape)| {
@@ -78,8 +79,8 @@ pub(super) fn measured(domain: &Domain, unit: Option<Unit>) -> Type {
 pub(super) enum Entry {
     /// A scalar.
     One(VarId),
-    /// An array.
-    Many(Vec<Entry>),
+    /// An array; shared, since each index that is known passes on what it names.
+    Many(Arc<Vec<Entry>>),
     /// Members by name.
     Record(Vec<(String, Entry)>),
 }
@@ -89,7 +90,10 @@ impl Entry {
     pub fn renumbered(&self, change: &impl Fn(VarId) -> VarId) -> Self {
         match self {
             Self::One(id) => Self::One(change(*id)),
-            Self::Many(list) => Self::Many(list.iter().map(|e| e.renumbered(change)).collect()),
+            Self::Many(list) => {
+                let list = list.iter().map(|e| e.renumbered(change)).collect();
+                Self::Many(Arc::new(list))
+            }
             Self::Record(members) => Self::Record(
                 members
                     .iter()
@@ -120,12 +124,13 @@ impl Entry {
         match first {
             Segment::Element(i) => {
                 if !matches!(self, Self::Many(_)) {
-                    *self = Self::Many(Vec::new());
+                    *self = Self::Many(Arc::default());
                 }
                 if let Self::Many(list) = self {
+                    let list = Arc::make_mut(list);
                     // Leaves come in the order of their indices.
                     if list.len() <= *i {
-                        list.push(Self::Many(Vec::new()));
+                        list.push(Self::Many(Arc::default()));
                     }
                     if let Some(entry) = list.last_mut() {
                         entry.insert(rest, id);
@@ -138,7 +143,7 @@ impl Entry {
                 }
                 if let Self::Record(members) = self {
                     if members.last().is_none_or(|(n, _)| n != name) {
-                        members.push(((*name).to_owned(), Self::Many(Vec::new())));
+                        members.push(((*name).to_owned(), Self::Many(Arc::default())));
                     }
                     if let Some((_, entry)) = members.last_mut() {
                         entry.insert(rest, id);
@@ -179,7 +184,7 @@ pub(super) fn entries<'t>(
         let (name, way) = way(leaf);
         found
             .entry(name.to_owned())
-            .or_insert_with(|| Entry::Many(Vec::new()))
+            .or_insert_with(|| Entry::Many(Arc::default()))
             .insert(&way, id);
     }
     found

@@ -1,6 +1,7 @@
 //! Elements of arrays by index, also by one that is known only when the machine runs.
 
 use super::Elaborator;
+use crate::contract::shape::Entry;
 use crate::contract::value::{Term, Type, Value};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{BinaryOp, Time};
@@ -9,6 +10,12 @@ use linewright_syntax::ast;
 
 /// Up to so many elements are chosen one by one; more by halves, which keeps formulas shallow.
 const MAX_LINEAR: usize = 16;
+
+/// What an expression names: a variable or a part of one, whose value need not be written out yet, or any other value.
+enum Named {
+    Variable(Entry),
+    Value(Value),
+}
 
 impl<'a> Elaborator<'a> {
     pub(super) fn index(
@@ -19,26 +26,72 @@ impl<'a> Elaborator<'a> {
         expected: Option<&Type>,
         time: Time,
     ) -> Option<Value> {
+        let element = self.element_of(span, base, index, expected, time)?;
+        Some(self.written_out(element, time))
+    }
+
+    fn written_out(&self, named: Named, time: Time) -> Value {
+        match named {
+            Named::Variable(entry) => self.variables.entry(&entry, time, self.dialect.real),
+            Named::Value(value) => value,
+        }
+    }
+
+    /// What is indexed. An array of arrays of variables is followed index by index, so that one element costs no more than itself.
+    fn named(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Named> {
+        match &e.kind {
+            ast::ExprKind::Path(names) => {
+                if let Some(entry) = self.names.variable(names) {
+                    let entry = entry.clone();
+                    self.expansion.spend(e.span, 1, &mut self.findings)?;
+                    return Some(Named::Variable(entry));
+                }
+            }
+            ast::ExprKind::Index(base, index) => {
+                self.expansion.spend(e.span, 1, &mut self.findings)?;
+                self.expansion.enter(e.span, &mut self.findings)?;
+                let element = self.element_of(e.span, base, index, expected, time);
+                self.expansion.leave();
+                return element;
+            }
+            _ => {}
+        }
+        self.value(e, expected, time).map(Named::Value)
+    }
+
+    fn element_of(
+        &mut self,
+        span: Span,
+        base: &'a ast::Expr,
+        index: &'a ast::Expr,
+        expected: Option<&Type>,
+        time: Time,
+    ) -> Option<Named> {
         let expected_array = expected.map(|t| Type::Array(Box::new(t.clone()), 0));
-        let base_value = self.value(base, expected_array.as_ref(), time)?;
-        let Value::Array(elements) = base_value else {
-            self.findings.error_with(
-                codes::TYPE_MISMATCH,
-                base.span,
-                format!("this is {}, not an array", base_value.ty().describe()),
-                "leave the index out, or declare it as `array[n] of ...`",
-            );
-            return None;
+        let named = self.named(base, expected_array.as_ref(), time)?;
+        let length = match &named {
+            Named::Variable(Entry::Many(list)) => list.len(),
+            Named::Value(Value::Array(elements)) => elements.len(),
+            Named::Variable(_) | Named::Value(_) => {
+                let found = self.written_out(named, time).ty();
+                self.findings.error_with(
+                    codes::TYPE_MISMATCH,
+                    base.span,
+                    format!("this is {}, not an array", found.describe()),
+                    "leave the index out, or declare it as `array[n] of ...`",
+                );
+                return None;
+            }
         };
         let (index_term, ty) = self.any_scalar(index, Some(&Type::Int), time)?;
         if ty != Type::Int {
             self.findings.mismatch(index.span, "a whole number", &ty);
             return None;
         }
-        let last = elements.len() as i64 - 1;
+        let last = length as i64 - 1;
         let range = self.range_of(&index_term, index.span)?;
         if range.low < 0 || range.high > last {
-            let count = match elements.len() {
+            let count = match length {
                 1 => "1 element".to_owned(),
                 n => format!("{n} elements"),
             };
@@ -60,12 +113,21 @@ impl<'a> Elaborator<'a> {
             );
             return None;
         }
-        if let Term::Int(i) = index_term {
-            return elements.into_iter().nth(i as usize);
-        }
+        let elements = match (named, &index_term) {
+            (Named::Variable(Entry::Many(list)), Term::Int(i)) => {
+                return list.get(*i as usize).cloned().map(Named::Variable);
+            }
+            (Named::Value(Value::Array(elements)), Term::Int(i)) => {
+                return elements.into_iter().nth(*i as usize).map(Named::Value);
+            }
+            (named, _) => match self.written_out(named, time) {
+                Value::Array(elements) => elements,
+                Value::Scalar(..) | Value::Record(_) => return None,
+            },
+        };
         self.expansion.spend(
             span,
-            index_term.size().saturating_mul(elements.len()),
+            index_term.size().saturating_mul(length),
             &mut self.findings,
         )?;
         let chosen = &elements[range.low as usize..=range.high as usize];
@@ -78,7 +140,7 @@ impl<'a> Elaborator<'a> {
                 "give all elements the same length and the same members",
             );
         }
-        found
+        found.map(Named::Value)
     }
 }
 

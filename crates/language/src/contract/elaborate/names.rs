@@ -107,6 +107,16 @@ impl<'a> Names<'a> {
         }
     }
 
+    /// The variable of this dotted name, where nothing else in sight has it.
+    pub(super) fn variable(&self, names: &[ast::Name]) -> Option<&Entry> {
+        let words: Vec<&str> = names.iter().map(|n| n.text.as_str()).collect();
+        let name = words.join(".");
+        let hidden = self.constants.contains_key(&name)
+            || self.defines.contains_key(&name)
+            || self.counters.contains_key(&name);
+        self.variables.get(&name).filter(|_| !hidden)
+    }
+
     /// The length of an array, if the name is that of one.
     pub(super) fn length(&self, name: &str) -> Option<usize> {
         match (self.constants.get(name), self.variables.get(name)) {

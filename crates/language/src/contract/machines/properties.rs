@@ -7,6 +7,7 @@ use crate::contract::value::{Dimension, Term, Type, Value, unit};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{Domain, Time, VarId};
 use linewright_syntax::ast;
+use std::sync::Arc;
 
 /// The type of a property: what a plant expression sees of it.
 #[derive(Debug, Clone)]
@@ -196,7 +197,7 @@ pub(in crate::contract) fn see_property(
         .collect();
     let entry = match ty.length {
         None => Entry::One(ids[0]),
-        Some(_) => Entry::Many(ids.iter().map(|id| Entry::One(*id)).collect()),
+        Some(_) => Entry::Many(Arc::new(ids.iter().map(|id| Entry::One(*id)).collect())),
     };
     // A property hides a constant of the same name from outside.
     e.names.hide(name);
