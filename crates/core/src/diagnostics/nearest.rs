@@ -4,8 +4,14 @@
 //! `ANGLE_DESIRED`), and by its words (`desired` for `desired_angle`, `cmd` for `command`). The first two are slips; the third is
 //! a guess, so it is asked last, and only whole words and what engineers shorten them to count.
 
+/// A longer name, in bytes, is not compared: nobody has mistyped it.
+const LONGEST_NAME: usize = 256;
+
 /// The known name closest to one that is unknown, if any is close.
 pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    if name.len() > LONGEST_NAME {
+        return None;
+    }
     let own = words(name);
     let ranked = known.filter_map(|k| Some((rank(name, &own, k)?, k)));
     ranked.min().map(|(_, k)| k)
