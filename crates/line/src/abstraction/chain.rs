@@ -13,8 +13,20 @@ pub(super) struct Chain {
     pub(super) places: Vec<usize>,
     /// Why.
     pub(super) texts: Vec<String>,
+    /// The types of the parts that wait in these places, where it is parts that wait.
+    pub(super) waiting: Vec<Option<usize>>,
     /// The last one waits for the first.
     pub(super) circle: bool,
+}
+
+/// Why a place does not go on.
+#[derive(Debug, Default)]
+struct Reason {
+    text: String,
+    /// The type of the part that waits in it, if one does.
+    waiting: Option<usize>,
+    /// The place that this is due to.
+    next: Option<usize>,
 }
 
 /// One state, to be looked at.
@@ -57,12 +69,14 @@ impl View<'_> {
             ..Chain::default()
         };
         let mut at = start;
-        while let Some((text, next)) = self.reason(at) {
-            chain.texts.push(text);
-            let Some(next) = next else { break };
+        while let Some(reason) = self.reason(at) {
+            chain.texts.push(reason.text);
+            chain.waiting.push(reason.waiting);
+            let Some(next) = reason.next else { break };
             if let Some(first) = chain.places.iter().position(|p| *p == next) {
                 chain.places.drain(..first);
                 chain.texts.drain(..first);
+                chain.waiting.drain(..first);
                 chain.circle = true;
                 break;
             }
@@ -72,8 +86,8 @@ impl View<'_> {
         chain
     }
 
-    /// Why a place does not go on, and the place that this is due to.
-    fn reason(&self, place: usize) -> Option<(String, Option<usize>)> {
+    /// Why a place does not go on.
+    fn reason(&self, place: usize) -> Option<Reason> {
         let model = self.abstraction.model();
         let shape = model.shape;
         let name = self.name(place);
@@ -90,10 +104,11 @@ impl View<'_> {
                 PlaceKind::Room { .. } => "room in ",
                 _ => "",
             };
-            return Some((
-                format!("{name} has a {kind} that waits for {room}{}", self.name(to)),
-                Some(to),
-            ));
+            return Some(Reason {
+                text: format!("{name} has a {kind} that waits for {room}{}", self.name(to)),
+                waiting: Some(part),
+                next: Some(to),
+            });
         }
         let vars = model.vars(place);
         let PlaceKind::Station { tasks } = &shape.places[place].kind else {
@@ -102,10 +117,10 @@ impl View<'_> {
                     if self.value(in_line) >= i64::from(most) =>
                 {
                     let kind = &shape.types[*part];
-                    Some((
-                        format!("{name} gives no more {kind} while {most} are in the line"),
-                        None,
-                    ))
+                    Some(Reason {
+                        text: format!("{name} gives no more {kind} while {most} are in the line"),
+                        ..Reason::default()
+                    })
                 }
                 _ => None,
             };
@@ -130,18 +145,22 @@ impl View<'_> {
                 let mut from = shape.places[place].from.clone();
                 from.retain(|from| shape.between(*from, place).any(|p| p == part));
                 from.sort_by_key(|from| !self.contains(*from, part));
-                return Some(match from.first() {
-                    Some(from) => (format!("{text} from {}", self.name(*from)), Some(*from)),
-                    None => (text, None),
+                let next = from.first().copied();
+                let source = next.map(|from| format!(" from {}", self.name(from)));
+                return Some(Reason {
+                    text: text + &source.unwrap_or_default(),
+                    waiting: None,
+                    next,
                 });
             }
         }
         // Nothing is here, and nothing comes from where it would.
         let from = shape.places[place].from.first()?;
-        Some((
-            format!("{name} waits for a part from {}", self.name(*from)),
-            Some(*from),
-        ))
+        Some(Reason {
+            text: format!("{name} waits for a part from {}", self.name(*from)),
+            waiting: None,
+            next: Some(*from),
+        })
     }
 
     fn contains(&self, place: usize, part: usize) -> bool {

@@ -4,11 +4,11 @@ use super::Abstraction;
 use super::chain::{Chain, View};
 use super::decide::{Open, Verdict};
 use super::requirements::{NO_CIRCULAR_WAIT, ORDERS_ARE_FINISHED};
-use super::shape::PlaceKind;
+use super::shape::{Place, PlaceKind, Shape};
 use linewright_algebra::proof::Broken;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::eval::holds;
-use linewright_language::contract::line::Line;
+use linewright_language::contract::line::{Line, NodeKind};
 use std::collections::BTreeMap;
 
 /// The findings of a verdict: at most one for each thing that is wrong.
@@ -77,7 +77,7 @@ fn stuck(line: &Line, abstraction: &Abstraction, trace: &[Vec<i64>]) -> Diagnost
             "on the shortest way there, {}",
             moves(abstraction, &states)
         ))
-        .with_help(advice(abstraction, &chain))
+        .with_help(advice(line, abstraction, &chain))
 }
 
 fn unfinished(
@@ -130,7 +130,7 @@ fn unfinished(
     finding
         .with_note(format!("before that, {}", moves(abstraction, run)))
         .with_note(format!("from then on, again and again, {going}"))
-        .with_help(advice(abstraction, &chain))
+        .with_help(advice(line, abstraction, &chain))
 }
 
 /// How many parts went which way.
@@ -163,50 +163,85 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
     }
 }
 
-fn advice(abstraction: &Abstraction, chain: &Chain) -> String {
+/// The way out of what a chain shows.
+fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     let shape = &abstraction.shape;
-    let limits = |words: fn(&str, u32) -> String| -> Vec<String> {
-        let places = shape.places.iter();
-        let limited = places.filter_map(|place| match place.kind {
-            PlaceKind::Supply {
-                most: Some(most), ..
-            } => Some(words(&place.name, most)),
-            _ => None,
-        });
-        limited.collect()
-    };
-    let rooms = chain.places.iter().filter(|place| {
+    if !chain.circle {
+        let limits: Vec<String> = supplies(line, shape)
+            .filter_map(|(place, _, most)| {
+                Some(format!(
+                    "{} lets at most {} into the line",
+                    place.name, most?
+                ))
+            })
+            .collect();
+        return if limits.is_empty() {
+            "See that what is missing can come: it must not wait behind parts that are not needed yet."
+                .to_owned()
+        } else {
+            format!("See what is missing; {}.", limits.join(", "))
+        };
+    }
+    let places = chain.places.iter().map(|place| &shape.places[*place]);
+    let names: Vec<&str> = places.clone().map(|p| p.name.as_str()).collect();
+    let names = names.join(", ");
+    let has_room = places.into_iter().any(|place| {
         matches!(
-            shape.places[**place].kind,
+            place.kind,
             PlaceKind::Conveyor { .. } | PlaceKind::Room { .. }
         )
     });
-    if chain.circle {
-        let names: Vec<&str> = chain
-            .places
-            .iter()
-            .map(|p| shape.places[*p].name.as_str())
-            .collect();
-        let room = match rooms.count() {
-            0 => "Put a buffer into the circle, or let fewer parts in".to_owned(),
-            _ => format!(
-                "Let fewer parts in than fill the circle {}",
-                names.join(", ")
-            ),
-        };
-        let limits = limits(|name, most| format!("make the limit of {name} less than {most}"));
-        let limit = if limits.is_empty() {
-            "write `at most N in the line` behind the source that feeds it".to_owned()
-        } else {
-            limits.join(" or ")
-        };
-        format!("{room}: {limit}. Or give parts in it a way out by another station.")
-    } else if let limits = limits(|name, most| format!("{name} lets at most {most} into the line"))
-        && !limits.is_empty()
-    {
-        format!("See what is missing; {}.", limits.join(", "))
-    } else {
-        "See that what is missing can come: it must not wait behind parts that are not needed yet."
-            .to_owned()
+    let fewer = fewer(line, shape, chain);
+    let way_out = "give parts in it a way out by another station";
+    match (has_room, fewer.is_empty()) {
+        (true, true) => format!("Make room for more parts in the circle {names}, or {way_out}."),
+        (true, false) => format!(
+            "Let fewer parts in than fill the circle {names}: {}. Or {way_out}.",
+            fewer.join(" or ")
+        ),
+        (false, true) => format!("Put a buffer into the circle {names}, or {way_out}."),
+        (false, false) => format!(
+            "Put a buffer into the circle, or let fewer parts in: {}. Or {way_out}.",
+            fewer.join(" or ")
+        ),
     }
+}
+
+/// How to let in fewer of the parts that wait in a circle, and of those that they are made of. A limit below what one product is made of would
+/// leave the line without products.
+fn fewer(line: &Line, shape: &Shape, chain: &Chain) -> Vec<String> {
+    let mut found = Vec::new();
+    for (place, part, most) in supplies(line, shape) {
+        let mut waiting = chain.waiting.iter().flatten();
+        if !waiting.any(|kind| shape.contents[*kind][part] > 0) {
+            continue;
+        }
+        let name = &place.name;
+        let needed = shape.contents[shape.product][part].max(1);
+        match most {
+            None => found.push(format!(
+                "write `at most N in the line` behind source {name}"
+            )),
+            Some(most) if u64::from(most) > needed => {
+                found.push(format!("make the limit of {name} less than {most}"));
+            }
+            Some(_) => {}
+        }
+    }
+    found
+}
+
+/// The sources: their places, the types of their parts, and how many of these they let into the line.
+fn supplies<'s>(
+    line: &'s Line,
+    shape: &'s Shape,
+) -> impl Iterator<Item = (&'s Place, usize, Option<u32>)> {
+    shape.places.iter().filter_map(|place| match place.kind {
+        PlaceKind::Supply { part, most, .. }
+            if matches!(line.nodes[place.node].kind, NodeKind::Source { .. }) =>
+        {
+            Some((place, part, most))
+        }
+        _ => None,
+    })
 }

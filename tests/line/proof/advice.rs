@@ -1,0 +1,72 @@
+//! The way out that a finding names is one.
+
+use super::examples::load;
+use linewright::game::Limits;
+use linewright::line::abstraction::{Abstraction, decide, findings};
+
+/// A station joins two P and one Q, which reach it through one buffer. Gives what is advised; nothing where the line is proved.
+fn advice(first: &str, second: &str) -> Option<String> {
+    let text = format!(
+        "import std.coordination.single
+contract Work {{
+    input requested: bool
+    output finished: bool
+    guarantee report: always (finished <-> requested)
+}}
+machine M {{
+    coordinator c: Single {{
+        job = operation = go
+        executed = a.finished
+    }}
+    action a: Work when c.command {{
+        requested = c.command
+        time 1 s
+    }}
+    operation go: a
+    done c.done
+}}
+line L {{
+    part P
+    part Q
+    part A from 2 P, 1 Q
+    product A
+    source p: P every 10 s{first}
+    source q: Q every 10 s{second}
+    sink out
+    buffer b capacity 3
+    station s: M {{ perform go on A }}
+    route P: p -> b -> s
+    route Q: q -> b -> s
+    route A: s -> out
+}}
+"
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("joined.lw");
+    std::fs::write(&file, text).expect("a file");
+    let line = load(&file.display().to_string());
+    let abstraction = Abstraction::of(&line).expect("an abstraction");
+    let verdict = decide(&abstraction, &Limits::default()).expect("no limit");
+    let found = findings(&line, &abstraction, &verdict);
+    found.first().map(|f| f.help.clone().unwrap_or_default())
+}
+
+#[test]
+fn the_parts_that_fill_a_circle_are_limited() {
+    let limit = |n: u32| format!(", at most {n} in the line");
+    // A second Q takes the place of a P. With fewer P, no A is made.
+    let help = advice(&limit(2), "").expect("a circle");
+    assert!(
+        help.contains("write `at most N in the line` behind source q"),
+        "{help}"
+    );
+    assert!(!help.contains("of p"), "{help}");
+    assert_eq!(advice(&limit(2), &limit(1)), None);
+    // A third P takes the place of the Q.
+    let help = advice(&limit(3), &limit(1)).expect("a circle");
+    assert!(
+        help.contains("make the limit of p less than 3. Or"),
+        "{help}"
+    );
+    assert!(!help.contains("source q"), "{help}");
+}
