@@ -7,7 +7,7 @@ use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use crate::contract::Contract;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::engine::controller::Wish;
+use crate::engine::controller::ExtractionOptions;
 use crate::engine::files;
 use crate::engine::output;
 use crate::engine::pipeline::{CheckedContract, Goal, InternalError, Jobs, Verdict};
@@ -73,9 +73,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
 
     let settings = options.settings();
-    let mut jobs = Jobs::default().wishing(Wish {
+    let mut jobs = Jobs::default().wishing(ExtractionOptions {
         functions: true,
-        ..Wish::default()
+        ..ExtractionOptions::default()
     });
     match loaded.foreign(contract.span.file) {
         Some(foreign) => jobs.add_foreign(

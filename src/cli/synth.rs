@@ -4,7 +4,7 @@ use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
-use crate::engine::controller::Wish;
+use crate::engine::controller::ExtractionOptions;
 use crate::engine::output;
 use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Verdict};
 use crate::game::{Limit, Preference};
@@ -186,7 +186,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             }
         }
     }
-    let mut jobs = Jobs::examining().wishing(Wish {
+    let mut jobs = Jobs::examining().wishing(ExtractionOptions {
         preference: arguments.prefer.into(),
         // The other forms can only show a machine.
         functions: controllers

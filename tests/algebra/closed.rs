@@ -6,7 +6,7 @@ mod contradictory;
 
 use crate::random::Random;
 use brute::{Brute, Found};
-use linewright::algebra::closed::{Closed, Verdict, Wrong, replay};
+use linewright::algebra::closed::{Closed, FailureKind, Verdict, replay};
 use linewright::algebra::machine::{COMPLETES, of_machine};
 use linewright::algebra::proof::{self, Discharged};
 use linewright::algebra::system::{FormulaRef, Half, list};
@@ -53,9 +53,9 @@ fn told(closed: &Closed<'_>, verdict: &Verdict) -> Found {
     for misrun in &verdict.misruns {
         assert_eq!(replay::misrun(closed, misrun), Ok(()));
         match &misrun.why {
-            Wrong::NeverBegins(_) => found.never.insert(misrun.operation),
-            Wrong::Order(_) => found.order.insert(misrun.operation),
-            Wrong::Endless(_) => found.endless.insert(misrun.operation),
+            FailureKind::NeverBegins(_) => found.never.insert(misrun.operation),
+            FailureKind::Order(_) => found.order.insert(misrun.operation),
+            FailureKind::Endless(_) => found.endless.insert(misrun.operation),
         };
     }
     assert_eq!(verdict.undecided, []);

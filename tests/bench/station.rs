@@ -27,7 +27,7 @@ use differential::Random;
 use indicatif::ProgressBar;
 use laboratory::Controlled;
 use linewright::contract::machine::Machine;
-use linewright::engine::controller::Wish;
+use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
 use linewright::engine::machines::{Planned, of_line};
 use linewright::engine::pipeline::{Jobs, Settings};
@@ -152,9 +152,9 @@ fn at_real_size() -> Vec<Controlled> {
     let [line] = loaded.library.lines.as_slice() else {
         panic!("{:?}", loaded.findings);
     };
-    let mut jobs = Jobs::default().wishing(Wish {
+    let mut jobs = Jobs::default().wishing(ExtractionOptions {
         functions: true,
-        ..Wish::default()
+        ..ExtractionOptions::default()
     });
     let machines = of_line(line);
     let planned: Vec<Planned<'_>> = machines

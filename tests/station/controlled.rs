@@ -1,7 +1,7 @@
 //! Machines of files, with the controllers that the program would make for them.
 
 use linewright::contract::machine::Machine;
-use linewright::engine::controller::Wish;
+use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
 use linewright::engine::machines::Planned;
 use linewright::engine::pipeline::{Jobs, Settings};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub fn controlled(
     file: &str,
     name: &str,
-    wish: Wish,
+    wish: ExtractionOptions,
 ) -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
     let loaded = files::load(&[file.display().to_string()], &StandardLibrary::default());

@@ -1,7 +1,7 @@
 //! The controllers that are played: every contract of the bundled library and of the examples, and every component of the
 //! laboratory's machines with the sizes it has there, at real size too.
 
-use linewright::engine::controller::Wish;
+use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
 use linewright::engine::machines::of_line;
 use linewright::engine::pipeline::{CheckedContract, Jobs, Settings};
@@ -143,9 +143,9 @@ fn made() -> &'static (Vec<Controlled>, usize) {
 }
 
 fn controlled(specifications: Vec<Arc<Specification>>) -> Vec<Controlled> {
-    let mut jobs = Jobs::default().wishing(Wish {
+    let mut jobs = Jobs::default().wishing(ExtractionOptions {
         functions: true,
-        ..Wish::default()
+        ..ExtractionOptions::default()
     });
     for specification in &specifications {
         jobs.add(specification, Span::default());

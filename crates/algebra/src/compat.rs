@@ -18,7 +18,9 @@ use super::system::{KINDS, Part, System, formulas, list, list_mut, rule};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
 };
-use linewright_solver::game::{self, Ending, Lasso, Limit, Limits, Outcome, RuleKind, Runs, Slip};
+use linewright_solver::game::{
+    self, Ending, Lasso, Limit, Limits, Outcome, RuleKind, Runs, SafetyViolationQuery,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Whether there is an environment.
@@ -240,7 +242,7 @@ fn breaking(system: &System, state: Option<&Vec<i64>>, limits: &Limits) -> Optio
         ));
     }
     let keep: Vec<usize> = (0..rules.len()).filter(|i| *i != 1).collect();
-    let slip = Slip {
+    let slip = SafetyViolationQuery {
         before: keep.clone(),
         last: keep,
         broken: 1,

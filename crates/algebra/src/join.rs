@@ -80,7 +80,7 @@ pub fn join(members: &[Member<'_>], sharing: Sharing) -> Result<System, Vec<Mism
         let mut own: Vec<VarId> = Vec::new();
         for (i, variable) in member.specification.variables.iter().enumerate() {
             let id = VarId(i as u32);
-            let apart = member.specification.is_made_up(id)
+            let apart = member.specification.is_auxiliary(id)
                 || (variable.internal && sharing == Sharing::OneDriver);
             let mut name = renamed(&variable.name, &member.renamed);
             let known = system.variables.iter().position(|v| v.name == name);

@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap;
 use std::hash::Hash;
 
 /// After so many states it is asked whether the time is over.
-const STATES_A_LOOK: usize = 64;
+const DEADLINE_CHECK_INTERVAL: usize = 64;
 
 /// What stands in place of a state where a letter is refused.
 pub const REFUSED: u32 = u32::MAX;
@@ -117,7 +117,7 @@ impl Dfa {
         let mut next = Vec::new();
         let mut at = 0;
         while at < states.len() {
-            if at.is_multiple_of(STATES_A_LOOK) {
+            if at.is_multiple_of(DEADLINE_CHECK_INTERVAL) {
                 until.check()?;
             }
             for letter in 0..letters {

@@ -8,7 +8,7 @@
 //! match its own checksum is not read, and where nothing can be written nothing is. Entries hold results and no messages, so
 //! that the findings of a contract that has moved within its file point at the right place.
 
-use super::controller::Wish;
+use super::controller::ExtractionOptions;
 use super::pipeline::Explained;
 use super::statistics::Statistics;
 use linewright_core::gr1::{Expr, Formula, Specification, Variable};
@@ -133,7 +133,7 @@ pub struct Options<'a> {
     /// The memory limit.
     pub memory_mib: Option<u64>,
     /// What the controller shall be like.
-    pub wish: Wish,
+    pub wish: ExtractionOptions,
 }
 
 /// The name of an entry.

@@ -3,8 +3,8 @@
 use super::findings::list;
 use super::found;
 use super::machine::Standing;
-use super::words::{Told, lasso_end, steps_table};
-use linewright_algebra::closed::{Closed, Misrun, Stuck, Verdict, Wrong};
+use super::words::{ProofPrinter, lasso_end, steps_table};
+use linewright_algebra::closed::{Closed, FailureKind, OperationFailure, Stuck, Verdict};
 use linewright_algebra::machine::COMPLETES;
 use linewright_algebra::proof::{Open, Proof};
 use linewright_algebra::replay;
@@ -24,7 +24,7 @@ pub fn bounded(limits: &Limits) -> Limits {
 
 /// An obligation that is not met.
 pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagnostic {
-    let told = Told {
+    let told = ProofPrinter {
         system: &closed.system,
         claim: &closed.claim,
         whole,
@@ -110,7 +110,7 @@ pub fn is_completion(closed: &Closed<'_>, open: &Open) -> bool {
 pub fn operations(closed: &Closed<'_>, verdict: &Verdict, standing: Standing) -> Vec<Diagnostic> {
     let misruns = verdict.misruns.iter().map(|m| {
         let mut finding = misrun(closed, m);
-        if standing == Standing::Within && matches!(m.why, Wrong::NeverBegins(_)) {
+        if standing == Standing::Within && matches!(m.why, FailureKind::NeverBegins(_)) {
             finding.severity = Severity::Warning;
             let alone =
                 "that is so where the machine stands alone; in others its signals are bound";
@@ -122,12 +122,12 @@ pub fn operations(closed: &Closed<'_>, verdict: &Verdict, standing: Standing) ->
     misruns.chain(unclear).collect()
 }
 
-fn misrun(closed: &Closed<'_>, misrun: &Misrun) -> Diagnostic {
+fn misrun(closed: &Closed<'_>, misrun: &OperationFailure) -> Diagnostic {
     let operation = &closed.machine.operations[misrun.operation];
     match &misrun.why {
-        Wrong::NeverBegins(by) => never_begins(closed, operation, by),
-        Wrong::Order(steps) => order(closed, misrun.operation, steps),
-        Wrong::Endless(run) => {
+        FailureKind::NeverBegins(by) => never_begins(closed, operation, by),
+        FailureKind::Order(steps) => order(closed, misrun.operation, steps),
+        FailureKind::Endless(run) => {
             let last = &run.cycle[0];
             let begun = begun(closed, last);
             let waits = match (active(closed, last), operation.sequence.get(begun)) {

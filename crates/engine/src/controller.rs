@@ -26,7 +26,7 @@ const TABLE_BYTES: usize = 256 << 10;
 
 /// What a controller shall be like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct Wish {
+pub struct ExtractionOptions {
     /// What a machine shall be good at.
     pub preference: Preference,
     /// Whether functions are as good as a machine where that would be large.
@@ -37,7 +37,7 @@ pub struct Wish {
 #[derive(Debug, Clone)]
 pub enum Controller {
     /// Nobody asks for it.
-    Unasked,
+    NotRequested,
     /// A limit was reached first.
     Stopped(Limit),
     /// A machine, verified.
@@ -51,7 +51,7 @@ pub fn controller(
     specification: &Specification,
     won: &Won,
     pairs: usize,
-    wish: Wish,
+    wish: ExtractionOptions,
     limits: &Limits,
     seconds: Option<&mut Seconds>,
 ) -> Result<Controller, InternalError> {

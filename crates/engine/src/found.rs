@@ -1,6 +1,6 @@
 //! What is wrong with a composition, as findings.
 
-use super::words::Told;
+use super::words::ProofPrinter;
 use crate::findings::list;
 use linewright_algebra::join::Mismatch;
 use linewright_algebra::proof::{Open, Proof};
@@ -10,7 +10,7 @@ use linewright_language::order::lower::rule_of;
 
 /// The findings of a proof. `at` says where a part stands in the text, and the claim's own formulas where there is no part.
 pub fn of_proof(
-    told: Told<'_>,
+    told: ProofPrinter<'_>,
     proof: &Proof,
     at: &dyn Fn(Option<usize>) -> Option<Span>,
 ) -> Vec<Diagnostic> {
@@ -35,7 +35,11 @@ pub fn of_proof(
 }
 
 /// One obligation that is not met.
-fn open(told: Told<'_>, open: &Open, at: &dyn Fn(Option<usize>) -> Option<Span>) -> Diagnostic {
+fn open(
+    told: ProofPrinter<'_>,
+    open: &Open,
+    at: &dyn Fn(Option<usize>) -> Option<Span>,
+) -> Diagnostic {
     let formula = told.formula(open.what);
     let reason = told.reason(open);
     let (code, message, label) = match open.what.part {

@@ -5,7 +5,7 @@
 //! refines none, its own components take part in the proof, and those of its machines that refine one stand for themselves.
 
 use crate::closed::undecided;
-use crate::words::Told;
+use crate::words::ProofPrinter;
 use linewright_algebra::machine::of_promise;
 use linewright_algebra::proof::{Claim, prove_stepwise};
 use linewright_algebra::system::System;
@@ -50,7 +50,7 @@ fn below(
     match prove_stepwise(&system, &claim, limits) {
         Ok(proof) if proof.holds() => {}
         Ok(proof) => {
-            let told = Told {
+            let told = ProofPrinter {
                 system: &system,
                 claim: &claim,
                 whole: &promised.contract,
@@ -67,7 +67,7 @@ fn broken(
     machine: &Machine,
     inner: &Inner,
     promised: &Promised,
-    told: Told<'_>,
+    told: ProofPrinter<'_>,
     proof: &linewright_algebra::proof::Proof,
 ) -> Diagnostic {
     let contract = &promised.contract;

@@ -8,8 +8,8 @@
 //! [`project`] is where to begin: files in, verdicts, station libraries and runs out. Nothing here prints or knows an argument of the command
 //! line. What it reads are sources ([`files`]) and the [`cache`]; what it writes are the cache and what it is asked to build.
 
-mod asked;
 pub mod cache;
+mod call_check;
 pub mod closed;
 pub mod controlled;
 pub mod controller;

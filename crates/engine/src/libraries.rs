@@ -4,7 +4,7 @@ use super::output;
 use crate::controlled::Controlled;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_station::profile::Profile;
-use linewright_station::simtalk::Beside;
+use linewright_station::simtalk::LibraryForm;
 use linewright_station::{self as station, Package, Toolchain, fmi, probe, simtalk};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -35,13 +35,13 @@ pub fn build(
     };
     let source = format!("{}-source", simtalk::stem(&library));
     let beside = match toolchain {
-        None => Beside::Source { library: &library },
+        None => LibraryForm::Source { library: &library },
         Some(toolchain) if toolchain.is_for_windows() => {
             let main = package
                 .write_source(&folder.join(&source))
                 .map_err(|e| Box::new(e.to_diagnostic()))?;
             written.files.push(main);
-            Beside::Library {
+            LibraryForm::Library {
                 library: &library,
                 source: &source,
             }

@@ -1,8 +1,8 @@
 //! Lines and their proofs: what `check` asks of a line before it runs.
 
-use super::asked;
+use super::call_check;
 use super::internal;
-use super::words::{DischargeEntry, Told, entry};
+use super::words::{DischargeEntry, ProofPrinter, entry};
 use crate::controlled::Controlled;
 use linewright_algebra::proof::prove;
 use linewright_algebra::system::FormulaRef;
@@ -78,7 +78,7 @@ pub fn examine<'a>(
     };
     // Where not all calls could be tried, contracts may still show that none breaks an order.
     let unknown = |node: usize| calls.undecided.iter().any(|(n, _)| *n == node);
-    let asked = asked::examine(line, unknown, &controlled, &bounded(limits));
+    let asked = call_check::examine(line, unknown, &controlled, &bounded(limits));
     let mut proof = examine_moves(moving, &bounded(limits), with_table);
     if wrong.is_empty() && asked.findings.is_empty() {
         if matches!(proof.verdict, LineVerdict::Proved | LineVerdict::Safe) {
@@ -303,7 +303,7 @@ fn table(
         whole.only(safe)
     };
     let proof = prove(&abstraction.system, &claim, limits)?;
-    let told = Told {
+    let told = ProofPrinter {
         system: &abstraction.system,
         claim: &claim,
         whole: &line.name,

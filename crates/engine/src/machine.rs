@@ -6,7 +6,7 @@ use crate::closed::{self, bounded, undecided};
 use crate::controlled::{self, Controlled};
 use crate::found;
 use crate::internal::within;
-use crate::words::{DischargeEntry, HANDED_ON, MetBy, Told, entry};
+use crate::words::{DischargeEntry, HANDED_ON, MetBy, ProofPrinter, entry};
 use linewright_algebra::closed::{Closed, Form, Met, Verdict};
 use linewright_algebra::machine::{COMPLETES, of_machine, of_promise};
 use linewright_algebra::proof::{Circle, Claim, Proof, prove};
@@ -125,7 +125,7 @@ pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) 
         _ => Composition::default(),
     };
     let both = Both {
-        told: Told {
+        told: ProofPrinter {
             system: &system,
             claim: &claim,
             whole: &machine.name,
@@ -205,7 +205,7 @@ fn is_layered(controlled: &Controlled<'_>) -> bool {
 
 /// A proof from contracts, and what the controllers show.
 struct Both<'a> {
-    told: Told<'a>,
+    told: ProofPrinter<'a>,
     span: Span,
     /// The machine as the proof looks at it.
     machine: &'a Machine,
@@ -406,7 +406,7 @@ fn refines(
 ) -> RefinesEntry {
     let machine = controlled.machine.abstracted();
     let (system, claim): (System, Claim) = of_promise(machine, promised);
-    let told = Told {
+    let told = ProofPrinter {
         system: &system,
         claim: &claim,
         whole: &promised.contract,

@@ -1,7 +1,7 @@
 //! The controllers of several machines, synthesized together and judged.
 
 use crate::controlled::Controlled;
-use crate::controller::Wish;
+use crate::controller::ExtractionOptions;
 use crate::judgement;
 use crate::machines::{self, Planned};
 use crate::pipeline::{CheckedContract, Jobs, Settings};
@@ -27,9 +27,9 @@ impl<'a> Synthesis<'a> {
         settings: &Settings,
         progress: impl FnOnce(usize) -> ProgressBar,
     ) -> Self {
-        let mut jobs = Jobs::default().wishing(Wish {
+        let mut jobs = Jobs::default().wishing(ExtractionOptions {
             functions: true,
-            ..Wish::default()
+            ..ExtractionOptions::default()
         });
         let machines = machines.into_iter();
         let planned: Vec<_> = machines.map(|m| Planned::new(m, &mut jobs)).collect();

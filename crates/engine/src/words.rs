@@ -15,7 +15,7 @@ use std::fmt::{self, Write as _};
 
 /// A system, a claim about it, and how both are called.
 #[derive(Debug, Clone, Copy)]
-pub struct Told<'a> {
+pub struct ProofPrinter<'a> {
     /// The system.
     pub system: &'a System,
     /// The claim.
@@ -24,7 +24,7 @@ pub struct Told<'a> {
     pub whole: &'a str,
 }
 
-impl<'a> Told<'a> {
+impl<'a> ProofPrinter<'a> {
     /// The formula that is pointed at.
     pub fn formula(&self, at: FormulaRef) -> &'a Formula {
         replay::formula(self.system, self.claim, at)
@@ -406,7 +406,7 @@ pub struct DischargeEntry {
 pub const HANDED_ON: &str = "the line, checked at every call";
 
 /// A discharge for the documents of `check`.
-pub fn entry(told: Told<'_>, discharge: &Discharge) -> DischargeEntry {
+pub fn entry(told: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry {
     DischargeEntry {
         component: told.owner(discharge.what).to_owned(),
         assumption: told.formula(discharge.what).name.clone(),

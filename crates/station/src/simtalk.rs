@@ -31,7 +31,7 @@ pub const ENDINGS: [&str; 2] = [".simtalk.txt", ".import.md"];
 
 /// What the texts stand beside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Beside<'a> {
+pub enum LibraryForm<'a> {
     /// A library of this file name, and a folder with its C source.
     Library {
         /// The library.
@@ -46,7 +46,7 @@ pub enum Beside<'a> {
     },
 }
 
-impl<'a> Beside<'a> {
+impl<'a> LibraryForm<'a> {
     fn library(self) -> &'a str {
         match self {
             Self::Library { library, .. } | Self::Source { library } => library,
@@ -70,7 +70,12 @@ fn quoted(text: &str) -> String {
 }
 
 /// The texts for a machine.
-pub fn texts(machine: &Machine, package: &Package, profile: &Profile, beside: Beside<'_>) -> Texts {
+pub fn texts(
+    machine: &Machine,
+    package: &Package,
+    profile: &Profile,
+    beside: LibraryForm<'_>,
+) -> Texts {
     let names = Names::of(machine);
     let writer = Writer {
         machine,
@@ -140,7 +145,7 @@ struct Writer<'a> {
     package: &'a Package,
     profile: &'a Profile,
     library: &'a str,
-    beside: Beside<'a>,
+    beside: LibraryForm<'a>,
     names: Names,
 }
 
@@ -261,8 +266,8 @@ impl Writer<'_> {
                 methods: methods_name(self.library),
                 source: &source,
                 source_folder: match self.beside {
-                    Beside::Library { source, .. } => Some(source),
-                    Beside::Source { .. } => None,
+                    LibraryForm::Library { source, .. } => Some(source),
+                    LibraryForm::Source { .. } => None,
                 },
                 commands: toolchain::by_hand(&source, self.library),
                 profile: self.profile.shown(),

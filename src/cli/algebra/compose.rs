@@ -13,7 +13,7 @@ use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::findings;
 use crate::engine::found;
 use crate::engine::pipeline::Jobs;
-use crate::engine::words::Told;
+use crate::engine::words::ProofPrinter;
 use crate::game::RuleKind;
 use crate::gr1::{Owner, Side, Specification, Time, Timing, VarId, Variable};
 use crate::mealy;
@@ -37,7 +37,7 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
         Ok(proof) => proof,
         Err(limit) => return gave_up(limit, "compose", &joined.loaded, options),
     };
-    let told = Told {
+    let told = ProofPrinter {
         system: &joined.system,
         claim: &claim,
         whole: "",
@@ -68,7 +68,7 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
 }
 
 /// The table, what the whole assumes and guarantees, and the verdict in a sentence.
-fn text(told: Told<'_>, proof: &Proof, synth: bool) -> String {
+fn text(told: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
     let names: Vec<&str> = told.system.parts.iter().map(|p| p.name.as_str()).collect();
     let mut text = format!("{}\n", names.join(" ⊗ "));
     if !proof.discharges.is_empty() {
@@ -111,7 +111,7 @@ fn text(told: Told<'_>, proof: &Proof, synth: bool) -> String {
 }
 
 /// One contract of all parts, where every assumption is met or handed on: its assumptions are those that were handed on.
-fn whole(told: Told<'_>, proof: &Proof) -> Specification {
+fn whole(told: ProofPrinter<'_>, proof: &Proof) -> Specification {
     let system = told.system;
     let mut assumptions = Side::default();
     for at in told.exported(proof) {
@@ -161,7 +161,7 @@ fn whole(told: Told<'_>, proof: &Proof) -> Specification {
 
 /// Assumptions that are handed on although the outside does not control what they constrain: no GR(1) contract of the whole can make them,
 /// since its environment gives the inputs of a step before it sees the outputs (the rule of [`Specification::assumptions`]).
-fn beyond_the_outside(told: Told<'_>, proof: &Proof) -> Vec<Diagnostic> {
+fn beyond_the_outside(told: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnostic> {
     let system = told.system;
     let mut findings = Vec::new();
     for at in told.exported(proof) {
@@ -211,7 +211,7 @@ fn words<'a>(names: impl Iterator<Item = &'a str>) -> String {
 /// A controller of the whole.
 fn synth(
     joined: &Joined,
-    told: Told<'_>,
+    told: ProofPrinter<'_>,
     proof: &Proof,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {

@@ -3,7 +3,7 @@
 use crate::algebra::proof::{Broken, Discharge, Discharged, Open, Proof};
 use crate::algebra::system::{FormulaRef, System, formulas};
 use crate::diagnostics::json;
-use crate::engine::words::{MetBy, Told};
+use crate::engine::words::{MetBy, ProofPrinter};
 use crate::game::Lasso;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -186,7 +186,7 @@ pub struct Compared {
 }
 
 /// A formula by name.
-pub fn named(told: Told<'_>, at: FormulaRef) -> Named {
+pub fn named(told: ProofPrinter<'_>, at: FormulaRef) -> Named {
     let formula = told.formula(at);
     Named {
         of: told.owner(at).to_owned(),
@@ -196,7 +196,7 @@ pub fn named(told: Told<'_>, at: FormulaRef) -> Named {
 }
 
 /// A proof for other programs.
-pub fn proof(told: Told<'_>, proof: &Proof) -> ProofEntry {
+pub fn proof(told: ProofPrinter<'_>, proof: &Proof) -> ProofEntry {
     ProofEntry {
         discharges: proof
             .discharges
@@ -222,7 +222,7 @@ pub fn proof(told: Told<'_>, proof: &Proof) -> ProofEntry {
     }
 }
 
-fn discharge(told: Told<'_>, discharge: &Discharge) -> DischargeEntry {
+fn discharge(told: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry {
     DischargeEntry {
         what: named(told, discharge.what),
         rule: discharge.rule.into(),
@@ -235,7 +235,7 @@ fn discharge(told: Told<'_>, discharge: &Discharge) -> DischargeEntry {
 }
 
 /// An open obligation for other programs.
-pub fn open(told: Told<'_>, open: &Open) -> OpenEntry {
+pub fn open(told: ProofPrinter<'_>, open: &Open) -> OpenEntry {
     OpenEntry {
         what: named(told, open.what),
         reason: told.reason(open),

@@ -14,7 +14,7 @@ use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::found;
-use crate::engine::words::{Told, lasso_table};
+use crate::engine::words::{ProofPrinter, lasso_table};
 use crate::game::Limit;
 use crate::gr1::Side;
 use std::collections::BTreeMap;
@@ -96,8 +96,8 @@ fn single(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
 }
 
 /// A question and whose formulas its goal is made of.
-pub fn of_question<'a>(question: &'a Question, whole: &'a str) -> Told<'a> {
-    Told {
+pub fn of_question<'a>(question: &'a Question, whole: &'a str) -> ProofPrinter<'a> {
+    ProofPrinter {
         system: &question.system,
         claim: &question.claim,
         whole,
@@ -206,7 +206,7 @@ fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> 
         ..Claim::default()
     };
     let proof = prove(&system, &claim, &options.limits())?;
-    let told = Told {
+    let told = ProofPrinter {
         system: &system,
         claim: &claim,
         whole: &whole.name,

@@ -1,6 +1,6 @@
 //! The JSON document of `check`, which its other formats are made from, too.
 
-use super::watch::Occasion;
+use super::watch::Trigger;
 use crate::diagnostics::json;
 use crate::engine::findings::lost::Suggestion;
 use crate::engine::lines::LineVerdict;
@@ -19,7 +19,7 @@ pub(super) struct Document {
     pub(super) schema: String,
     /// Why it was checked again, with `--watch`.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub(super) occasion: Option<Occasion>,
+    pub(super) occasion: Option<Trigger>,
     pub(super) semantics: &'static str,
     pub(super) contracts: Vec<ContractEntry>,
     /// The sets of skills; left out where there are none.

@@ -14,7 +14,7 @@ use super::proof;
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, Library};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
-use crate::engine::controller::Wish;
+use crate::engine::controller::ExtractionOptions;
 use crate::engine::files::{self, Loaded, StandardLibrary};
 use crate::engine::machines::{self, Planned};
 use crate::engine::output;
@@ -106,9 +106,9 @@ fn check(
 
     // A machine's actions are looked at in the form that `build` gives them.
     let mut jobs = Jobs::examining()
-        .wishing(Wish {
+        .wishing(ExtractionOptions {
             functions: true,
-            ..Wish::default()
+            ..ExtractionOptions::default()
         })
         .ranking(arguments.proof.is_some());
     let library = &loaded.library;

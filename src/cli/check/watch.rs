@@ -4,7 +4,7 @@
 //! moved within their file from the cache; where the user wants none, from one that lasts as long as the watch. Ctrl-C ends the watch
 //! in the ordinary way, with the exit code of the last check that was finished.
 
-mod lookout;
+mod file_watcher;
 
 use super::{Arguments, Checked, check, write};
 use crate::cli::exit::ExitCode;
@@ -15,14 +15,14 @@ use crate::engine::files::StandardLibrary;
 use crate::engine::pipeline::Memory;
 use crate::source::SourceMap;
 use anyhow::Context as _;
-use lookout::{Change, Lookout};
+use file_watcher::{Change, FileWatcher};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Why there was another check: a part of its JSON document.
 #[derive(Debug, Serialize)]
-pub(super) struct Occasion {
+pub(super) struct Trigger {
     /// Empty for the first check.
     changes: Vec<Change>,
     /// When it began, in seconds since 1970 (UTC).
@@ -30,7 +30,7 @@ pub(super) struct Occasion {
     unix_seconds: Option<f64>,
 }
 
-impl Occasion {
+impl Trigger {
     fn now(changes: Vec<Change>, timing: bool) -> Self {
         let now = || SystemTime::now().duration_since(UNIX_EPOCH).ok();
         let unix_seconds = now().filter(|_| timing).map(|t| t.as_secs_f64());
@@ -64,14 +64,14 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
     }
     let console = options.console();
     let standard = StandardLibrary::new(options.library.clone());
-    let mut lookout = Lookout::new(&arguments.paths, standard.clone());
+    let mut watcher = FileWatcher::new(&arguments.paths, standard.clone());
     let mut memory = Memory::default();
     let own = tempfile::tempdir().context("no temporary folder can be made")?;
     let mut code = None;
-    let mut changes = lookout.look();
+    let mut changes = watcher.look();
     changes.clear();
     loop {
-        let occasion = Occasion::now(changes, !options.no_timing);
+        let occasion = Trigger::now(changes, !options.no_timing);
         // Each check has the whole time.
         let mut settings = options.settings();
         settings.limits = options.limits_from(Instant::now());
@@ -90,8 +90,8 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
         if code.replace(checked.code).is_none() && options.format != Format::Json {
             console.remark("Watching; Ctrl-C ends it.\n")?;
         }
-        lookout.also(&places_of(&checked, &standard));
-        let Some(found) = lookout.wait(interrupt::interrupted) else {
+        watcher.also(&places_of(&checked, &standard));
+        let Some(found) = watcher.wait(interrupt::interrupted) else {
             interrupt::take();
             return Ok(checked.code);
         };

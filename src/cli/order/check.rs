@@ -176,14 +176,14 @@ fn beside(programs: &[(&str, Read)], options: &GlobalOptions) -> Result<Selectio
     Ok(found?)
 }
 
-type Told = (Entry, String, Vec<Diagnostic>);
+type CheckedProgram = (Entry, String, Vec<Diagnostic>);
 
 fn one(
     name: &str,
     read: Read,
     chosen: &mut Chosen,
     arguments: &Arguments,
-) -> Result<Told, crate::automata::bound::TooLarge> {
+) -> Result<CheckedProgram, crate::automata::bound::TooLarge> {
     let mut entry = Entry {
         file: name.to_owned(),
         verdict: ProgramVerdict::Invalid,

@@ -3,7 +3,7 @@
 use super::explorer::Explorer;
 use super::lines::line;
 use super::replay::accepts;
-use linewright::game::{Limits, Rule, RuleKind, Runs, Slip};
+use linewright::game::{Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
 use linewright::gr1::{BinaryOp, Expr};
 use linewright::line::abstraction::{
     Abstraction, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, PlaceKind, Queue, decide,
@@ -57,7 +57,7 @@ fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
     }
     let mut runs = Runs::new(&abstraction.system.variables, rules, &Limits::default()).unwrap();
     let mut can_be = |rule: usize| {
-        let slip = Slip {
+        let slip = SafetyViolationQuery {
             before: kept.clone(),
             last: kept.clone(),
             broken: rule,

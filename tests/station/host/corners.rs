@@ -8,7 +8,7 @@ use crate::fixtures::{jammed, manipulator, op, v};
 use linewright::contract::machine::{
     ActionTime, Machine, PlantSource, RealBinary, RealExpr, RealUnary,
 };
-use linewright::engine::controller::Wish;
+use linewright::engine::controller::ExtractionOptions;
 use linewright::gr1::{BinaryOp, Domain};
 use linewright::mealy;
 use std::sync::Arc;
@@ -109,9 +109,9 @@ pub fn faulty() -> Subject {
 
 /// Functions with several goals over domains that do not begin at 0.
 pub fn odd() -> Subject {
-    let wish = Wish {
+    let wish = ExtractionOptions {
         functions: true,
-        ..Wish::default()
+        ..ExtractionOptions::default()
     };
     let (machine, controllers) = controlled("tests/station/libraries/odd.lw", "Oddity", wish);
     Subject {
@@ -122,8 +122,11 @@ pub fn odd() -> Subject {
 
 /// Functions whose first variable with a domain that does not begin at 0 is an output.
 pub fn lonely() -> Subject {
-    let (machine, controllers) =
-        controlled("tests/station/host/lone.lw", "Lonely", Wish::default());
+    let (machine, controllers) = controlled(
+        "tests/station/host/lone.lw",
+        "Lonely",
+        ExtractionOptions::default(),
+    );
     as_functions(&Subject {
         machine,
         controllers,

@@ -4,7 +4,7 @@ use crate::differential::differential;
 use crate::support::{linewright_with_cache, root};
 use linewright::engine::cache::Cache;
 use linewright::engine::controlled::compose;
-use linewright::engine::controller::Wish;
+use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
 use linewright::engine::machines::{Planned, of_line};
 use linewright::engine::pipeline::{Jobs, Settings};
@@ -35,9 +35,9 @@ fn the_line_at_real_size_runs() {
     let loaded = files::load(&[path], &StandardLibrary::default());
     assert_eq!(loaded.findings, []);
     let machines = of_line(&loaded.library.lines[0]);
-    let mut jobs = Jobs::default().wishing(Wish {
+    let mut jobs = Jobs::default().wishing(ExtractionOptions {
         functions: true,
-        ..Wish::default()
+        ..ExtractionOptions::default()
     });
     let planned: Vec<Planned<'_>> = machines
         .iter()

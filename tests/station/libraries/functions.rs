@@ -3,7 +3,7 @@
 
 use crate::controlled::controlled;
 use crate::differential::differential;
-use linewright::engine::controller::Wish;
+use linewright::engine::controller::ExtractionOptions;
 use linewright::station::ErrorCode;
 
 const STEPS: usize = 60_000;
@@ -11,9 +11,9 @@ const STEPS: usize = 60_000;
 #[test]
 fn odd_functions_agree_with_the_interpreter() {
     // As `check` and `build` do it; tables of these would have no end.
-    let wish = Wish {
+    let wish = ExtractionOptions {
         functions: true,
-        ..Wish::default()
+        ..ExtractionOptions::default()
     };
     let (machine, controllers) = controlled("tests/station/libraries/odd.lw", "Oddity", wish);
     let forms: Vec<bool> = controllers

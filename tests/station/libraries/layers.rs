@@ -3,7 +3,7 @@
 use super::folder;
 use crate::controlled::controlled;
 use crate::differential::{assert_same, differential};
-use linewright::engine::controller::Wish;
+use linewright::engine::controller::ExtractionOptions;
 use linewright::station::interpret::Interpreter;
 use linewright::station::load::Library;
 use linewright::station::{Controller, ErrorCode, Package, Toolchain};
@@ -19,7 +19,7 @@ fn libraries_of_three_and_four_layers_agree_with_the_interpreter_step_by_step() 
         ("tests/algebra/layers/hall.lw", "Hall"),
         ("tests/algebra/layers/names.lw", "Both"),
     ] {
-        let (machine, controllers) = controlled(file, name, Wish::default());
+        let (machine, controllers) = controlled(file, name, ExtractionOptions::default());
         let counts = differential(&machine, &controllers, STEPS, 5, folder.path());
         println!("{name}: {counts:?}");
         let faults = counts.of(ErrorCode::Internal) + counts.of(ErrorCode::Guarantee);
@@ -38,7 +38,7 @@ fn operations_of_all_layers_run_to_their_end() {
         ("examples/transfer/cell.lw", "TransferCell"),
         ("tests/algebra/layers/hall.lw", "Hall"),
     ] {
-        let (machine, controllers) = controlled(file, name, Wish::default());
+        let (machine, controllers) = controlled(file, name, ExtractionOptions::default());
         let package = Package::emit(&machine, &controllers);
         let built = Toolchain::host()
             .build(&package, folder.path(), false)

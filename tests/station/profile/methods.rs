@@ -5,7 +5,7 @@ use super::simtalk::{Expression, Method, Statement, methods};
 use crate::{fixtures, support};
 use linewright::contract::machine::Machine;
 use linewright::station::profile::Profile;
-use linewright::station::simtalk::Beside;
+use linewright::station::simtalk::LibraryForm;
 use linewright::station::{Package, simtalk};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -280,8 +280,8 @@ fn is_negative(condition: &Expression, of: &Expression) -> bool {
         if **a == *of && **zero == Expression::Number("0".to_owned()))
 }
 
-fn beside(library: &str) -> Beside<'_> {
-    Beside::Library {
+fn beside(library: &str) -> LibraryForm<'_> {
+    LibraryForm::Library {
         library,
         source: "station-0123-source",
     }
@@ -365,7 +365,7 @@ fn a_machines_texts_read_well() {
         &machine,
         &package,
         &Profile::assumed(),
-        Beside::Source { library },
+        LibraryForm::Source { library },
     );
     let beginning: Vec<&str> = source.page.lines().take(8).collect();
     insta::assert_snapshot!("page_of_source", beginning.join("\n"));

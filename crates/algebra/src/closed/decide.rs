@@ -4,14 +4,16 @@
 //! each duty is asked for by itself, in the order of a step. What comes again and again is asked of the runs on which all goes well.
 
 use super::rules::{Book, Duty, Owed};
-use super::{Closed, Form, Met, Misrun, Stuck, Verdict, Wrong, replay};
+use super::{Closed, FailureKind, Form, Met, OperationFailure, Stuck, Verdict, replay};
 use crate::machine::COMPLETES;
 use crate::proof::{Broken, Exports, Open};
 use crate::replay::formula;
 use crate::system::FormulaRef;
 use linewright_core::gr1::{Expr, Time, VarId};
 use linewright_core::source::Span;
-use linewright_solver::game::{Lasso, Limit, Limits, Rule, RuleKind, Runs, Slip, Wanted};
+use linewright_solver::game::{
+    Lasso, Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery, Wanted,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A composition with more bits than this is not looked at: what it takes grows too fast, and a proof from contracts does without.
@@ -107,7 +109,7 @@ impl Asked<'_> {
     }
 
     fn slip(&mut self, last: Vec<usize>, broken: usize) -> Result<Option<Vec<Vec<i64>>>, Limit> {
-        self.runs.step(&Slip {
+        self.runs.step(&SafetyViolationQuery {
             before: self.book.keep.clone(),
             last,
             broken,
@@ -289,7 +291,7 @@ impl Asked<'_> {
     fn operations(&mut self) -> Result<(), Limit> {
         for operation in 0..self.closed.machine.operations.len() {
             if let Some(why) = self.operation(operation)? {
-                let misrun = Misrun { operation, why };
+                let misrun = OperationFailure { operation, why };
                 if self.is_real(replay::misrun(self.closed, &misrun)) {
                     self.verdict.misruns.push(misrun);
                 } else {
@@ -300,7 +302,7 @@ impl Asked<'_> {
         Ok(())
     }
 
-    fn operation(&mut self, operation: usize) -> Result<Option<Wrong>, Limit> {
+    fn operation(&mut self, operation: usize) -> Result<Option<FailureKind>, Limit> {
         let (machine, Some(watch)) = (self.closed.machine, &self.closed.watch) else {
             return Ok(None);
         };
@@ -310,12 +312,12 @@ impl Asked<'_> {
             .map(|rule| self.runs.add(rule));
         if !self.begins(&keep, never)? {
             let by = self.forbidding(watch.operation, never)?;
-            return Ok(Some(Wrong::NeverBegins(by)));
+            return Ok(Some(FailureKind::NeverBegins(by)));
         }
         let in_order = watch.in_order(machine, operation);
         let in_order = self.add(RuleKind::Invariant, in_order);
         if let Some(trace) = self.slip(keep, in_order)? {
-            return Ok(Some(Wrong::Order(trace)));
+            return Ok(Some(FailureKind::Order(trace)));
         }
         // Where all requests complete, so does each.
         let mut goals = self.closed.claim.goals();
@@ -326,13 +328,13 @@ impl Asked<'_> {
         let done = machine.done.clone().unwrap_or(Expr::FALSE);
         let runs = watch.runs(machine, operation);
         let ends = self.add(RuleKind::Justice, done.or(runs.not()).simplify());
-        Ok(self.starved(ends)?.map(Wrong::Endless))
+        Ok(self.starved(ends)?.map(FailureKind::Endless))
     }
 
     /// Whether some call, while these rules are kept, is not what two rules say of every call.
     fn begins(&mut self, keep: &[usize], never: [usize; 2]) -> Result<bool, Limit> {
         for broken in never {
-            let slip = Slip {
+            let slip = SafetyViolationQuery {
                 before: keep.to_vec(),
                 last: keep.to_vec(),
                 broken,

@@ -48,7 +48,7 @@ pub enum Form {
 
 /// A component that takes part.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Taking {
+pub struct Participant {
     /// In which form.
     pub form: Form,
     /// Of a table: the variable that says, with its outputs, which state it is in.
@@ -71,7 +71,7 @@ pub struct Closed<'a> {
     /// What is claimed.
     pub claim: Claim,
     /// How each component takes part.
-    pub taking: Vec<Taking>,
+    pub taking: Vec<Participant>,
     /// What watches that operations run what they name, where there are some and nothing else is claimed.
     pub watch: Option<Watch>,
     /// A truth value that stays true once a rule under examination was broken, where only runs without an end matter.
@@ -101,16 +101,16 @@ pub struct Stuck {
 
 /// An operation that does not do what it says.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Misrun {
+pub struct OperationFailure {
     /// The operation.
     pub operation: usize,
     /// What is wrong with it.
-    pub why: Wrong,
+    pub why: FailureKind,
 }
 
 /// What is wrong with an operation.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Wrong {
+pub enum FailureKind {
     /// No call can begin with it: these assumptions keep it from that, each of them alone where there are several and one would do.
     NeverBegins(Vec<FormulaRef>),
     /// In the last step of this run an action begins that is not the next one, or the operation is done too early.
@@ -131,7 +131,7 @@ pub struct Verdict {
     /// Components without an answer.
     pub stuck: Vec<Stuck>,
     /// Operations that do not do what they say.
-    pub misruns: Vec<Misrun>,
+    pub misruns: Vec<OperationFailure>,
     /// Operations of which that was not decided.
     pub unclear: Vec<usize>,
     /// How many states can be reached: values of all wires, with what they leave open of the tables' states and what is remembered.
@@ -215,7 +215,7 @@ impl<'a> Closed<'a> {
             let states = table.map(States::new);
             let most = states.as_ref().map(States::most);
             let state = most.map(|most| state(machine, index, most, &mut system));
-            taking.push(Taking {
+            taking.push(Participant {
                 form: if table.is_some() {
                     Form::Table
                 } else {

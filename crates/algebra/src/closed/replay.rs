@@ -1,7 +1,7 @@
 //! The evaluator of runs of a closed composition: the controllers themselves are stepped, and formulas are evaluated on plain values. No
 //! rule of `rules.rs` and no diagram is relied on.
 
-use super::{Closed, Misrun, Stuck, Wrong};
+use super::{Closed, FailureKind, OperationFailure, Stuck};
 use crate::proof::{Broken, Exports, Open};
 use crate::replay::{formula, holds_at, keeps_formula};
 use crate::system::{FormulaRef, formulas, list};
@@ -362,14 +362,14 @@ pub fn open(closed: &Closed<'_>, found: &Open) -> Result<(), String> {
 ///
 /// # Errors
 /// What is wrong with the run, in words.
-pub fn misrun(closed: &Closed<'_>, found: &Misrun) -> Result<(), String> {
+pub fn misrun(closed: &Closed<'_>, found: &OperationFailure) -> Result<(), String> {
     let operation = &closed.machine.operations[found.operation];
     let mut plant = closed.machine.plant.iter();
     let wire = plant.position(|p| matches!(p.source, PlantSource::Operation));
     let runs = |values: &[i64]| wire.is_none_or(|w| values[w] == operation.value);
     match &found.why {
-        Wrong::NeverBegins(_) => Ok(()),
-        Wrong::Order(steps) => {
+        FailureKind::NeverBegins(_) => Ok(()),
+        FailureKind::Order(steps) => {
             closed.play(steps, Until::End)?;
             let last = steps.len() - 1;
             let (active, begun) = closed.counted(steps, last);
@@ -382,7 +382,7 @@ pub fn misrun(closed: &Closed<'_>, found: &Misrun) -> Result<(), String> {
                 Err("the last step is as the operation says".to_owned())
             }
         }
-        Wrong::Endless(run) => {
+        FailureKind::Endless(run) => {
             closed.play_for_ever(run)?;
             if run.cycle.iter().all(|v| runs(v) && !closed.is_done(v)) {
                 Ok(())

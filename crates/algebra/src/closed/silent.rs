@@ -7,7 +7,7 @@
 use super::{Closed, Stuck};
 use crate::system::formulas;
 use linewright_core::gr1::{Expr, Formula, Owner, Time, VarId, eval};
-use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, Slip};
+use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
 
 impl Closed<'_> {
     /// Assumptions of a silent component of which none can be left out: no inputs keep all of them in the last step of the run. None where
@@ -37,7 +37,7 @@ impl Closed<'_> {
         rules.push(Rule { kind, expr });
         let mut runs = Runs::new(&specification.variables, rules, limits)?;
         let mut contradict = |kept: &[usize]| -> Result<bool, Limit> {
-            let slip = Slip {
+            let slip = SafetyViolationQuery {
                 before: Vec::new(),
                 last: kept.to_vec(),
                 broken,

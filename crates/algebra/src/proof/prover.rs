@@ -5,7 +5,7 @@ use super::book::{Book, latest};
 use super::loops::Waits;
 use super::{Broken, Claim, Discharge, Discharged, Exports, Open, Proof};
 use linewright_core::gr1::{Expr, Time};
-use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Slip, quick_xplain};
+use linewright_solver::game::{Limit, Limits, Rule, RuleKind, SafetyViolationQuery, quick_xplain};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// So many rings of rules are near.
@@ -455,7 +455,7 @@ impl<'a> Prover<'a> {
         let definitions = self.book.definitions(kept.iter().copied().chain([rule]));
         let usable = |i: &usize| part.is_none_or(|part| self.is_usable(*i, part));
         let last = kept.iter().copied().filter(usable);
-        let slip = Slip {
+        let slip = SafetyViolationQuery {
             last: last.chain(definitions.iter().copied()).collect(),
             before: [kept, &definitions].concat(),
             broken: rule,
@@ -507,7 +507,7 @@ impl<'a> Prover<'a> {
                 .iter()
                 .copied()
                 .filter(|i| *i != rule && p.is_usable(*i, part));
-            let slip = Slip {
+            let slip = SafetyViolationQuery {
                 last: last.chain(definitions.iter().copied()).collect(),
                 before: [kept, &definitions].concat(),
                 broken: weaker,

@@ -52,7 +52,7 @@ fn numbered_apart(a: &[String], b: &[String]) -> bool {
 
 /// How two names of the same words, or of the same words and more, are related.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Kinship {
+pub struct NameSimilarity {
     /// The words that only one of the two has.
     pub words: Vec<String>,
     /// Whether a word of one is an abbreviation of the other's.
@@ -61,7 +61,7 @@ pub struct Kinship {
 
 /// Whether two different names are related word by word, given their [`words`]: one begins or ends with the words of the other, or with what
 /// they are shortened to.
-pub fn related(a: &[String], b: &[String]) -> Option<Kinship> {
+pub fn related(a: &[String], b: &[String]) -> Option<NameSimilarity> {
     let (short, long) = if a.len() <= b.len() { (a, b) } else { (b, a) };
     // A single letter, or a number, is too little to know anyone by.
     if short.iter().all(|w| w.len() < 3) {
@@ -69,7 +69,7 @@ pub fn related(a: &[String], b: &[String]) -> Option<Kinship> {
     }
     let kin = |part: &[String], rest: &[String]| {
         let alike = short.iter().zip(part).all(|(x, y)| same(x, y));
-        alike.then(|| Kinship {
+        alike.then(|| NameSimilarity {
             words: rest.to_vec(),
             abbreviated: short != part,
         })
@@ -81,7 +81,7 @@ pub fn related(a: &[String], b: &[String]) -> Option<Kinship> {
         let (mut x, mut y) = (short.to_vec(), long.to_vec());
         x.sort_unstable();
         y.sort_unstable();
-        (extra == 0 && x == y).then(|| Kinship {
+        (extra == 0 && x == y).then(|| NameSimilarity {
             words: Vec::new(),
             abbreviated: false,
         })

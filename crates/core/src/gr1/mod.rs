@@ -259,7 +259,7 @@ impl Specification {
     }
 
     /// Whether a variable was made up for a monitor: it stands where a formula does, not in a declaration of its own.
-    pub fn is_made_up(&self, id: VarId) -> bool {
+    pub fn is_auxiliary(&self, id: VarId) -> bool {
         let variable = self.variable(id);
         let mut formulas = self.assumptions.all().chain(self.guarantees.all());
         variable.internal && formulas.any(|f| f.span.holds(variable.span))

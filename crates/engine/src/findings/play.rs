@@ -159,14 +159,14 @@ pub fn mentioned<'f>(
     let mut open: Vec<&Formula> = formulas.collect();
     while let Some(formula) = open.pop() {
         formula.expr.for_each_var(&mut |v, _| {
-            if !std::mem::replace(&mut found[v.index()], true) && specification.is_made_up(v) {
+            if !std::mem::replace(&mut found[v.index()], true) && specification.is_auxiliary(v) {
                 let defining = specification.guarantees.all();
                 open.extend(defining.filter(|f| f.defines && sets(&f.expr, v)));
             }
         });
     }
     let ids = (0..found.len() as u32).map(VarId);
-    let own = |v: &VarId| found[v.index()] && !specification.is_made_up(*v);
+    let own = |v: &VarId| found[v.index()] && !specification.is_auxiliary(*v);
     let mut shown: Vec<VarId> = ids.filter(own).collect();
     // What the plant gives first, then what the machine answers.
     shown.sort_by_key(|v| specification.variable(*v).owner == Owner::System);

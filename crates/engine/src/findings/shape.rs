@@ -187,7 +187,7 @@ fn frame(s: &Specification, v: VarId) -> String {
         let mut found = false;
         formula
             .expr
-            .for_each_var(&mut |w, _| found |= s.is_made_up(w));
+            .for_each_var(&mut |w, _| found |= s.is_auxiliary(w));
         found
     };
     let mut setting = s.guarantees.safety.iter().filter(|f| sets(&f.expr, v));

@@ -39,7 +39,7 @@ impl Known {
             environment: None,
             shape: None,
             lost: None,
-            controller: Controller::Unasked,
+            controller: Controller::NotRequested,
             ranking: None,
             answers: Vec::new(),
             peak_nodes: statistics.peak_nodes.unwrap_or(0),
@@ -55,7 +55,7 @@ impl Known {
     /// The same, when what was still to be done is not waited for.
     pub(super) fn stopped(mut self, limit: Limit, job: &Job) -> Self {
         let asked = self.realizable && job.goal.extracts(self.statistics.large);
-        if asked && matches!(self.controller, Controller::Unasked) {
+        if asked && matches!(self.controller, Controller::NotRequested) {
             self.controller = Controller::Stopped(limit);
         }
         self
@@ -80,7 +80,7 @@ impl Known {
         if self.realizable {
             left_out = job.goal == Goal::Small && self.statistics.large;
             match self.controller {
-                Controller::Unasked => {}
+                Controller::NotRequested => {}
                 Controller::Stopped(limit) => {
                     findings.push(no_machine(specification, job.span, limit));
                 }

@@ -13,7 +13,7 @@ pub use explain::Explained;
 pub use memory::Memory;
 
 use super::cache::Cache;
-use super::controller::Wish;
+use super::controller::ExtractionOptions;
 use super::internal::{self, Fault};
 use super::statistics::Statistics;
 use indicatif::ProgressBar;
@@ -195,7 +195,7 @@ pub struct Jobs {
     list: Vec<Job>,
     examine: bool,
     rank: bool,
-    wish: Wish,
+    wish: ExtractionOptions,
 }
 
 impl Jobs {
@@ -210,7 +210,7 @@ impl Jobs {
 
     /// The same, with controllers as they are wished for.
     #[must_use]
-    pub fn wishing(self, wish: Wish) -> Self {
+    pub fn wishing(self, wish: ExtractionOptions) -> Self {
         Self { wish, ..self }
     }
 

@@ -4,7 +4,7 @@ use super::explain::explain;
 use super::known::{Known, gave_up};
 use super::{CheckedContract, Goal, InternalError, Job, Settings};
 use crate::cache::{self, Cache, Entry, Examined, Hints, Key, Version};
-use crate::controller::{Controller, Wish, controller};
+use crate::controller::{Controller, ExtractionOptions, controller};
 use crate::internal::within;
 use crate::statistics::Statistics;
 use crate::worker::{self, Ended};
@@ -23,7 +23,7 @@ pub(super) struct Task {
     pub(super) job: Job,
     pub(super) examine: bool,
     pub(super) rank: bool,
-    pub(super) wish: Wish,
+    pub(super) wish: ExtractionOptions,
     pub(super) settings: Settings,
     pub(super) solve: Arc<Progress>,
 }
@@ -134,8 +134,8 @@ impl Task {
 
     /// What it shall be like. Where only a small game has one at all, a machine may still be large; functions show as well that
     /// there is a right controller.
-    fn wish(&self) -> Wish {
-        Wish {
+    fn wish(&self) -> ExtractionOptions {
+        ExtractionOptions {
             functions: !self.job.explicit && (self.wish.functions || self.job.goal == Goal::Small),
             ..self.wish
         }
@@ -309,7 +309,7 @@ impl Task {
             shape: entry.shape.filter(|_| examines),
             lost: entry.lost.filter(|_| explains),
             controller: match (entry.machine, entry.functions) {
-                _ if !extracts => Controller::Unasked,
+                _ if !extracts => Controller::NotRequested,
                 (None, None) => Controller::Stopped(Limit::Size),
                 (Some(machine), _) => Controller::Machine(mealy::Machine { name, ..machine }),
                 (None, Some(functions)) => {
@@ -329,7 +329,7 @@ impl Task {
     /// What there is to remember. `None` when a limit of time or memory had a part in it.
     fn entry(&self, known: &Known) -> Option<Entry> {
         let (extracted, machine, functions) = match &known.controller {
-            Controller::Unasked => (false, None, None),
+            Controller::NotRequested => (false, None, None),
             Controller::Stopped(Limit::Size) => (true, None, None),
             Controller::Stopped(_) => return None,
             Controller::Machine(machine) => (true, Some(machine.clone()), None),

@@ -2,7 +2,7 @@
 
 use super::ast::Section;
 use super::classify::{Piece, Refusal};
-use super::found::{Found, Wish, formula};
+use super::found::{Conjunct, Found, formula};
 use super::ltl::{F, Formulas, Op};
 use super::meaning::{Meaning, Sides};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -63,12 +63,13 @@ impl Meaning<'_, '_, '_> {
 
     /// What INITIALLY and PRESET ask of more than the first step, as far as other sections can ask it:
     /// `I -> P & (A -> B)` is `(I -> P) & (I & A -> B)`, and without A `P & B`.
-    pub(super) fn first_steps(&mut self, mut wishes: Vec<Wish>) -> Vec<Wish> {
+    pub(super) fn first_steps(&mut self, mut wishes: Vec<Conjunct>) -> Vec<Conjunct> {
         let formulas = &mut *self.classifier.formulas;
         let variables = self.variables;
         let owned = |v: VarId| variables[v.index()].owner == Owner::Environment;
-        let has = |wishes: &[Wish], section: Section| wishes.iter().any(|w| w.section == section);
-        let ordinary = |w: &Wish, formulas: &Formulas| {
+        let has =
+            |wishes: &[Conjunct], section: Section| wishes.iter().any(|w| w.section == section);
+        let ordinary = |w: &Conjunct, formulas: &Formulas| {
             formulas.ahead(w.formula).is_some() && formulas.all_atoms(w.formula, &owned)
         };
         let moved = wishes

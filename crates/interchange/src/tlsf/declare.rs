@@ -2,7 +2,7 @@
 
 use super::ast::{File, Section, Shape};
 use super::expand::{Expander, Globals};
-use super::found::Wish;
+use super::found::Conjunct;
 use super::ltl::{Op, Place};
 use super::report::Report;
 use super::value::Value;
@@ -170,7 +170,7 @@ pub(super) fn signals<'f>(
 }
 
 /// A bus of an enumeration shows one of its values: that is required of inputs and asserted of outputs.
-pub(super) fn domains<'f>(file: &'f File, expander: &mut Expander<'f, '_>) -> Vec<Wish> {
+pub(super) fn domains<'f>(file: &'f File, expander: &mut Expander<'f, '_>) -> Vec<Conjunct> {
     let mut found = Vec::new();
     for signal in &file.signals {
         let Shape::Typed(kind, _) = &signal.shape else {
@@ -197,7 +197,7 @@ pub(super) fn domains<'f>(file: &'f File, expander: &mut Expander<'f, '_>) -> Ve
             continue;
         }
         let formula = expander.coded(&bits, &codes, Place::new(&signal.place, 0));
-        found.push(Wish {
+        found.push(Conjunct {
             section: if signal.input {
                 Section::Require
             } else {

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// A formula of a section, expanded.
 #[derive(Debug, Clone)]
-pub(super) struct Wish {
+pub(super) struct Conjunct {
     pub section: Section,
     pub name: String,
     /// Where the name of its section stands.

@@ -31,7 +31,7 @@
 use super::ast::Section;
 use super::classify::{Classifier, Piece, Refusal};
 use super::expand::Site;
-use super::found::{Found, Wish, formula, is_safety, only_in_vain, under_assumptions};
+use super::found::{Conjunct, Found, formula, is_safety, only_in_vain, under_assumptions};
 use super::report::Report;
 use crate::terms::negated;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -101,7 +101,7 @@ impl Meaning<'_, '_, '_> {
     }
 
     /// The whole specification; findings are reported.
-    pub fn sides(&mut self, wishes: Vec<Wish>) -> Sides {
+    pub fn sides(&mut self, wishes: Vec<Conjunct>) -> Sides {
         let wishes = self.first_steps(wishes);
         let wishes = self.flattened(wishes);
         let initially = self.pieces(&wishes, Section::Initially);

@@ -42,7 +42,7 @@ mod value;
 use ast::File;
 use classify::Classifier;
 use expand::Expander;
-use found::Wish;
+use found::Conjunct;
 use linewright_core::diagnostics::{Diagnostic, codes, has_errors};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::monitors::Monitors;
@@ -78,7 +78,7 @@ pub(super) fn read(name: &str, file: FileId, text: &str) -> (Read, Vec<Diagnosti
     if has_errors(&report.findings) {
         return ((empty(name), None), report.findings);
     }
-    let specification = understood(name, &tree, text, &mut report);
+    let specification = lower_file(name, &tree, text, &mut report);
     (
         specification.unwrap_or_else(|| (empty(name), None)),
         report.findings,
@@ -86,7 +86,7 @@ pub(super) fn read(name: &str, file: FileId, text: &str) -> (Read, Vec<Diagnosti
 }
 
 /// What the file says; `None` where that was reported.
-fn understood(name: &str, file: &File, text: &str, report: &mut Report) -> Option<Read> {
+fn lower_file(name: &str, file: &File, text: &str, report: &mut Report) -> Option<Read> {
     let Some(semantics) = file.semantics else {
         report.syntax(
             0..0,
@@ -104,7 +104,7 @@ fn understood(name: &str, file: &File, text: &str, report: &mut Report) -> Optio
         let count = counts.entry(&entry.heading).or_default();
         *count += 1;
         if let Ok(formula) = expander.formula(&entry.tree) {
-            wishes.push(Wish {
+            wishes.push(Conjunct {
                 section: entry.section,
                 name: format!("{} {count}", entry.heading),
                 heading: entry.place.clone(),

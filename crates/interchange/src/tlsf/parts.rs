@@ -1,7 +1,7 @@
 //! The formulas of a section as parts, each with its name and its place.
 
 use super::ast::Section;
-use super::found::{Found, Wish, is_safety};
+use super::found::{Conjunct, Found, is_safety};
 use super::lexer::one_line;
 use super::ltl::{F, Op};
 use super::meaning::Meaning;
@@ -13,11 +13,11 @@ use std::collections::BTreeMap;
 impl Meaning<'_, '_, '_> {
     /// Conjunctions at the top, and implications, taken apart: `H & (A -> B)` is PRESET, ASSUME and GUARANTEE, where H is safety and nothing
     /// else is assumed; without H anything may be.
-    pub(super) fn flattened(&mut self, wishes: Vec<Wish>) -> Vec<Wish> {
+    pub(super) fn flattened(&mut self, wishes: Vec<Conjunct>) -> Vec<Conjunct> {
         let mut wishes = self.split(wishes);
         loop {
             let formulas = &*self.classifier.formulas;
-            let implication = |w: &Wish| match *formulas.op(w.formula) {
+            let implication = |w: &Conjunct| match *formulas.op(w.formula) {
                 Op::Implies(a, b)
                     if w.section == Section::Guarantee && formulas.ahead(w.formula).is_none() =>
                 {
@@ -41,7 +41,7 @@ impl Meaning<'_, '_, '_> {
             }
             let only = wishes.remove(k);
             for (section, formula) in [(Section::Assume, a), (Section::Guarantee, b)] {
-                wishes.push(Wish {
+                wishes.push(Conjunct {
                     section,
                     formula,
                     ..only.clone()
@@ -52,8 +52,8 @@ impl Meaning<'_, '_, '_> {
     }
 
     /// Moves the promises but one to PRESET; `false` where that would mean something else.
-    fn kept_anyway(&mut self, wishes: &mut [Wish], but: usize) -> bool {
-        let assumed = |w: &Wish| matches!(w.section, Section::Require | Section::Assume);
+    fn kept_anyway(&mut self, wishes: &mut [Conjunct], but: usize) -> bool {
+        let assumed = |w: &Conjunct| matches!(w.section, Section::Require | Section::Assume);
         if wishes.iter().any(assumed) {
             return false;
         }
@@ -93,12 +93,12 @@ impl Meaning<'_, '_, '_> {
         true
     }
 
-    pub(super) fn split(&mut self, wishes: Vec<Wish>) -> Vec<Wish> {
+    pub(super) fn split(&mut self, wishes: Vec<Conjunct>) -> Vec<Conjunct> {
         let mut found = Vec::new();
         for wish in wishes {
             match self.classifier.formulas.op(wish.formula).clone() {
                 Op::And(list) => {
-                    let list = list.into_iter().map(|formula| Wish {
+                    let list = list.into_iter().map(|formula| Conjunct {
                         formula,
                         ..wish.clone()
                     });
@@ -112,7 +112,7 @@ impl Meaning<'_, '_, '_> {
     }
 
     /// The parts of a formula of a section that hold together exactly if it holds in the way of the section.
-    pub(super) fn parts(&mut self, wish: &Wish, section: Section) -> Vec<F> {
+    pub(super) fn parts(&mut self, wish: &Conjunct, section: Section) -> Vec<F> {
         let formulas = &mut *self.classifier.formulas;
         let place = formulas.place(wish.formula);
         let every = matches!(section, Section::Require | Section::Assert);
@@ -134,8 +134,8 @@ impl Meaning<'_, '_, '_> {
     }
 
     /// The pieces of all formulas of a section.
-    pub(super) fn pieces(&mut self, wishes: &[Wish], section: Section) -> Vec<Found> {
-        let mut all: Vec<(&Wish, F)> = Vec::new();
+    pub(super) fn pieces(&mut self, wishes: &[Conjunct], section: Section) -> Vec<Found> {
+        let mut all: Vec<(&Conjunct, F)> = Vec::new();
         let mut counts: BTreeMap<&str, (u32, u32)> = BTreeMap::new();
         for wish in wishes.iter().filter(|w| w.section == section) {
             for part in self.parts(wish, section) {
@@ -192,6 +192,6 @@ impl Meaning<'_, '_, '_> {
     }
 }
 
-fn is_promise(wish: &Wish) -> bool {
+fn is_promise(wish: &Conjunct) -> bool {
     matches!(wish.section, Section::Assert | Section::Guarantee)
 }

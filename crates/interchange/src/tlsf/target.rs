@@ -5,18 +5,18 @@
 //! where the formula reads it behind `X` only. Either way the file has the verdict of its own semantics.
 
 use super::ast::Semantics;
-use super::found::Wish;
+use super::found::Conjunct;
 use super::ltl::{F, Formulas, Op};
 use linewright_core::gr1::{Owner, VarId, Variable};
 
 /// The formulas for the machine that is wanted, where they were written for the other one.
 pub(super) fn moved(
-    wishes: Vec<Wish>,
+    wishes: Vec<Conjunct>,
     formulas: &mut Formulas,
     semantics: Semantics,
     moore: bool,
     variables: &[Variable],
-) -> Vec<Wish> {
+) -> Vec<Conjunct> {
     if semantics.moore == moore {
         return wishes;
     }
@@ -30,7 +30,7 @@ pub(super) fn moved(
     let all = wishes
         .iter()
         .all(|w| formulas.all_delayed(w.formula, &of(other)));
-    let moved = wishes.into_iter().map(|w| Wish {
+    let moved = wishes.into_iter().map(|w| Conjunct {
         formula: if all {
             formulas.undelayed(w.formula, &of(other))
         } else {

@@ -10,7 +10,7 @@ use linewright_algebra::proof::{self, Broken, Claim};
 use linewright_algebra::system::{FormulaRef, formulas, list, rule};
 use linewright_core::gr1::Side;
 use linewright_language::contract::line::Line;
-use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, Slip};
+use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
 
 /// What came out.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -114,7 +114,7 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
         if what.kind == RuleKind::Justice || abstraction.claim.lemmas.contains_key(&what) {
             continue;
         }
-        let slip = Slip {
+        let slip = SafetyViolationQuery {
             before: keep.clone(),
             last: keep.clone(),
             broken: first_goal + place,

@@ -30,7 +30,7 @@ impl Run<'_> {
         let chain = self.chain();
         if let (Some(horizon), None) = (self.setup.horizon, self.setup.target)
             && !chain.as_ref().is_some_and(|chain| chain.circle)
-            && self.journal.wayless.is_empty()
+            && self.journal.unroutable.is_empty()
         {
             if let Some(chain) = chain {
                 let message = format!(
@@ -119,7 +119,7 @@ impl Run<'_> {
                 NodeKind::Conveyor { .. } | NodeKind::Buffer { .. }
             )
         });
-        if !chain.circle && !self.journal.wayless.is_empty() {
+        if !chain.circle && !self.journal.unroutable.is_empty() {
             return "Give every part a way onward from every node it can come to.".to_owned();
         }
         match (chain.circle, roomy) {

@@ -203,8 +203,8 @@ impl Run<'_> {
             return Some(*to);
         }
         let (kind, number) = (part.kind, part.number);
-        if !self.journal.wayless.contains(&(node, kind)) {
-            self.journal.wayless.push((node, kind));
+        if !self.journal.unroutable.contains(&(node, kind)) {
+            self.journal.unroutable.push((node, kind));
             let name = self.type_name(kind);
             let message = format!(
                 "{name} {number} has no way onward from {} at {}",

@@ -21,7 +21,7 @@ pub(super) struct Journal {
     /// The findings of the run.
     pub findings: Vec<Diagnostic>,
     /// Nodes and types for which there was no way onward.
-    pub wayless: Vec<(usize, usize)>,
+    pub unroutable: Vec<(usize, usize)>,
 }
 
 impl Journal {

@@ -15,8 +15,8 @@
 //! (`mealy::certify`).
 
 use super::arena::Arena;
+use super::diagram_builder::{Choices, DiagramBuilder};
 use super::fixpoint::{Layer, layers};
-use super::workbench::{Choices, Workbench};
 use crate::symbolic::{Bit, Diagram, Edge, Kernel, Limit, Order};
 use linewright_core::gr1::{Specification, Timing};
 use serde::{Deserialize, Serialize};
@@ -127,7 +127,7 @@ pub fn functions<K: Kernel>(
     outputs.sort_unstable_by_key(|b| positions[usize::from(b.pair())]);
 
     let limits = m.limits();
-    let bench = || Workbench::new(&order, &limits);
+    let bench = || DiagramBuilder::new(&order, &limits);
     let mut work = Work {
         bench: bench(),
         kept: bench(),
@@ -215,7 +215,7 @@ fn assumed<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
     first: bool,
-    kept: &mut Workbench,
+    kept: &mut DiagramBuilder,
 ) -> Result<Vec<(Assumed, Edge)>, Limit> {
     let m = &arena.kernel;
     let side = &specification.assumptions;
@@ -299,7 +299,7 @@ fn ways<K: Kernel>(
     region: &K::Function,
     layers: &[Layer<K>],
     care: &K::Function,
-    plans: &mut Workbench,
+    plans: &mut DiagramBuilder,
 ) -> Result<Vec<Way>, Limit> {
     let m = &arena.kernel;
     let reach = m.and(&arena.goals[j], &m.prime(region)?)?;
@@ -429,8 +429,8 @@ fn comes_nearer<K: Kernel>(
 
 /// Where functions are made, and where they are kept.
 struct Work {
-    bench: Workbench,
-    kept: Workbench,
+    bench: DiagramBuilder,
+    kept: DiagramBuilder,
     /// The machine's safety, formula by formula.
     parts: Vec<Edge>,
     /// The next output bits by their place in the order.
@@ -456,7 +456,7 @@ impl Work {
         let edges = self.bench.add(m, [&m.prime(region)?, care])?;
         let functions = self.eliminate(edges[0], edges[1])?;
         let roots: Vec<Edge> = functions.iter().map(|(_, f)| *f).collect();
-        let mut apart = Workbench::new(&m.order(), &m.limits());
+        let mut apart = DiagramBuilder::new(&m.order(), &m.limits());
         let roots = apart.copy(&mut self.bench, &roots)?;
         let mut diagram = apart.into_diagram();
         diagram.roots = roots;
@@ -472,7 +472,7 @@ impl Work {
     }
 
     /// Writes down the functions of a goal.
-    fn modes(&mut self, plans: &mut Workbench, ways: Vec<Way>) -> Result<Vec<Mode>, Limit> {
+    fn modes(&mut self, plans: &mut DiagramBuilder, ways: Vec<Way>) -> Result<Vec<Mode>, Limit> {
         let mut modes = Vec::new();
         for way in ways {
             let edges = [way.aim, way.used, way.when, way.asked];
@@ -498,7 +498,7 @@ impl Work {
     }
 
     /// Empties the bench when much lies on it.
-    fn tidy(&mut self, fresh: impl FnOnce() -> Workbench) -> Result<(), Limit> {
+    fn tidy(&mut self, fresh: impl FnOnce() -> DiagramBuilder) -> Result<(), Limit> {
         if self.bench.nodes() > CROWDED_NODES {
             let mut bench = fresh();
             self.parts = bench.copy(&mut self.bench, &self.parts)?;
@@ -516,7 +516,7 @@ impl Work {
             outputs,
             ..
         } = self;
-        let part = |bench: &mut Workbench, f: Edge| {
+        let part = |bench: &mut DiagramBuilder, f: Edge| {
             let (support, size) = bench.measure(f, outputs);
             (f, support, size)
         };

@@ -13,6 +13,7 @@ mod attack;
 mod clusters;
 mod core;
 mod cover;
+mod diagram_builder;
 mod explore;
 mod findings;
 mod fixpoint;
@@ -34,7 +35,6 @@ mod strategy;
 mod structure;
 #[cfg(test)]
 mod tests;
-mod workbench;
 
 pub use self::attack::{Attack, Ending, Play, reduced};
 pub use self::core::quick_xplain;
@@ -49,7 +49,7 @@ pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
 pub use self::reference::{AssumptionRef, GuaranteeKind, GuaranteeRef};
 pub use self::repair::{Advice, NewAssumption, Weakening, negation};
-pub use self::runs::{Lasso, Rule, RuleKind, Runs, Slip, Wanted};
+pub use self::runs::{Lasso, Rule, RuleKind, Runs, SafetyViolationQuery, Wanted};
 pub use self::solver::{
     KernelChoice, Options, Solved, advise, attack, examine_environment, order_of_variables, solve,
     solve_with,

@@ -61,7 +61,7 @@ pub fn set_up<K: Kernel>(
 }
 
 /// The same in the usual way, for whoever examines a specification beside its verdict.
-pub fn usual<K: Kernel>(
+pub fn set_up_default<K: Kernel>(
     specification: &Specification,
     limits: &Limits,
 ) -> Result<(Formulas<K>, Arena<K>), Limit> {

@@ -26,9 +26,9 @@ pub(super) const MAX_NESTING: u32 = 400;
 
 /// A mistake was reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Told;
+pub(super) struct Reported;
 
-pub(super) type Parsed<T> = Result<T, Told>;
+pub(super) type Parsed<T> = Result<T, Reported>;
 
 pub(super) struct Parser<'t> {
     text: &'t str,
@@ -199,7 +199,7 @@ impl<'t> Parser<'t> {
         let span = self.span(range);
         self.findings
             .push(Diagnostic::error(codes::SYNTAX, span, message).with_help(help));
-        Err(Told)
+        Err(Reported)
     }
 
     /// The word at hand is not what was expected.

@@ -166,7 +166,7 @@ fn seen(machine: &Machine) -> Vec<Seen> {
         let specification = &component.specification;
         let hidden = names.contains(&component.name);
         for v in specification.outputs() {
-            if !hidden && !specification.is_made_up(v) {
+            if !hidden && !specification.is_auxiliary(v) {
                 found.push(Seen::Wire(wire));
             }
             wire += 1;

@@ -84,7 +84,7 @@ fn bindings<'a>(
     let mut complete = true;
     let mut bound = Vec::new();
     for (i, variable) in specification.variables.iter().enumerate() {
-        if specification.is_made_up(VarId(i as u32)) {
+        if specification.is_auxiliary(VarId(i as u32)) {
             bound.push(None);
             continue;
         }

@@ -40,7 +40,7 @@ pub(super) fn attack_on<K: Kernel>(
     beginning: &[Formula],
     limits: &Limits,
 ) -> Result<Option<Attack>, Limit> {
-    let (formulas, _) = set_up::usual::<K>(specification, limits)?;
+    let (formulas, _) = set_up::set_up_default::<K>(specification, limits)?;
     let board = Board::new(&formulas, specification.timing)?;
     let Some(stages) = board.stages()? else {
         return Ok(None);

@@ -34,7 +34,7 @@ pub(super) fn advise_on<K: Kernel>(
     play: &Play,
     limits: &Limits,
 ) -> Result<Advice, Limit> {
-    let (formulas, _) = set_up::usual::<K>(specification, limits)?;
+    let (formulas, _) = set_up::set_up_default::<K>(specification, limits)?;
     let matters = assumptions_that_matter(&formulas, core)?;
     let mut trials = trial::Trials::new(&formulas, specification, core)?;
     let possible = |selection: &Selection<'_>| trial::Trials::possible(&formulas, selection);

@@ -178,7 +178,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
         let formula = guarantee.formula(&self.specification.guarantees);
         formula
             .expr
-            .for_each_var(&mut |v, _| made_up |= self.specification.is_made_up(v));
+            .for_each_var(&mut |v, _| made_up |= self.specification.is_auxiliary(v));
         made_up
     }
 

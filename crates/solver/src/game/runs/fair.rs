@@ -4,7 +4,7 @@
 //! Z = νZ. ⋀ⱼ μY. Pre( (Jⱼ ∧ Z′) ∨ Y′ ) ∧ Z
 //! ```
 
-use super::board::Steps;
+use super::rule_encoder::Steps;
 use crate::symbolic::{Kernel, Limit};
 
 /// The fair states of `within`; justice may speak of next values.

@@ -9,15 +9,15 @@
 //! - [`Runs::step`]: can a rule be broken in a step, although every step before it kept all rules, and this one keeps some? It is
 //!   the step of an induction over time, which is sound also where components rely on one another in a circle.
 
-mod board;
 mod fair;
 mod path;
+mod rule_encoder;
 
 use super::structure;
 use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, Order, OxiDd};
-use board::Board;
 use linewright_core::gr1::{Domain, Expr, Formula, Side, Specification, Timing, VarId, Variable};
 use linewright_core::source::Span;
+use rule_encoder::RuleEncoder;
 use std::fmt::Debug;
 
 /// When a rule holds. See [`linewright_core::gr1`] for what each means.
@@ -64,7 +64,7 @@ pub struct Wanted {
 
 /// A broken rule that is looked for.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Slip {
+pub struct SafetyViolationQuery {
     /// Rules that every step before the last one keeps.
     pub before: Vec<usize>,
     /// Rules that the last step keeps as well.
@@ -93,7 +93,11 @@ const SMALL_PAIRS: usize = 24;
 trait Ask: Debug + Send {
     fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit>;
     fn any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit>;
-    fn step(&mut self, rules: &[Rule], slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit>;
+    fn step(
+        &mut self,
+        rules: &[Rule],
+        slip: &SafetyViolationQuery,
+    ) -> Result<Option<Vec<Vec<i64>>>, Limit>;
     fn depends(
         &mut self,
         rules: &[Rule],
@@ -116,9 +120,13 @@ impl Runs {
         let pairs = encoding.pairs().max(1);
         let order = structure::order(&specification, &encoding, pairs);
         let asked: Box<dyn Ask> = if pairs <= SMALL_PAIRS {
-            Box::new(Board::<Biodivine>::new(&specification, &order, limits)?)
+            Box::new(RuleEncoder::<Biodivine>::new(
+                &specification,
+                &order,
+                limits,
+            )?)
         } else {
-            Box::new(Board::<OxiDd>::new(&specification, &order, limits)?)
+            Box::new(RuleEncoder::<OxiDd>::new(&specification, &order, limits)?)
         };
         Ok(Self {
             specification,
@@ -198,7 +206,7 @@ impl Runs {
     ///
     /// # Errors
     /// When a limit was reached.
-    pub fn step(&mut self, slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+    pub fn step(&mut self, slip: &SafetyViolationQuery) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         self.ask(|asked, rules| asked.step(rules, slip))
     }
 
@@ -216,7 +224,7 @@ impl Runs {
             return Ok(false);
         }
         self.before = self.asked.work();
-        self.asked = Box::new(Board::<OxiDd>::new(
+        self.asked = Box::new(RuleEncoder::<OxiDd>::new(
             &self.specification,
             &self.order,
             &self.limits,
@@ -225,7 +233,7 @@ impl Runs {
     }
 }
 
-impl<K: Kernel> Ask for Board<K> {
+impl<K: Kernel> Ask for RuleEncoder<K> {
     fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
         self.find_lasso(rules, wanted)
     }
@@ -234,7 +242,11 @@ impl<K: Kernel> Ask for Board<K> {
         self.is_any_lasso(rules, wanted)
     }
 
-    fn step(&mut self, rules: &[Rule], slip: &Slip) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+    fn step(
+        &mut self,
+        rules: &[Rule],
+        slip: &SafetyViolationQuery,
+    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         self.find_slip(rules, slip)
     }
 

@@ -4,7 +4,7 @@
 //! back, as long as there is such a state. Then everything within reach leads back, and every justice is met on the way.
 
 use super::Lasso;
-use super::board::{Reached, Steps};
+use super::rule_encoder::{Reached, Steps};
 use crate::symbolic::{Encoding, Kernel, Limit};
 use linewright_core::gr1::{Time, VarId};
 use std::collections::BTreeSet;

@@ -1,7 +1,7 @@
-//! Clusters and the workbench against a kernel's own operations, on random functions.
+//! Clusters and the diagram builder against a kernel's own operations, on random functions.
 
 use super::super::clusters::Clustering;
-use super::super::workbench::Workbench;
+use super::super::diagram_builder::DiagramBuilder;
 use super::Random;
 use crate::symbolic::{Biodivine, Bit, BitSet, Edge, Kernel, Limits, Order, OxiDd};
 
@@ -89,7 +89,7 @@ fn clusters_say_what_their_parts_say_and_keep_their_bound() {
     assert!(differ >= 50);
 }
 
-fn workbench_agrees<K: Kernel>(seed: u64) {
+fn builder_agrees<K: Kernel>(seed: u64) {
     let mut random = Random::new(seed);
     let m: K = kernel(&mut random);
     let clauses = 1 + random.below(8) as usize;
@@ -102,7 +102,7 @@ fn workbench_agrees<K: Kernel>(seed: u64) {
         }
     };
     let (f, care) = (any(&mut random), any(&mut random));
-    let mut bench = Workbench::new(&m.order(), &Limits::default());
+    let mut bench = DiagramBuilder::new(&m.order(), &Limits::default());
     let edges = bench.add(&m, [&f, &care]).expect("it is small");
     let mut wanted = vec![m.and(&f, &care), m.or(&f, &care), m.xor(&f, &care)];
     let mut made = vec![
@@ -121,7 +121,7 @@ fn workbench_agrees<K: Kernel>(seed: u64) {
     let mut size = |edge| bench.measure(edge, &[]).1;
     assert!(size(simple) <= size(edges[0]), "seed {seed}");
     let made: Vec<Edge> = made.into_iter().map(|e| e.expect("it is small")).collect();
-    let mut fresh = Workbench::new(&m.order(), &Limits::default());
+    let mut fresh = DiagramBuilder::new(&m.order(), &Limits::default());
     let mut roots = made;
     roots.push(simple);
     let roots = fresh.copy(&mut bench, &roots).expect("it is small");
@@ -143,9 +143,9 @@ fn workbench_agrees<K: Kernel>(seed: u64) {
 }
 
 #[test]
-fn the_workbench_computes_what_a_kernel_does() {
+fn the_diagram_builder_computes_what_a_kernel_does() {
     for seed in 0..400 {
-        workbench_agrees::<Biodivine>(seed);
-        workbench_agrees::<OxiDd>(seed);
+        builder_agrees::<Biodivine>(seed);
+        builder_agrees::<OxiDd>(seed);
     }
 }

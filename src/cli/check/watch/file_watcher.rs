@@ -83,7 +83,7 @@ struct Word {
 struct Silent;
 
 /// All that is watched.
-pub(super) struct Lookout {
+pub(super) struct FileWatcher {
     paths: Vec<String>,
     standard: StandardLibrary,
     /// Files that matter beside those that the paths name: what is imported, there or not.
@@ -94,7 +94,7 @@ pub(super) struct Lookout {
     word: Option<Word>,
 }
 
-impl Lookout {
+impl FileWatcher {
     /// Watches what these paths of the command line name.
     pub(super) fn new(paths: &[String], standard: StandardLibrary) -> Self {
         let (sender, events) = channel();
@@ -325,14 +325,14 @@ mod tests {
     use super::*;
 
     /// Looks again and says what was found, without the folder's own path.
-    fn found(lookout: &mut Lookout) -> Vec<(String, What)> {
+    fn found(watcher: &mut FileWatcher) -> Vec<(String, What)> {
         let name = |c: Change| {
             (
                 c.file.rsplit('/').next().unwrap_or_default().to_owned(),
                 c.what,
             )
         };
-        lookout.look().into_iter().map(name).collect()
+        watcher.look().into_iter().map(name).collect()
     }
 
     #[test]
@@ -342,18 +342,18 @@ mod tests {
         std::fs::create_dir(at("in")).unwrap();
         std::fs::write(at("in/a.lw"), "one").unwrap();
         let paths = [at("in").to_string_lossy().into_owned()];
-        let mut lookout = Lookout::new(&paths, StandardLibrary::default());
-        assert_eq!(found(&mut lookout), [("a.lw".to_owned(), What::New)]);
-        assert_eq!(found(&mut lookout), []);
+        let mut watcher = FileWatcher::new(&paths, StandardLibrary::default());
+        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), What::New)]);
+        assert_eq!(found(&mut watcher), []);
 
         // The same text again is no change, nor is another kind of file.
         std::fs::write(at("in/a.lw"), "one").unwrap();
         std::fs::write(at("in/notes.txt"), "notes").unwrap();
-        assert_eq!(found(&mut lookout), []);
+        assert_eq!(found(&mut watcher), []);
         std::fs::write(at("in/a.lw"), "two").unwrap();
         std::fs::write(at("in/b.lw"), "new").unwrap();
         assert_eq!(
-            found(&mut lookout),
+            found(&mut watcher),
             [
                 ("a.lw".to_owned(), What::Changed),
                 ("b.lw".to_owned(), What::New)
@@ -362,12 +362,12 @@ mod tests {
 
         // Imports, one of which is not there yet. What a check has read is known.
         std::fs::write(at("other.lw"), "other").unwrap();
-        lookout.also(&[(at("other.lw"), Some("other")), (at("missing.lw"), None)]);
-        assert_eq!(found(&mut lookout), []);
+        watcher.also(&[(at("other.lw"), Some("other")), (at("missing.lw"), None)]);
+        assert_eq!(found(&mut watcher), []);
         std::fs::write(at("other.lw"), "changed").unwrap();
         std::fs::write(at("missing.lw"), "here").unwrap();
         std::fs::remove_file(at("in/b.lw")).unwrap();
-        let mut changes = found(&mut lookout);
+        let mut changes = found(&mut watcher);
         changes.sort_by(|a, b| a.0.cmp(&b.0));
         assert_eq!(
             changes,
@@ -380,10 +380,10 @@ mod tests {
 
         // They come and change while the check runs that would have read them.
         std::fs::write(at("late.lw"), "late").unwrap();
-        lookout.also(&[(at("late.lw"), None), (at("fast.lw"), Some("first"))]);
+        watcher.also(&[(at("late.lw"), None), (at("fast.lw"), Some("first"))]);
         std::fs::write(at("fast.lw"), "second").unwrap();
         assert_eq!(
-            found(&mut lookout),
+            found(&mut watcher),
             [
                 ("fast.lw".to_owned(), What::Changed),
                 ("late.lw".to_owned(), What::New)
@@ -392,9 +392,9 @@ mod tests {
 
         // A folder goes and comes again.
         std::fs::remove_dir_all(at("in")).unwrap();
-        assert_eq!(found(&mut lookout), [("a.lw".to_owned(), What::Gone)]);
+        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), What::Gone)]);
         std::fs::create_dir(at("in")).unwrap();
         std::fs::write(at("in/a.lw"), "three").unwrap();
-        assert_eq!(found(&mut lookout), [("a.lw".to_owned(), What::New)]);
+        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), What::New)]);
     }
 }

@@ -4,7 +4,7 @@
 //! and they are simplified by where they matter, which no kernel here can do. So this is a plain diagram package: one thread,
 //! one fixed order, no collection (whoever uses it begins a new one now and then), operands and results in a cache that forgets.
 //!
-//! [`Workbench::restrict`] is from Coudert and Madre, "A unified framework for the formal verification of sequential circuits",
+//! [`DiagramBuilder::restrict`] is from Coudert and Madre, "A unified framework for the formal verification of sequential circuits",
 //! ICCAD 1990.
 
 use crate::symbolic::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
@@ -73,7 +73,7 @@ pub struct Choices {
 
 /// Functions under work.
 #[derive(Debug)]
-pub struct Workbench {
+pub struct DiagramBuilder {
     nodes: Vec<Node>,
     /// Every node's number plus one, where its hash says or behind; 0 is free. Small, so that much of it stays near the
     /// processor. A power of two, at least twice the number of nodes.
@@ -96,7 +96,7 @@ pub struct Workbench {
 /// The level of constants, below all others.
 const BOTTOM: u32 = u32::MAX;
 
-impl Workbench {
+impl DiagramBuilder {
     /// Without functions yet.
     pub fn new(order: &Order, limits: &Limits) -> Self {
         let by_memory = limits
@@ -427,7 +427,7 @@ impl Workbench {
         Ok(exported.roots.iter().map(|r| at(&edges, *r)).collect())
     }
 
-    /// Functions of another workbench with the same order.
+    /// Functions of another builder with the same order.
     pub fn copy(&mut self, other: &mut Self, roots: &[Edge]) -> Result<Vec<Edge>, Limit> {
         let mut edges: FxHashMap<usize, Edge> = FxHashMap::default();
         let at = |edges: &FxHashMap<usize, Edge>, edge: Edge| match edge.node() {

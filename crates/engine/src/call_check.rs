@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 
 /// What is known of the stations of a line.
 #[derive(Debug, Default)]
-pub struct Asked {
+pub struct CallCheck {
     /// What may be asked for against what is assumed.
     pub findings: Vec<Diagnostic>,
     /// Stations of which that was not decided, and why.
@@ -31,8 +31,8 @@ pub fn examine<'a>(
     wanted: impl Fn(usize) -> bool,
     controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
     limits: &Limits,
-) -> Asked {
-    let mut asked = Asked::default();
+) -> CallCheck {
+    let mut asked = CallCheck::default();
     let nodes = line.nodes.iter().enumerate();
     for (_, node) in nodes.filter(|(i, _)| wanted(*i)) {
         let NodeKind::Station { machine, tasks, .. } = &node.kind else {

@@ -1,7 +1,7 @@
 //! Rules as functions of bits, put together for one question.
 
 use super::path::Path;
-use super::{Lasso, Rule, RuleKind, Slip, Wanted, fair, smallest};
+use super::{Lasso, Rule, RuleKind, SafetyViolationQuery, Wanted, fair, smallest};
 use crate::game::clusters::Clustering;
 use crate::game::heuristics::Heuristics;
 use crate::game::relation::Relation;
@@ -24,7 +24,7 @@ const REMEMBERED: usize = 24;
 
 /// The functions of rules, made when they are first asked for.
 #[derive(Debug)]
-pub struct Board<K: Kernel> {
+pub struct RuleEncoder<K: Kernel> {
     m: K,
     encoding: Encoding,
     variables: Vec<Variable>,
@@ -158,7 +158,7 @@ fn relations<K: Kernel>(
     ))
 }
 
-impl<K: Kernel> Board<K> {
+impl<K: Kernel> RuleEncoder<K> {
     /// A board without functions.
     pub fn new(
         specification: &Specification,
@@ -441,7 +441,7 @@ impl<K: Kernel> Board<K> {
     pub fn find_slip(
         &mut self,
         rules: &[Rule],
-        slip: &Slip,
+        slip: &SafetyViolationQuery,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         let all = slip.before.iter().chain(&slip.last).chain([&slip.broken]);
         let variables = Self::mentioned(rules, all.copied());
