@@ -24,7 +24,7 @@ pub fn bounded(limits: &Limits) -> Limits {
 
 /// An obligation that is not met.
 pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagnostic {
-    let told = ProofPrinter {
+    let printer = ProofPrinter {
         system: &closed.system,
         claim: &closed.claim,
         whole,
@@ -37,7 +37,7 @@ pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagno
         let component = part.and_then(|p| closed.machine.components.get(p));
         Some(component.map_or(span, |c| c.span))
     };
-    let mut findings = found::of_proof(told, &proof, &at);
+    let mut findings = found::of_proof(printer, &proof, &at);
     findings.swap_remove(0)
 }
 
@@ -151,8 +151,8 @@ fn misrun(closed: &Closed<'_>, misrun: &OperationFailure) -> Diagnostic {
 }
 
 fn never_begins(closed: &Closed<'_>, operation: &Operation, by: &[FormulaRef]) -> Diagnostic {
-    let told: Vec<String> = by.iter().map(|at| assumed(closed, *at)).collect();
-    let forbids = match told.as_slice() {
+    let printer: Vec<String> = by.iter().map(|at| assumed(closed, *at)).collect();
+    let forbids = match printer.as_slice() {
         [] => "what is assumed of it forbids it everywhere".to_owned(),
         [one] => format!("{one} forbids it everywhere"),
         [several @ .., last] => format!("{} or {last} forbid it everywhere", several.join(", ")),

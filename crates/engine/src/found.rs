@@ -10,50 +10,53 @@ use linewright_language::order::lower::rule_of;
 
 /// The findings of a proof. `at` says where a part stands in the text, and the claim's own formulas where there is no part.
 pub fn of_proof(
-    told: ProofPrinter<'_>,
+    printer: ProofPrinter<'_>,
     proof: &Proof,
     at: &dyn Fn(Option<usize>) -> Option<Span>,
 ) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     for found in &proof.loops {
-        let part = found.variables.first().and_then(|v| told.system.driver(*v));
-        let (message, help) = told.same_step(found);
+        let part = found
+            .variables
+            .first()
+            .and_then(|v| printer.system.driver(*v));
+        let (message, help) = printer.same_step(found);
         findings.push(Diagnostic::error(codes::SAME_STEP_LOOP, at(part), message).with_help(help));
     }
     for circle in &proof.circles {
         let part = circle.assumptions.first().and_then(|a| a.part);
-        let (message, help) = told.circle(circle);
+        let (message, help) = printer.circle(circle);
         let mut finding = Diagnostic::error(codes::JUSTICE_CIRCLE, at(part), message);
         for assumption in &circle.assumptions {
-            let formula = told.formula(*assumption);
+            let formula = printer.formula(*assumption);
             finding = finding.with_label(formula.span, "this waits for the other");
         }
         findings.push(finding.with_help(help));
     }
-    findings.extend(proof.open.iter().map(|o| open(told, o, at)));
+    findings.extend(proof.open.iter().map(|o| open(printer, o, at)));
     findings
 }
 
 /// One obligation that is not met.
 fn open(
-    told: ProofPrinter<'_>,
+    printer: ProofPrinter<'_>,
     open: &Open,
     at: &dyn Fn(Option<usize>) -> Option<Span>,
 ) -> Diagnostic {
-    let formula = told.formula(open.what);
-    let reason = told.reason(open);
+    let formula = printer.formula(open.what);
+    let reason = printer.reason(open);
     let (code, message, label) = match open.what.part {
         Some(part) => (
             codes::ASSUMPTION_OPEN,
             format!(
                 "the assumption `{}` of `{}` is not discharged: {reason}",
-                formula.name, told.system.parts[part].name
+                formula.name, printer.system.parts[part].name
             ),
             "this is assumed",
         ),
         None => (
             codes::PROMISE_BROKEN,
-            format!("`{}` of `{}` is not kept", formula.name, told.whole),
+            format!("`{}` of `{}` is not kept", formula.name, printer.whole),
             "this is to be kept",
         ),
     };
@@ -66,7 +69,7 @@ fn open(
     };
     Diagnostic::error(code, at(open.what.part), message)
         .with_label(formula.span, label)
-        .with_note(told.shown(open))
+        .with_note(printer.shown(open))
         .with_help(help)
 }
 

@@ -50,12 +50,12 @@ fn below(
     match prove_stepwise(&system, &claim, limits) {
         Ok(proof) if proof.holds() => {}
         Ok(proof) => {
-            let told = ProofPrinter {
+            let printer = ProofPrinter {
                 system: &system,
                 claim: &claim,
                 whole: &promised.contract,
             };
-            findings.push(broken(machine, inner, promised, told, &proof));
+            findings.push(broken(machine, inner, promised, printer, &proof));
         }
         Err(limit) => findings.push(undecided(inner.span, &inner.machine.name, limit)),
     }
@@ -67,7 +67,7 @@ fn broken(
     machine: &Machine,
     inner: &Inner,
     promised: &Promised,
-    told: ProofPrinter<'_>,
+    printer: ProofPrinter<'_>,
     proof: &linewright_algebra::proof::Proof,
 ) -> Diagnostic {
     let contract = &promised.contract;
@@ -82,7 +82,7 @@ fn broken(
     .with_label(promised.span, "it is said to refine this");
     let finding = match proof.open.first() {
         Some(open) => {
-            let formula = told.formula(open.what);
+            let formula = printer.formula(open.what);
             finding
                 .with_label(
                     formula.span,
@@ -91,7 +91,7 @@ fn broken(
                         None => "this is not kept",
                     },
                 )
-                .with_note(told.shown(open))
+                .with_note(printer.shown(open))
         }
         None => finding,
     };
@@ -103,7 +103,7 @@ fn broken(
 
 /// What a machine reads of those within it although their contracts do not speak of it: proofs know nothing of that.
 pub(super) fn beyond(machine: &Machine) -> Option<String> {
-    let mut told = Vec::new();
+    let mut unspecified = Vec::new();
     for component in &machine.abstracted().components {
         let inner = machine
             .layers
@@ -115,17 +115,17 @@ pub(super) fn beyond(machine: &Machine) -> Option<String> {
         };
         let count = promised.specification.variables.len();
         for variable in &component.specification.variables[count..] {
-            told.push(format!(
+            unspecified.push(format!(
                 "`{}.{}`, of which `{}` says nothing",
                 component.name, variable.name, promised.contract
             ));
         }
     }
-    if told.is_empty() {
+    if unspecified.is_empty() {
         return None;
     }
     Some(format!(
         "this machine reads {}; in its proof that can be anything: make it an output of the contract",
-        told.join(", ")
+        unspecified.join(", ")
     ))
 }

@@ -303,12 +303,12 @@ fn table(
         whole.only(safe)
     };
     let proof = prove(&abstraction.system, &claim, limits)?;
-    let told = ProofPrinter {
+    let printer = ProofPrinter {
         system: &abstraction.system,
         claim: &claim,
         whole: &line.name,
     };
-    Ok(proof.discharges.iter().map(|d| entry(told, d)).collect())
+    Ok(proof.discharges.iter().map(|d| entry(printer, d)).collect())
 }
 
 /// What to do where it was not decided what a station is asked for.

@@ -125,7 +125,7 @@ pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) 
         _ => Composition::default(),
     };
     let both = Both {
-        told: ProofPrinter {
+        printer: ProofPrinter {
             system: &system,
             claim: &claim,
             whole: &machine.name,
@@ -205,7 +205,7 @@ fn is_layered(controlled: &Controlled<'_>) -> bool {
 
 /// A proof from contracts, and what the controllers show.
 struct Both<'a> {
-    told: ProofPrinter<'a>,
+    printer: ProofPrinter<'a>,
     span: Span,
     /// The machine as the proof looks at it.
     machine: &'a Machine,
@@ -224,7 +224,7 @@ impl Both<'_> {
             proof
                 .discharges
                 .iter()
-                .map(|d| (d.what, entry(self.told, d))),
+                .map(|d| (d.what, entry(self.printer, d))),
         );
         if let Some(verdict) = self.verdict.filter(|_| proof.loops.is_empty()) {
             // Of a component that is stuck it is told why, and nothing else.
@@ -271,8 +271,8 @@ impl Both<'_> {
             .all(|f| f.code != codes::ASSUMPTION_OPEN);
         let complete = self.walked.findings.is_empty() && !self.walked.discharges.is_empty();
         let shows = |at: FormulaRef| {
-            let name = &self.told.formula(at).name;
-            let owner = self.told.owner(at);
+            let name = &self.printer.formula(at).name;
+            let owner = self.printer.owner(at);
             let mut walked = self.walked.discharges.iter();
             let known =
                 walked.any(|d| d.component == owner && d.assumption == *name && d.by != By::Line);
@@ -293,7 +293,7 @@ impl Both<'_> {
         let open = verdict.open.iter();
         let open =
             open.filter(|o| !closed::is_completion(self.closed, o) && !but.contains(&o.what));
-        findings.extend(open.map(|o| closed::open(self.closed, self.told.whole, o, self.span)));
+        findings.extend(open.map(|o| closed::open(self.closed, self.printer.whole, o, self.span)));
         findings.extend(verdict.stuck.iter().map(|s| closed::stuck(self.closed, s)));
     }
 
@@ -302,9 +302,9 @@ impl Both<'_> {
         let circular = members(proof);
         // A circle is one finding, and not one for each of its members as well.
         proof.open.retain(|o| !circular.contains(&o.what));
-        for mut finding in found::of_proof(self.told, proof, &|part| Some(self.at(part))) {
+        for mut finding in found::of_proof(self.printer, proof, &|part| Some(self.at(part))) {
             let of_justice = proof.open.iter().any(|o| {
-                let formula = self.told.formula(o.what);
+                let formula = self.printer.formula(o.what);
                 o.what.kind == RuleKind::Justice
                     && o.what.part.is_some()
                     && finding.labels.iter().any(|l| l.0 == formula.span)
@@ -323,7 +323,7 @@ impl Both<'_> {
             circles,
             ..Proof::default()
         };
-        for mut finding in found::of_proof(self.told, &proof, &|part| Some(self.at(part))) {
+        for mut finding in found::of_proof(self.printer, &proof, &|part| Some(self.at(part))) {
             finding.severity = Severity::Warning;
             findings.push(finding.with_note(
                 "the controllers that were synthesized do not wait for ever; others that keep these contracts may",
@@ -340,8 +340,8 @@ impl Both<'_> {
     /// What only the controllers show.
     fn shown(&self, at: FormulaRef, met: Met) -> DischargeEntry {
         DischargeEntry {
-            component: self.told.owner(at).to_owned(),
-            assumption: self.told.formula(at).name.clone(),
+            component: self.printer.owner(at).to_owned(),
+            assumption: self.printer.formula(at).name.clone(),
             rule: match met {
                 Met::Held => MetBy::Controllers,
                 Met::Exported => MetBy::Exported,
@@ -406,7 +406,7 @@ fn refines(
 ) -> RefinesEntry {
     let machine = controlled.machine.abstracted();
     let (system, claim): (System, Claim) = of_promise(machine, promised);
-    let told = ProofPrinter {
+    let printer = ProofPrinter {
         system: &system,
         claim: &claim,
         whole: &promised.contract,
@@ -419,14 +419,14 @@ fn refines(
     };
     match prove(&system, &claim, limits) {
         Ok(proof) if proof.holds() => {
-            refined.discharges = proof.discharges.iter().map(|d| entry(told, d)).collect();
+            refined.discharges = proof.discharges.iter().map(|d| entry(printer, d)).collect();
         }
         Ok(proof) => {
             let closed = Closed::of_promise(controlled.machine, &controlled.controllers, flat);
             let decided = closed.decide(&bounded(limits));
             refined.closed = Some(closed_verdict(&decided));
             let both = Both {
-                told,
+                printer,
                 span: promised.span,
                 machine,
                 closed: &closed,

@@ -2,7 +2,7 @@
 
 use super::document::{self, Compared, Document, Fate, Semantics, Verdict};
 use super::operand::Operand;
-use super::refine::{of_question, told};
+use super::refine::{explain, of_question};
 use super::{Common, Outcome, tell};
 use crate::algebra::join::{Member, Sharing, join};
 use crate::algebra::refine::refine;
@@ -159,7 +159,7 @@ fn pair(
             entry(name, Fate::GaveUp)
         }
         Ok(refinement) => {
-            let (found, _) = told(&refinement, &was, &is, &|_| Some(new.span));
+            let (found, _) = explain(&refinement, &was, &is, &|_| Some(new.span));
             findings.extend(found);
             let mut compared = entry(
                 name,
@@ -173,9 +173,11 @@ fn pair(
                 (&refinement.assumptions, &is),
                 (&refinement.guarantees, &was),
             ] {
-                let told = of_question(question, whole);
+                let printer = of_question(question, whole);
                 let open = question.proof.open.iter();
-                compared.open.extend(open.map(|o| document::open(told, o)));
+                compared
+                    .open
+                    .extend(open.map(|o| document::open(printer, o)));
             }
             compared
         }

@@ -37,17 +37,17 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
         Ok(proof) => proof,
         Err(limit) => return gave_up(limit, "compose", &joined.loaded, options),
     };
-    let told = ProofPrinter {
+    let printer = ProofPrinter {
         system: &joined.system,
         claim: &claim,
         whole: "",
     };
-    let findings = found::of_proof(told, &proof, &|part| part.map(|p| joined.spans[p]));
+    let findings = found::of_proof(printer, &proof, &|part| part.map(|p| joined.spans[p]));
     if arguments.synth && proof.holds() {
-        return synth(&joined, told, &proof, options);
+        return synth(&joined, printer, &proof, options);
     }
     let outcome = Outcome {
-        text: text(told, &proof, arguments.synth),
+        text: text(printer, &proof, arguments.synth),
         document: Document {
             schema: schema("compose"),
             verdict: if proof.holds() {
@@ -57,7 +57,7 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
             },
             semantics: Semantics::Strict,
             pairs: document::pairs(&joined.system),
-            proofs: BTreeMap::from([("proof", document::proof(told, &proof))]),
+            proofs: BTreeMap::from([("proof", document::proof(printer, &proof))]),
             counterexample: None,
             contracts: Vec::new(),
             findings: Vec::new(),
@@ -68,13 +68,18 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
 }
 
 /// The table, what the whole assumes and guarantees, and the verdict in a sentence.
-fn text(told: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
-    let names: Vec<&str> = told.system.parts.iter().map(|p| p.name.as_str()).collect();
+fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
+    let names: Vec<&str> = printer
+        .system
+        .parts
+        .iter()
+        .map(|p| p.name.as_str())
+        .collect();
     let mut text = format!("{}\n", names.join(" ⊗ "));
     if !proof.discharges.is_empty() {
-        text.push_str(&told.table(&proof.discharges));
+        text.push_str(&printer.table(&proof.discharges));
     }
-    let exported = told.exported(proof);
+    let exported = printer.exported(proof);
     let semantics =
         "Semantics: strict, step by step: who keeps its assumptions so far keeps its guarantees.\n";
     if proof.holds() {
@@ -111,11 +116,11 @@ fn text(told: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
 }
 
 /// One contract of all parts, where every assumption is met or handed on: its assumptions are those that were handed on.
-fn whole(told: ProofPrinter<'_>, proof: &Proof) -> Specification {
-    let system = told.system;
+fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
+    let system = printer.system;
     let mut assumptions = Side::default();
-    for at in told.exported(proof) {
-        let formula = told.formula(at).clone();
+    for at in printer.exported(proof) {
+        let formula = printer.formula(at).clone();
         let Some(part) = at.part else { continue };
         debug_assert!(list(&system.parts[part].assumptions, at.kind).contains(&formula));
         match at.kind {
@@ -161,16 +166,16 @@ fn whole(told: ProofPrinter<'_>, proof: &Proof) -> Specification {
 
 /// Assumptions that are handed on although the outside does not control what they constrain: no GR(1) contract of the whole can make them,
 /// since its environment gives the inputs of a step before it sees the outputs (the rule of [`Specification::assumptions`]).
-fn beyond_the_outside(told: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnostic> {
-    let system = told.system;
+fn beyond_the_outside(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnostic> {
+    let system = printer.system;
     let mut findings = Vec::new();
-    for at in told.exported(proof) {
+    for at in printer.exported(proof) {
         let constrained = match at.kind {
             RuleKind::Initial | RuleKind::Invariant => Time::Now,
             RuleKind::Safety => Time::Next,
             RuleKind::Justice => continue,
         };
-        let formula = told.formula(at);
+        let formula = printer.formula(at);
         let mut chosen: BTreeMap<VarId, usize> = BTreeMap::new();
         formula.expr.for_each_var(&mut |v, time| {
             if time == constrained {
@@ -191,7 +196,7 @@ fn beyond_the_outside(told: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnostic> 
                 format!(
                     "`{}` of `{}` is handed on to the outside, but constrains {variables}, chosen by {parts} in the same step: there is no GR(1) contract of the whole, so nothing is synthesized",
                     formula.name,
-                    told.owner(at),
+                    printer.owner(at),
                 ),
             )
             .with_help(format!(
@@ -211,17 +216,17 @@ fn words<'a>(names: impl Iterator<Item = &'a str>) -> String {
 /// A controller of the whole.
 fn synth(
     joined: &Joined,
-    told: ProofPrinter<'_>,
+    printer: ProofPrinter<'_>,
     proof: &Proof,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let beyond = beyond_the_outside(told, proof);
+    let beyond = beyond_the_outside(printer, proof);
     if !beyond.is_empty() {
         console.failed("compose", &joined.loaded.library.sources, &beyond)?;
         return Ok(options.exit_code(&beyond));
     }
-    let specification = Arc::new(whole(told, proof));
+    let specification = Arc::new(whole(printer, proof));
     let span = joined.spans[0];
     let mut jobs = Jobs::examining();
     let job = jobs.add(&specification, span);

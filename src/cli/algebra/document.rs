@@ -186,28 +186,28 @@ pub struct Compared {
 }
 
 /// A formula by name.
-pub fn named(told: ProofPrinter<'_>, at: FormulaRef) -> Named {
-    let formula = told.formula(at);
+pub fn named(printer: ProofPrinter<'_>, at: FormulaRef) -> Named {
+    let formula = printer.formula(at);
     Named {
-        of: told.owner(at).to_owned(),
+        of: printer.owner(at).to_owned(),
         name: formula.name.clone(),
         text: formula.text.clone(),
     }
 }
 
 /// A proof for other programs.
-pub fn proof(told: ProofPrinter<'_>, proof: &Proof) -> ProofEntry {
+pub fn proof(printer: ProofPrinter<'_>, proof: &Proof) -> ProofEntry {
     ProofEntry {
         discharges: proof
             .discharges
             .iter()
-            .map(|d| discharge(told, d))
+            .map(|d| discharge(printer, d))
             .collect(),
-        open: proof.open.iter().map(|o| open(told, o)).collect(),
+        open: proof.open.iter().map(|o| open(printer, o)).collect(),
         circles: proof
             .circles
             .iter()
-            .map(|c| c.assumptions.iter().map(|at| named(told, *at)).collect())
+            .map(|c| c.assumptions.iter().map(|at| named(printer, *at)).collect())
             .collect(),
         loops: proof
             .loops
@@ -215,33 +215,33 @@ pub fn proof(told: ProofPrinter<'_>, proof: &Proof) -> ProofEntry {
             .map(|l| {
                 let names = l.variables.iter();
                 names
-                    .map(|v| told.system.variables[v.index()].name.clone())
+                    .map(|v| printer.system.variables[v.index()].name.clone())
                     .collect()
             })
             .collect(),
     }
 }
 
-fn discharge(told: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry {
+fn discharge(printer: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry {
     DischargeEntry {
-        what: named(told, discharge.what),
+        what: named(printer, discharge.what),
         rule: discharge.rule.into(),
         turn: match discharge.rule {
             Discharged::Justice { turn } => Some(turn + 1),
             _ => None,
         },
-        by: discharge.by.iter().map(|at| named(told, *at)).collect(),
+        by: discharge.by.iter().map(|at| named(printer, *at)).collect(),
     }
 }
 
 /// An open obligation for other programs.
-pub fn open(told: ProofPrinter<'_>, open: &Open) -> OpenEntry {
+pub fn open(printer: ProofPrinter<'_>, open: &Open) -> OpenEntry {
     OpenEntry {
-        what: named(told, open.what),
-        reason: told.reason(open),
+        what: named(printer, open.what),
+        reason: printer.reason(open),
         counterexample: match &open.why {
-            Broken::Trace(steps) => trace(told.system, steps),
-            Broken::Lasso(run) => lasso(told.system, run),
+            Broken::Trace(steps) => trace(printer.system, steps),
+            Broken::Lasso(run) => lasso(printer.system, run),
         },
     }
 }

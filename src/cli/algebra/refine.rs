@@ -78,7 +78,7 @@ fn single(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
         text: String::new(),
         findings: Vec::new(),
     };
-    let (findings, text) = told(&refinement, names[0], names[1], &|part| {
+    let (findings, text) = explain(&refinement, names[0], names[1], &|part| {
         Some(joined.spans[part.map_or(old, |_| new)])
     });
     outcome.findings = findings;
@@ -88,8 +88,8 @@ fn single(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
         ("guarantees", &refinement.guarantees, names[0]),
     ];
     for (what, question, whole) in entries {
-        let told = of_question(question, whole);
-        let entry = document::proof(told, &question.proof);
+        let printer = of_question(question, whole);
+        let entry = document::proof(printer, &question.proof);
         outcome.document.proofs.insert(what, entry);
     }
     Ok(outcome)
@@ -105,7 +105,7 @@ pub fn of_question<'a>(question: &'a Question, whole: &'a str) -> ProofPrinter<'
 }
 
 /// A refinement in words.
-pub fn told(
+pub fn explain(
     refinement: &Refinement,
     old: &str,
     new: &str,
@@ -116,9 +116,9 @@ pub fn told(
         (&refinement.assumptions, new, "assumes more"),
         (&refinement.guarantees, old, "guarantees less"),
     ] {
-        let told = of_question(question, whole);
+        let printer = of_question(question, whole);
         for open in &question.proof.open {
-            let formula = told.formula(open.what);
+            let formula = printer.formula(open.what);
             let message = match what {
                 "assumes more" => format!(
                     "`{new}` assumes `{}`, and `{old}` does not: an environment of `{old}` may break it",
@@ -140,7 +140,7 @@ pub fn told(
                             "this was guaranteed"
                         },
                     )
-                    .with_note(told.shown(open))
+                    .with_note(printer.shown(open))
                     .with_help(help),
             );
         }
@@ -206,13 +206,13 @@ fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> 
         ..Claim::default()
     };
     let proof = prove(&system, &claim, &options.limits())?;
-    let told = ProofPrinter {
+    let printer = ProofPrinter {
         system: &system,
         claim: &claim,
         whole: &whole.name,
     };
     let names: Vec<&str> = parts.iter().map(|p| p.name.as_str()).collect();
-    let findings = found::of_proof(told, &proof, &|part| {
+    let findings = found::of_proof(printer, &proof, &|part| {
         Some(joined.spans[part.map_or(0, |p| p + 1)])
     });
     let verdict = if proof.holds() {
@@ -224,13 +224,13 @@ fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> 
         document: document(joined, proof.holds(), Semantics::Strict),
         text: format!(
             "{}{} {verdict} `{}`.\n",
-            told.table(&proof.discharges),
+            printer.table(&proof.discharges),
             names.join(" ⊗ "),
             whole.name
         ),
         findings,
     };
-    let entry = document::proof(told, &proof);
+    let entry = document::proof(printer, &proof);
     outcome.document.proofs.insert("proof", entry);
     Ok(outcome)
 }
