@@ -5,19 +5,19 @@
 //! the assumptions of the parts as its guarantees. A single contract without guarantees is the plain question whether its assumption can be
 //! realized.
 //!
-//! Who moves first is swapped as well. Machines that see the inputs of the step that they answer leave the environment the first word;
-//! where all parts answer first, and no step that they may take depends on the inputs of that step, it sees their answer. What they do again
-//! and again may depend on these inputs all the same: such a promise binds no single step.
+//! Who moves first is swapped as well: where all parts are Moore machines, they answer first, and the environment sees their answer;
+//! otherwise it speaks first, and depends on nobody's answer.
 //!
-//! An environment that speaks first can leave the parts no answer. It has won by that, but only if it has kept the
-//! assumptions itself, in that step too: some answer, allowed or not, has to keep them. No formula of GR(1) says that there is such an
-//! answer, so that the environment names it, in variables of its own ([`witnessed`]).
+//! Either of the two can leave the other without a way to keep what it has promised. An environment that leaves the parts none has won, but
+//! only if it keeps the assumptions itself, in that step too. That "some answer" does so is no formula of GR(1): whoever has to
+//! have one names it, in variables of its own.
 
 use super::proof::{Broken, last_step, latest};
 use super::system::{KINDS, Part, System, formulas, list, list_mut, rule};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
 };
+use linewright_core::source::Span;
 use linewright_solver::game::{
     self, Ending, Lasso, Limit, Limits, Outcome, RuleKind, Runs, SafetyViolationQuery,
 };
@@ -37,63 +37,18 @@ pub enum Compatibility {
     },
 }
 
-/// The game of the environment: its variables are the machine's, everything that parts set is an input.
-pub fn environments_game(system: &System) -> Specification {
-    let variables = system.variables.iter().enumerate().map(|(i, variable)| {
-        let driven = system
-            .driver(linewright_core::gr1::VarId(i as u32))
-            .is_some();
-        Variable {
-            owner: if driven {
-                Owner::Environment
-            } else {
-                Owner::System
-            },
-            internal: false,
-            ..variable.clone()
-        }
-    });
-    let sees = system.parts.iter().all(|part| {
-        let own = |side: &Side| {
-            formulas(side).all(|(kind, _, f)| {
-                kind == RuleKind::Justice
-                    || latest(&f.expr, kind)
-                        .iter()
-                        .all(|v| system.driver(*v).is_some())
-            })
-        };
-        part.timing == Timing::Moore && own(&part.guarantees) && own(&part.definitions)
-    });
-    let all = |pick: &dyn Fn(&Part) -> Vec<&Side>| {
-        let mut whole = Side::default();
-        for side in system.parts.iter().flat_map(pick) {
-            whole.initial.extend(side.initial.iter().cloned());
-            whole.invariants.extend(side.invariants.iter().cloned());
-            whole.safety.extend(side.safety.iter().cloned());
-            whole.justice.extend(side.justice.iter().cloned());
-        }
-        whole
-    };
-    Specification {
-        name: "environment".to_owned(),
-        timing: if sees { Timing::Mealy } else { Timing::Moore },
-        variables: variables.collect(),
-        assumptions: all(&|p| vec![&p.guarantees, &p.definitions]),
-        guarantees: all(&|p| vec![&p.assumptions]),
-    }
-}
-
 /// Whether there is an environment for the parts of a system together.
 ///
 /// # Errors
 /// When a limit was reached.
 pub fn compatible(system: &System, limits: &Limits) -> Result<Compatibility, Limit> {
-    let game = environments_game(system);
-    match game.timing {
-        // The parts answer first: nothing leaves them without an answer.
-        Timing::Mealy => play(&game, system, limits),
-        Timing::Moore => play(&witnessed(&game, system), system, limits),
-    }
+    let is_moore = |part: &Part| part.timing == Timing::Moore;
+    let game = if system.parts.iter().all(is_moore) {
+        environment_last(system)
+    } else {
+        environment_first(system)
+    };
+    play(&game, system, limits)
 }
 
 fn play(game: &Specification, system: &System, limits: &Limits) -> Result<Compatibility, Limit> {
@@ -112,91 +67,217 @@ fn play(game: &Specification, system: &System, limits: &Limits) -> Result<Compat
     })
 }
 
-/// The environment's game (Moore) where it answers for its assumptions although it leaves the parts no answer.
-///
-/// The parts may break a guarantee here: `over` says that they have, `before` that they had a step earlier. Until `over`, the environment
-/// keeps each assumption with the parts' answer; until `before`, with an answer that it names itself. The second matters only where the
-/// parts have no answer: an assumption that all allowed answers keep is kept by one of them.
-fn witnessed(game: &Specification, system: &System) -> Specification {
-    let mut variables = game.variables.clone();
-    let mut add = |like: &Variable, owner, domain: &Domain| {
-        let id = VarId(variables.len() as u32);
-        variables.push(Variable {
+/// A game of the environment while it is put together: its variables are the machine's, what parts set are inputs.
+struct Game<'s> {
+    system: &'s System,
+    specification: Specification,
+}
+
+impl<'s> Game<'s> {
+    /// The assumptions of the parts, and what they owe again and again.
+    fn new(system: &'s System, timing: Timing, owner: impl Fn(VarId) -> Owner) -> Self {
+        let variables = (0..).map(VarId).zip(&system.variables);
+        let variables = variables.map(|(v, variable)| Variable {
+            owner: owner(v),
+            internal: false,
+            ..variable.clone()
+        });
+        let mut game = Self {
+            system,
+            specification: Specification {
+                name: "environment".to_owned(),
+                timing,
+                variables: variables.collect(),
+                assumptions: Side::default(),
+                guarantees: Side::default(),
+            },
+        };
+        let Specification {
+            assumptions,
+            guarantees,
+            ..
+        } = &mut game.specification;
+        for part in &system.parts {
+            extend(guarantees, &part.assumptions);
+            let owed = part.guarantees.justice.iter().cloned();
+            assumptions.justice.extend(owed);
+        }
+        game
+    }
+
+    fn add(&mut self, owner: Owner, domain: Domain) -> VarId {
+        let id = VarId(self.specification.variables.len() as u32);
+        let like = self.specification.variables[0].clone();
+        self.specification.variables.push(Variable {
             owner,
             internal: true,
-            domain: domain.clone(),
-            ..like.clone()
+            domain,
+            ..like
         });
         id
-    };
-    let definitions = || system.parts.iter().map(|p| &p.definitions);
-    let answers: BTreeSet<VarId> = std::iter::once(&game.guarantees)
-        .chain(definitions())
-        .flat_map(formulas)
-        .filter(|(kind, ..)| *kind != RuleKind::Justice)
-        .flat_map(|(kind, _, f)| latest(&f.expr, kind))
-        .filter(|v| system.driver(*v).is_some())
-        .collect();
-    let mut names = BTreeMap::new();
-    for v in answers {
-        let answer = &game.variables[v.index()];
-        names.insert(v, add(answer, Owner::System, &answer.domain));
     }
-    let like = &game.variables[0];
-    let over = add(like, Owner::Environment, &Domain::Bool);
-    let before = add(like, Owner::Environment, &Domain::Bool);
 
-    let kept = |kind, f: &Formula| {
+    /// Copies of variables; of those that are not among them, none.
+    fn copies(&mut self, of: BTreeSet<VarId>, owner: Owner) -> BTreeMap<VarId, VarId> {
+        let copied = of.into_iter().map(|v| {
+            let domain = self.specification.variables[v.index()].domain.clone();
+            (v, self.add(owner, domain))
+        });
+        copied.collect()
+    }
+
+    /// Variables that say whether a guarantee has been broken by now, and whether one had been a step earlier; and the rules that set them.
+    fn breach(&mut self, owner: Owner) -> (VarId, VarId, Side) {
+        let over = self.add(owner, Domain::Bool);
+        let before = self.add(owner, Domain::Bool);
+        let promised = |kind| asked(self.system, &|p| &p.guarantees, kind);
+        let (first, later) = (promised(RuleKind::Initial), promised(RuleKind::Safety));
+        let rules = Side {
+            initial: vec![
+                unnamed(Expr::now(before).not()),
+                unnamed(Expr::now(over).equals(first.not())),
+            ],
+            safety: vec![
+                unnamed(Expr::next(before).equals(Expr::now(over))),
+                unnamed(Expr::next(over).equals(Expr::now(over).or(later.not()))),
+            ],
+            ..Side::default()
+        };
+        (over, before, rules)
+    }
+
+    /// Puts something else in the place of each assumption that it is the environment's turn to keep.
+    fn rewrite(&mut self, put: impl Fn(RuleKind, &Formula) -> Expr) {
+        for kind in KINDS {
+            for f in list_mut(&mut self.specification.guarantees, kind) {
+                f.expr = put(kind, f);
+            }
+        }
+    }
+}
+
+/// The game where the environment speaks first: not all parts answer before it.
+///
+/// It answers for its assumptions even where it leaves the parts no answer. The parts may break a guarantee here: `over` says that they
+/// have, `before` that they had a step earlier. Until `over`, the environment keeps each assumption with the parts' answer; until `before`,
+/// with an answer that it names itself. The second matters only where the parts have no answer: an assumption that all allowed answers
+/// keep is kept by one of them.
+fn environment_first(system: &System) -> Specification {
+    let driven = |v: &VarId| system.driver(*v).is_some();
+    let mut game = Game::new(system, Timing::Moore, |v| {
+        if driven(&v) {
+            Owner::Environment
+        } else {
+            Owner::System
+        }
+    });
+    let definitions = || system.parts.iter().map(|p| &p.definitions);
+    let assumed = system.parts.iter().map(|p| &p.assumptions);
+    let answers = assumed.chain(definitions()).flat_map(of_last_step);
+    let named = game.copies(answers.filter(driven).collect(), Owner::System);
+    let (over, before, rules) = game.breach(Owner::Environment);
+    game.rewrite(|kind, f| {
+        if kind == RuleKind::Justice {
+            return f.expr.clone().or(Expr::now(over));
+        }
         let time = last_step(kind);
         let defined = definitions().flat_map(|side| list(side, kind));
         let defined = defined.fold(f.expr.clone(), |all, d| all.and(d.expr.clone()));
-        let named = defined.substitute(&mut |v, t| {
-            let named = names.get(&v).filter(|_| t == time);
-            Expr::Var(named.copied().unwrap_or(v), t)
-        });
         let answered = Expr::Var(over, time).or(f.expr.clone());
-        answered.and(Expr::Var(before, time).or(named))
+        answered.and(Expr::Var(before, time).or(with_copies(&defined, kind, &named)))
+    });
+    for side in definitions().chain([&rules]) {
+        extend(&mut game.specification.assumptions, side);
+    }
+    game.specification
+}
+
+/// The game where all parts answer first, and the environment sees their answer. What monitors remember of a step is known after it.
+///
+/// An answer is one that some values from outside make an allowed one: the parts name these. With others the environment may leave the parts
+/// with a broken guarantee (`over`), as long as it keeps the assumptions itself, in that step too.
+fn environment_last(system: &System) -> Specification {
+    let definitions: Vec<&Side> = system.parts.iter().map(|p| &p.definitions).collect();
+    let defined = |v: &VarId| {
+        let place = system.variables[v.index()].span;
+        let mut all = definitions.iter().copied().flat_map(formulas);
+        all.any(|(_, _, f)| f.span.holds(place))
     };
-    let mut guarantees = game.guarantees.clone();
-    for kind in KINDS {
-        for f in list_mut(&mut guarantees, kind) {
-            f.expr = match kind {
-                RuleKind::Justice => f.expr.clone().or(Expr::now(over)),
-                _ => kept(kind, f),
-            };
+    let late = |v: &VarId| system.driver(*v).is_none() || defined(v);
+    let mut game = Game::new(system, Timing::Mealy, |v| {
+        if late(&v) {
+            Owner::System
+        } else {
+            Owner::Environment
+        }
+    });
+    let promised = system.parts.iter().map(|p| &p.guarantees);
+    let mut read: BTreeSet<VarId> = promised.flat_map(of_last_step).filter(late).collect();
+    let monitored = read.iter().any(defined);
+    if monitored {
+        let also = definitions.iter().copied().flat_map(of_last_step);
+        read.extend(also.filter(late));
+    }
+    let is_blind = read.is_empty();
+    let named = game.copies(read, Owner::Environment);
+    for part in &system.parts {
+        for kind in [RuleKind::Initial, RuleKind::Invariant, RuleKind::Safety] {
+            let also = list(&part.definitions, kind).iter().filter(|_| monitored);
+            for f in list(&part.guarantees, kind).iter().chain(also) {
+                list_mut(&mut game.specification.assumptions, kind).push(Formula {
+                    expr: with_copies(&f.expr, kind, &named),
+                    ..f.clone()
+                });
+            }
         }
     }
-    let formula = |expr: Expr| Formula {
+    if !is_blind {
+        let (over, before, rules) = game.breach(Owner::System);
+        game.rewrite(|kind, f| match kind {
+            RuleKind::Justice => f.expr.clone().or(Expr::now(over)),
+            _ => Expr::Var(before, last_step(kind)).or(f.expr.clone()),
+        });
+        extend(&mut game.specification.guarantees, &rules);
+    }
+    for kind in KINDS {
+        let defining = definitions.iter().flat_map(|side| list(side, kind));
+        let defining = defining.map(|f| unnamed(f.expr.clone()));
+        list_mut(&mut game.specification.guarantees, kind).extend(defining);
+    }
+    game.specification
+}
+
+/// The variables whose values in the last step a side's formulas speak of, but for its justice.
+fn of_last_step(side: &Side) -> BTreeSet<VarId> {
+    formulas(side)
+        .filter(|(kind, ..)| *kind != RuleKind::Justice)
+        .flat_map(|(kind, _, f)| latest(&f.expr, kind))
+        .collect()
+}
+
+/// A formula with copies in the place of variables in its last step.
+fn with_copies(expr: &Expr, kind: RuleKind, copies: &BTreeMap<VarId, VarId>) -> Expr {
+    expr.substitute(&mut |v, time| {
+        let copy = copies.get(&v).filter(|_| time == last_step(kind));
+        Expr::Var(copy.copied().unwrap_or(v), time)
+    })
+}
+
+fn extend(side: &mut Side, more: &Side) {
+    for kind in KINDS {
+        list_mut(side, kind).extend(list(more, kind).iter().cloned());
+    }
+}
+
+/// A rule of the game that is nobody's promise.
+fn unnamed(expr: Expr) -> Formula {
+    Formula {
         name: String::new(),
         requirement: None,
         expr,
-        span: like.span,
+        span: Span::default(),
         text: String::new(),
-        defines: false,
-    };
-    let promised = |kind| asked(system, &|p| &p.guarantees, kind);
-    let mut assumptions = Side::default();
-    for side in definitions() {
-        for kind in KINDS {
-            list_mut(&mut assumptions, kind).extend(list(side, kind).iter().cloned());
-        }
-    }
-    assumptions.initial.extend([
-        formula(Expr::now(before).not()),
-        formula(Expr::now(over).equals(promised(RuleKind::Initial).not())),
-    ]);
-    assumptions.safety.extend([
-        formula(Expr::next(before).equals(Expr::now(over))),
-        formula(Expr::next(over).equals(Expr::now(over).or(promised(RuleKind::Safety).not()))),
-    ]);
-    let owed = system.parts.iter().flat_map(|p| &p.guarantees.justice);
-    assumptions.justice.extend(owed.cloned());
-    Specification {
-        name: game.name.clone(),
-        timing: game.timing,
-        variables,
-        assumptions,
-        guarantees,
+        defines: true,
     }
 }
 

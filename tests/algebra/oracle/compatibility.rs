@@ -2,8 +2,8 @@
 //!
 //! The outside plays: it sets what no part sets, and has to keep all assumptions for as long as the parts keep their guarantees; and has
 //! to meet the justice of the assumptions whenever that of the guarantees is met. Machines that see the inputs of the step that
-//! they answer leave the outside the first word. Where all parts answer first, and none of their steps depends on anything from outside in
-//! that step, the outside sees their answer, whatever they do again and again.
+//! they answer leave the outside the first word. Where all parts answer first, the outside sees their answer; one is allowed where something
+//! from outside makes it so, and with something else the outside leaves the parts with a broken promise.
 
 use super::contracts::{self, formula};
 use super::graph::{Board, Relation, Set, Steps, members};
@@ -11,9 +11,9 @@ use super::lassos::keeps;
 use super::wired::{self, Plan};
 use crate::random::Random;
 use linewright::algebra::compat::{Compatibility, compatible};
-use linewright::algebra::proof::{Broken, latest};
-use linewright::algebra::system::{Part, System, formulas};
-use linewright::game::{Limits, RuleKind};
+use linewright::algebra::proof::Broken;
+use linewright::algebra::system::{Part, System};
+use linewright::game::Limits;
 use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId};
 
 const SYSTEMS: u64 = 5_000;
@@ -68,13 +68,7 @@ impl Swapped {
         let board = Board::new(&system.variables);
         let guarantees = together(system.parts.iter().map(|p| &p.guarantees));
         let own = |v: &VarId| system.driver(*v).is_some();
-        let sees = system.parts.iter().all(|p| {
-            let mut said = formulas(&p.guarantees);
-            let blind = said.all(|(kind, _, f)| {
-                kind == RuleKind::Justice || latest(&f.expr, kind).iter().all(own)
-            });
-            p.timing == Timing::Moore && blind
-        });
+        let sees = system.parts.iter().all(|p| p.timing == Timing::Moore);
         let alike = |of_parts: bool| {
             let key = |valuation: &Vec<i64>| -> Vec<i64> {
                 let all = valuation.iter().enumerate();
@@ -114,11 +108,12 @@ impl Swapped {
     }
 
     /// Whether the outside can bring about one of `kept` that is among `good`, whichever of `legal` the parts choose. Where it leaves
-    /// them nothing to choose, any of `kept` will do: it must not break an assumption itself.
+    /// them nothing to choose, or breaks their promise after they have chosen, any of `kept` will do: it must not break an assumption
+    /// itself.
     fn controls(&self, legal: Set, kept: Set, good: Set) -> bool {
         if self.sees {
             let mut answers = self.of_parts.iter();
-            answers.all(|y| y & legal == 0 || y & legal & kept & good != 0)
+            answers.all(|y| y & legal == 0 || y & kept & (good | !legal) != 0)
         } else {
             let mut moves = self.from_outside.iter();
             moves.any(|x| match x & legal {
@@ -194,7 +189,7 @@ fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
             // What the parts set is given; nothing from outside fits.
             let same = game.of_parts.iter().find(|y| *y >> state & 1 == 1);
             let same = same.expect("a group");
-            assert!(same & legal != 0 && same & legal & kept == 0, "{steps:?}");
+            assert!(same & legal != 0 && same & kept == 0, "{steps:?}");
         } else {
             let everything = game.board.everything();
             assert!(!game.controls(legal, kept, everything), "{steps:?}");
