@@ -5,12 +5,13 @@
 //! the assumptions of the parts as its guarantees. A single contract without guarantees is the plain question whether its assumption can be
 //! realized.
 //!
-//! Who moves first is swapped as well: where all parts are Moore machines, they answer first, and the environment sees their answer;
-//! otherwise it speaks first, and depends on nobody's answer.
+//! Who moves first is swapped as well: Moore machines answer before the environment, which sees their answer, and Mealy machines after it.
 //!
 //! Either of the two can leave the other without a way to keep what it has promised. An environment that leaves the parts none has won, but
 //! only if it keeps the assumptions itself, in that step too. That "some answer" does so is no formula of GR(1): whoever has to
 //! have one names it, in variables of its own.
+
+mod between;
 
 use super::proof::{Broken, last_step, latest};
 use super::system::{KINDS, Part, System, formulas, list, list_mut, rule};
@@ -43,28 +44,52 @@ pub enum Compatibility {
 /// When a limit was reached.
 pub fn compatible(system: &System, limits: &Limits) -> Result<Compatibility, Limit> {
     let is_moore = |part: &Part| part.timing == Timing::Moore;
-    let game = if system.parts.iter().all(is_moore) {
-        environment_last(system)
+    let order = if system.parts.iter().all(is_moore) {
+        Turn::Last
+    } else if system.parts.iter().any(is_moore) {
+        Turn::Between
     } else {
-        environment_first(system)
+        Turn::First
     };
-    play(&game, system, limits)
-}
-
-fn play(game: &Specification, system: &System, limits: &Limits) -> Result<Compatibility, Limit> {
-    let lost = match game::solve(game, limits) {
+    let late = |v: &VarId| {
+        let driver = system.driver(*v);
+        driver.is_some_and(|part| !is_moore(&system.parts[part])) || defined(system, *v)
+    };
+    let game = match order {
+        Turn::First => environment_first(system),
+        Turn::Between => between::game(system, &late),
+        Turn::Last => environment_last(system),
+    };
+    let lost = match game::solve(&game, limits) {
         Outcome::Realizable(_) => return Ok(Compatibility::Compatible),
         Outcome::Unrealizable(lost) => lost,
         Outcome::GaveUp(limit) => return Err(limit),
     };
-    let play = match game::attack(game, &[], limits) {
-        Ok(Some(attack)) => Some(shown(&attack.play, game.timing, system, limits)),
+    let play = match game::attack(&game, &[], limits) {
+        Ok(Some(attack)) => Some(shown(&attack.play, order, system, &late, limits)),
         _ => None,
     };
     Ok(Compatibility::Incompatible {
-        assumptions: lost.core_names(game),
+        assumptions: lost.core_names(&game),
         play,
     })
+}
+
+/// When it is the environment's turn in a step: before the parts, after those that are Moore machines, or after all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Turn {
+    First,
+    Between,
+    Last,
+}
+
+/// Whether a variable is what a monitor remembers.
+fn defined(system: &System, v: VarId) -> bool {
+    let place = system.variables[v.index()].span;
+    let sides = system.parts.iter().map(|p| &p.definitions);
+    sides
+        .flat_map(formulas)
+        .any(|(_, _, f)| f.span.holds(place))
 }
 
 /// A game of the environment while it is put together: its variables are the machine's, what parts set are inputs.
@@ -156,7 +181,7 @@ impl<'s> Game<'s> {
     }
 }
 
-/// The game where the environment speaks first: not all parts answer before it.
+/// The game where the environment moves first: all parts are Mealy machines.
 ///
 /// It answers for its assumptions even where it leaves the parts no answer. The parts may break a guarantee here: `over` says that they
 /// have, `before` that they had a step earlier. Until `over`, the environment keeps each assumption with the parts' answer; until `before`,
@@ -192,17 +217,13 @@ fn environment_first(system: &System) -> Specification {
     game.specification
 }
 
-/// The game where all parts answer first, and the environment sees their answer. What monitors remember of a step is known after it.
+/// The game where the environment moves last: all parts are Moore machines. What monitors remember of a step is known after it.
 ///
 /// An answer is one that some values from outside make an allowed one: the parts name these. With others the environment may leave the parts
 /// with a broken guarantee (`over`), as long as it keeps the assumptions itself, in that step too.
 fn environment_last(system: &System) -> Specification {
     let definitions: Vec<&Side> = system.parts.iter().map(|p| &p.definitions).collect();
-    let defined = |v: &VarId| {
-        let place = system.variables[v.index()].span;
-        let mut all = definitions.iter().copied().flat_map(formulas);
-        all.any(|(_, _, f)| f.span.holds(place))
-    };
+    let defined = |v: &VarId| defined(system, *v);
     let late = |v: &VarId| system.driver(*v).is_none() || defined(v);
     let mut game = Game::new(system, Timing::Mealy, |v| {
         if late(&v) {
@@ -282,17 +303,31 @@ fn unnamed(expr: Expr) -> Formula {
 }
 
 /// A play as a counterexample: up to the step that breaks an assumption, or round the cycle that starves one.
-fn shown(play: &game::Play, timing: Timing, system: &System, limits: &Limits) -> Broken {
+fn shown(
+    play: &game::Play,
+    order: Turn,
+    system: &System,
+    late: &dyn Fn(&VarId) -> bool,
+    limits: &Limits,
+) -> Broken {
     let own = |step: &Vec<i64>| step[..system.variables.len()].to_vec();
     let mut steps: Vec<Vec<i64>> = play.steps.iter().map(own).collect();
+    if order == Turn::Between {
+        let next = match &play.ending {
+            Ending::Clash(_) => None,
+            Ending::Starved { from, .. } => Some(steps[*from].clone()),
+        };
+        steps = between::undelayed(&steps, next.as_ref(), late);
+    }
     match &play.ending {
-        // What comes from outside in the last step is an example: whatever it is, something is broken. Where it comes first, so are
-        // the parts' answers, and an allowed one says more.
+        // What comes from outside in the last step is an example: whatever it is, something is broken. So are answers to it, and an
+        // allowed one says more.
         Ending::Clash(_) => {
-            if timing == Timing::Moore {
-                let last = steps.pop();
-                let allowed = breaking(system, steps.last(), limits);
-                steps.extend(allowed.or(last));
+            if order != Turn::Last
+                && let Some(last) = steps.pop()
+            {
+                let allowed = breaking(system, steps.last(), &last, limits);
+                steps.push(allowed.unwrap_or(last));
             }
             Broken::Trace(steps)
         }
@@ -303,15 +338,26 @@ fn shown(play: &game::Play, timing: Timing, system: &System, limits: &Limits) ->
     }
 }
 
-/// A step after `state`, or a first one, in which the parts keep their guarantees and some assumption is broken. `None` where every
-/// such step leaves the parts no answer, and where a limit was reached.
-fn breaking(system: &System, state: Option<&Vec<i64>>, limits: &Limits) -> Option<Vec<i64>> {
+/// A step after `state`, or a first one, in which the parts keep their guarantees and some assumption is broken; Moore machines answer as in
+/// `last`. `None` where every such step leaves the parts no answer, and where a limit was reached.
+fn breaking(
+    system: &System,
+    state: Option<&Vec<i64>>,
+    last: &[i64],
+    limits: &Limits,
+) -> Option<Vec<i64>> {
     let kind = match state {
         None => RuleKind::Initial,
         Some(_) => RuleKind::Safety,
     };
     let asked = |pick: &dyn Fn(&Part) -> &Side| asked(system, pick, kind);
-    let kept = asked(&|p| &p.guarantees).and(asked(&|p| &p.definitions));
+    let mut kept = asked(&|p| &p.guarantees).and(asked(&|p| &p.definitions));
+    for (v, value) in (0..).map(VarId).zip(last) {
+        let driver = system.driver(v).map(|part| &system.parts[part]);
+        if driver.is_some_and(|p| p.timing == Timing::Moore) && !defined(system, v) {
+            kept = kept.and(Expr::Var(v, last_step(kind)).equals(Expr::Const(*value)));
+        }
+    }
     let assumed = asked(&|p| &p.assumptions);
     let mut rules = vec![rule(kind, &kept), rule(kind, &assumed)];
     if let Some(state) = state {

@@ -29,9 +29,9 @@ struct Swapped {
     outside: Steps,
     owed: Vec<Relation>,
     goals: Vec<Relation>,
-    /// Valuations with the same values from outside, and with the same values of parts.
+    /// Valuations with the same values from outside, and with the same values of Moore machines.
     from_outside: Vec<Set>,
-    of_parts: Vec<Set>,
+    of_moore: Vec<Set>,
 }
 
 /// The formulas of some sides in one.
@@ -68,11 +68,15 @@ impl Swapped {
         let board = Board::new(&system.variables);
         let guarantees = together(system.parts.iter().map(|p| &p.guarantees));
         let own = |v: &VarId| system.driver(*v).is_some();
-        let sees = system.parts.iter().all(|p| p.timing == Timing::Moore);
-        let alike = |of_parts: bool| {
+        let moore = |v: &VarId| {
+            let driver = system.driver(*v);
+            driver.is_some_and(|p| system.parts[p].timing == Timing::Moore)
+        };
+        let sees = system.parts.iter().any(|p| p.timing == Timing::Moore);
+        let alike = |which: &dyn Fn(&VarId) -> bool| {
             let key = |valuation: &Vec<i64>| -> Vec<i64> {
                 let all = valuation.iter().enumerate();
-                all.filter(|(i, _)| own(&VarId(*i as u32)) == of_parts)
+                all.filter(|(i, _)| which(&VarId(*i as u32)))
                     .map(|(_, x)| *x)
                     .collect()
             };
@@ -99,28 +103,30 @@ impl Swapped {
             outside: board.steps([assumptions]),
             owed: or_true(board.relations(&guarantees.justice)),
             goals: or_true(board.relations(&assumptions.justice)),
-            from_outside: alike(false),
-            of_parts: alike(true),
+            from_outside: alike(&|v| !own(v)),
+            of_moore: alike(&moore),
             corners: true,
             sees,
             board,
         }
     }
 
-    /// Whether the outside can bring about one of `kept` that is among `good`, whichever of `legal` the parts choose. Where it leaves
-    /// them nothing to choose, or breaks their promise after they have chosen, any of `kept` will do: it must not break an assumption
-    /// itself.
+    /// Whether the outside can bring about one of `kept` that is among `good`, after whatever the Moore machines set and whichever of `legal`
+    /// the others choose then.
     fn controls(&self, legal: Set, kept: Set, good: Set) -> bool {
-        if self.sees {
-            let mut answers = self.of_parts.iter();
-            answers.all(|y| y & legal == 0 || y & kept & (good | !legal) != 0)
-        } else {
-            let mut moves = self.from_outside.iter();
-            moves.any(|x| match x & legal {
+        let mut answers = self.of_moore.iter();
+        answers.all(|y| self.answers(*y, legal, kept, good))
+    }
+
+    /// The same after `y`. Where it leaves the parts no way to keep their promise, any of `kept` will do: it must not break an
+    /// assumption itself.
+    fn answers(&self, y: Set, legal: Set, kept: Set, good: Set) -> bool {
+        let mut moves = self.from_outside.iter().map(|x| x & y);
+        self.sees && y & legal == 0
+            || moves.any(|x| match x & legal {
                 0 => self.corners && x & kept != 0,
                 answers => answers & !(kept & good) == 0,
             })
-        }
     }
 
     /// νZ. ⋀ⱼ μY. ⋁ᵢ νX, as the textbook has it.
@@ -185,17 +191,16 @@ fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
         let (legal, kept) = game.moves(before);
         if i + 1 < states.len() {
             assert!((legal & kept) >> state & 1 == 1, "step {i} of {steps:?}");
-        } else if game.sees {
-            // What the parts set is given; nothing from outside fits.
-            let same = game.of_parts.iter().find(|y| *y >> state & 1 == 1);
-            let same = same.expect("a group");
-            assert!(same & legal != 0 && same & kept == 0, "{steps:?}");
         } else {
+            // What Moore machines set is given; nothing from outside fits.
+            let same = game.of_moore.iter().find(|y| *y >> state & 1 == 1);
+            let same = *same.expect("a group");
+            assert!(!game.sees || same & legal != 0, "{steps:?}");
             let everything = game.board.everything();
-            assert!(!game.controls(legal, kept, everything), "{steps:?}");
-            let move_made = game.from_outside.iter().find(|x| *x >> state & 1 == 1);
-            let answers = move_made.expect("a group") & legal;
-            let is_cornered = answers == 0;
+            assert!(!game.answers(same, legal, kept, everything), "{steps:?}");
+            let moves = game.from_outside.iter().map(|x| x & same);
+            let own = moves.into_iter().find(|x| x >> state & 1 == 1);
+            let is_cornered = own.expect("a group") & legal == 0;
             assert!(
                 is_cornered || (legal & !kept) >> state & 1 == 1,
                 "the end of {steps:?}"
