@@ -8,6 +8,7 @@ use crate::contract::units::Unit;
 use crate::contract::value::{Term, Type};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{Domain, Time};
+use linewright_core::source::Span;
 use linewright_syntax::ast::{self, ExprKind};
 use std::collections::BTreeSet;
 
@@ -93,18 +94,9 @@ impl<'a> Elaborator<'a> {
                 }
                 let of = self.shape(of)?;
                 let length = length_value as usize;
-                if of.leaves().saturating_mul(length) > MAX_LEAVES {
-                    self.findings.error_with(
-                        codes::DOMAIN_EMPTY,
-                        domain.span,
-                        format!("this is made of more than {MAX_LEAVES} values"),
-                        "use smaller arrays",
-                    );
-                    return None;
-                }
-                Some(Shape::Array(Box::new(of), length))
+                self.bounded(domain.span, Shape::Array(Box::new(of), length))
             }
-            ast::DomainKind::Record(members) => self.record_shape(members),
+            ast::DomainKind::Record(members) => self.record_shape(domain.span, members),
             ast::DomainKind::Named(name) if name.text == "bool" => {
                 Some(Shape::Scalar(Domain::Bool, None))
             }
@@ -218,7 +210,11 @@ impl<'a> Elaborator<'a> {
         None
     }
 
-    fn record_shape(&mut self, members: &'a [(ast::Name, ast::Domain)]) -> Option<Shape> {
+    fn record_shape(
+        &mut self,
+        span: Span,
+        members: &'a [(ast::Name, ast::Domain)],
+    ) -> Option<Shape> {
         let mut seen: BTreeSet<&str> = BTreeSet::new();
         let mut shapes = Vec::with_capacity(members.len());
         for (name, domain) in members {
@@ -232,7 +228,22 @@ impl<'a> Elaborator<'a> {
             }
             shapes.push(self.shape(domain).map(|s| (name.text.clone(), s)));
         }
-        Some(Shape::Record(shapes.into_iter().collect::<Option<_>>()?))
+        let members = shapes.into_iter().collect::<Option<_>>()?;
+        self.bounded(span, Shape::Record(members))
+    }
+
+    /// Refuses a type of too many values, before a type of it is made that has even more.
+    fn bounded(&mut self, span: Span, shape: Shape) -> Option<Shape> {
+        if shape.leaves() > MAX_LEAVES {
+            self.findings.error_with(
+                codes::DOMAIN_EMPTY,
+                span,
+                format!("this is made of more than {MAX_LEAVES} values"),
+                "use smaller arrays and records",
+            );
+            return None;
+        }
+        Some(shape)
     }
 }
 

@@ -158,6 +158,27 @@ impl<'a> Builder<'a, '_> {
                     .collect(),
             );
         }
+        let mut component = None;
+        if let Some(value) = value {
+            value.for_each_path(&mut |names| {
+                if let [from, property] = names
+                    && self.part_index.contains_key(&from.text)
+                {
+                    component.get_or_insert(format!("{}.{}", from.text, property.text));
+                }
+            });
+            if let Some(component) = component {
+                self.e.findings.error_with(
+                    codes::PROPERTY,
+                    value.span,
+                    "a joined part takes a value over as it is",
+                    format!(
+                        "write `= {component}`, and compute with it in a machine: `write`, `time`"
+                    ),
+                );
+                return None;
+            }
+        }
         let numbers = property_values(&mut self.e, ty, value)?;
         Some(numbers.into_iter().map(InitialValue::Number).collect())
     }
