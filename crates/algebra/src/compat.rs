@@ -99,11 +99,15 @@ struct Game<'s> {
 }
 
 impl<'s> Game<'s> {
-    /// The assumptions of the parts, and what they owe again and again.
-    fn new(system: &'s System, timing: Timing, owner: impl Fn(VarId) -> Owner) -> Self {
+    /// The assumptions of the parts, and what they owe again and again. The environment is the player and sets what is `outside`.
+    fn new(system: &'s System, timing: Timing, outside: impl Fn(&VarId) -> bool) -> Self {
         let variables = (0..).map(VarId).zip(&system.variables);
         let variables = variables.map(|(v, variable)| Variable {
-            owner: owner(v),
+            owner: if outside(&v) {
+                Owner::System
+            } else {
+                Owner::Environment
+            },
             internal: false,
             ..variable.clone()
         });
@@ -189,13 +193,7 @@ impl<'s> Game<'s> {
 /// keep is kept by one of them.
 fn environment_first(system: &System) -> Specification {
     let driven = |v: &VarId| system.driver(*v).is_some();
-    let mut game = Game::new(system, Timing::Moore, |v| {
-        if driven(&v) {
-            Owner::Environment
-        } else {
-            Owner::System
-        }
-    });
+    let mut game = Game::new(system, Timing::Moore, |v| !driven(v));
     let definitions = || system.parts.iter().map(|p| &p.definitions);
     let assumed = system.parts.iter().map(|p| &p.assumptions);
     let answers = assumed.chain(definitions()).flat_map(of_last_step);
@@ -225,13 +223,7 @@ fn environment_last(system: &System) -> Specification {
     let definitions: Vec<&Side> = system.parts.iter().map(|p| &p.definitions).collect();
     let defined = |v: &VarId| defined(system, *v);
     let late = |v: &VarId| system.driver(*v).is_none() || defined(v);
-    let mut game = Game::new(system, Timing::Mealy, |v| {
-        if late(&v) {
-            Owner::System
-        } else {
-            Owner::Environment
-        }
-    });
+    let mut game = Game::new(system, Timing::Mealy, late);
     let promised = system.parts.iter().map(|p| &p.guarantees);
     let mut read: BTreeSet<VarId> = promised.flat_map(of_last_step).filter(late).collect();
     let monitored = read.iter().any(defined);

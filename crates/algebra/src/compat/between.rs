@@ -58,13 +58,7 @@ impl Delay<'_> {
 /// The game; `late` says which variables are set after those from outside are.
 pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specification {
     let driven = |v: &VarId| system.driver(*v).is_some();
-    let mut game = Game::new(system, Timing::Mealy, |v| {
-        if driven(&v) {
-            Owner::Environment
-        } else {
-            Owner::System
-        }
-    });
+    let mut game = Game::new(system, Timing::Mealy, |v| !driven(v));
     let promised = || system.parts.iter().map(|p| &p.guarantees);
     let assumed = || system.parts.iter().map(|p| &p.assumptions);
     let defining = || system.parts.iter().map(|p| &p.definitions);
