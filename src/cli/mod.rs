@@ -28,15 +28,20 @@ pub mod step;
 pub mod synth;
 pub mod time;
 
+use crate::deadline::{Deadline, Late};
+use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::internal::{self, Fault};
 use crate::engine::pipeline;
+use crate::engine::worker::{self, Ended};
 use clap::{CommandFactory as _, Parser, Subcommand};
 use exit::ExitCode;
 use options::GlobalOptions;
 use std::ffi::OsString;
+use std::time::Duration;
 
-/// Formulas nest as deep as their author likes, and so does what walks over them.
-const STACK_BYTES: usize = 256 << 20;
+/// How long a command may need after its time limit to print what it knows. Then it is ended: it may be parsing, which does not look at
+/// the clock.
+const GRACE: Duration = Duration::from_secs(2);
 
 /// From assume-guarantee contracts to a running virtual production line.
 #[derive(Debug, Parser)]
@@ -112,22 +117,53 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     internal::watch_panics();
     let console = arguments.options.console();
     let command = arguments.command.name();
-    let doing = || format!("running `{command}`");
-    let result = on_large_stack(|| internal::caught(doing, || dispatch(&arguments)));
-    let fault = match result {
-        Ok(Ok(Ok(code))) if interrupt::interrupted() => return code.and(ExitCode::GaveUp),
-        Ok(Ok(Ok(code))) => return code,
-        Ok(Ok(Err(error))) if error.is::<pipeline::InternalError>() => {
+    let last_moment = arguments.last_moment();
+    let doing = move || format!("running `{command}`");
+    // Fails only when the pool exists already (in tests, where it does not matter).
+    let _ = rayon::ThreadPoolBuilder::new()
+        .stack_size(worker::STACK_BYTES)
+        .build_global();
+    let work = move |_: &dyn Fn(())| internal::caught(doing, || dispatch(&arguments));
+    let fault = match worker::run(last_moment, work) {
+        Ended::Done(Ok(Ok(code))) if interrupt::interrupted() => return code.and(ExitCode::GaveUp),
+        Ended::Done(Ok(Ok(code))) => return code,
+        Ended::Done(Ok(Err(error))) if error.is::<pipeline::InternalError>() => {
             Fault::noticed(doing(), error.to_string())
         }
-        Err(error) | Ok(Ok(Err(error))) => {
+        Ended::Done(Ok(Err(error))) => {
             let _ = console.remark(&format!("\u{1b}[1m\u{1b}[91merror\u{1b}[0m: {error:#}\n"));
             return ExitCode::CannotRun;
         }
-        Ok(Err(fault)) => fault,
+        Ended::Done(Err(fault)) => fault,
+        Ended::Left(late, _) => {
+            let _ = console.aborted(command, &overdue(command, late));
+            return ExitCode::GaveUp;
+        }
     };
     let _ = console.aborted(command, &fault.finding(None));
     ExitCode::Internal
+}
+
+impl Arguments {
+    /// When the command is ended even if it does not look at its time limit. What goes on for as long as its user likes is not.
+    fn last_moment(&self) -> Deadline {
+        let endless = match &self.command {
+            Command::Step(_) => true,
+            Command::Check(check) => check.watch,
+            _ => false,
+        };
+        match self.options.timeout {
+            Some(limit) if !endless => Deadline::after(self.options.began, limit).extended(GRACE),
+            _ => Deadline::NONE,
+        }
+    }
+}
+
+/// What is said of a command that was ended in the middle of its work.
+fn overdue(command: &str, late: Late) -> Diagnostic {
+    let message =
+        format!("`{command}` has no result: {late} while it was reading or writing large files");
+    Diagnostic::error(codes::GAVE_UP, None, message).with_help(late.remedy())
 }
 
 impl Command {
@@ -203,22 +239,6 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Doctor(a) => doctor::run(a, options),
         Command::Completions(a) => completions::run(a, options, Arguments::command()),
     }
-}
-
-/// Runs `work` on a thread with a large stack, and gives rayon's threads one too.
-fn on_large_stack<R: Send>(work: impl FnOnce() -> R + Send) -> anyhow::Result<R> {
-    // Fails only when the pool exists already (in tests, where it does not matter).
-    let _ = rayon::ThreadPoolBuilder::new()
-        .stack_size(STACK_BYTES)
-        .build_global();
-    std::thread::scope(|scope| {
-        let thread = std::thread::Builder::new()
-            .stack_size(STACK_BYTES)
-            .spawn_scoped(scope, work)?;
-        Ok(thread
-            .join()
-            .unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-    })
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ const GRACE: Duration = Duration::from_millis(300);
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Formulas nest as deep as their author likes, and so does what walks over them.
-const STACK_BYTES: usize = 256 << 20;
+pub const STACK_BYTES: usize = 256 << 20;
 
 /// How work ended.
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 
 use super::session::Session;
 use crate::support::{linewright, root};
+use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -531,4 +532,26 @@ fn a_time_limit_ends_compilers() {
         let left = std::fs::read_dir(session.path("made")).map_or(0, Iterator::count);
         assert_eq!(left, 0, "{line}");
     }
+}
+
+/// Reading does not look at the clock: input that never ends is left all the same.
+#[test]
+fn a_time_limit_ends_what_does_not_look_at_it() {
+    let session = Session::new();
+    let begin = Instant::now();
+    let mut child = session
+        .command("fmt - --timeout 0.2")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let open = child.stdin.take();
+    let output = child.wait_with_output().unwrap();
+    let elapsed = begin.elapsed();
+    drop(open);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(text.contains("`fmt` has no result"), "{text}");
+    assert!(elapsed < Duration::from_mins(1), "{elapsed:?}");
 }
